@@ -37,7 +37,7 @@ Figures = Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class Ended:
+class Finished:
     """A command that has run: CPU time [s], its children's included, peak memory [MB], output and folder."""
 
     cpu: float
@@ -47,45 +47,45 @@ class Ended:
 
 
 def figures(run: Run) -> dict[str, float]:
-    """Find the figures of a run over the crank turn at its end: speeds, transmission error, cam force, efficiency."""
+    """Compute figures of a run over its last crank turn: speeds, transmission error, cam force, efficiency."""
     lobes = loads(run.attachments["design.toml"].decode()).lobes
-    late = run.select(run.time > max(SETTLING, run.time[-1] - TURN))
-    error = (late["output_angle"] + late["crank_angle"] / lobes) / ARCSEC
-    speed = late["gear_speed"] + late["crank_speed"] / lobes
-    power_in = float((late["crank_torque"] * late["crank_speed"]).mean())
-    power_out = -float((late["load_torque"] * late["output_speed"]).mean())
-    computed = {
+    last_turn = run.select(run.time > max(SETTLING, run.time[-1] - TURN))
+    error = (last_turn["output_angle"] + last_turn["crank_angle"] / lobes) / ARCSEC
+    speed = last_turn["gear_speed"] + last_turn["crank_speed"] / lobes
+    power_in = float((last_turn["crank_torque"] * last_turn["crank_speed"]).mean())
+    power_out = -float((last_turn["load_torque"] * last_turn["output_speed"]).mean())
+    values = {
         "rms gear speed [rad/s]": float(np.sqrt((speed**2).mean())),
         "mean TE [arcsec]": float(error.mean()),
         "TE p-p [arcsec]": float(np.ptp(error)),
-        "q path, rms [um]": 1e6 * float(np.hypot(late["gear_x"], late["gear_y"]).std()),
-        "cam [N]": float(np.hypot(late["cam_force_x"], late["cam_force_y"]).mean()),
+        "q path, rms [um]": 1e6 * float(np.hypot(last_turn["gear_x"], last_turn["gear_y"]).std()),
+        "cam [N]": float(np.hypot(last_turn["cam_force_x"], last_turn["cam_force_y"]).mean()),
     }
-    return computed | ({"efficiency [%]": 1e2 * power_out / power_in} if power_out > 0.0 else {})
+    return values | ({"efficiency [%]": 1e2 * power_out / power_in} if power_out > 0.0 else {})
 
 
-def of_the_log(done: Ended) -> Figures:
+def figures_of_log(finished: Finished) -> Figures:
     """Return the figures of the one run that a command has logged."""
-    (log,) = done.out.glob("*.mcap")
+    (log,) = finished.out.glob("*.mcap")
     return figures(read(log))
 
 
-def of_the_json(done: Ended) -> Figures:
-    """Collect the numbers that a command has printed as JSON, by their path, without times and memory."""
+def figures_of_json(finished: Finished) -> Figures:
+    """Collect the numbers that a command has printed as JSON by their path, except times and memory."""
     numbers: dict[str, float] = {}
 
-    def gather(path: str, value: Any) -> None:
-        """Collect the numbers of a JSON value by their path."""
+    def add_numbers(path: str, value: Any) -> None:
+        """Add the numbers in a JSON value, and in all values below it, by their path."""
         if isinstance(value, dict):
-            for key, inner in value.items():
-                gather(f"{path}.{key}", inner)
+            for key, item in value.items():
+                add_numbers(f"{path}.{key}", item)
         elif isinstance(value, list):
-            for number, inner in enumerate(value):
-                gather(f"{path}.{inner.get('key', number) if isinstance(inner, dict) else number}", inner)
+            for number, item in enumerate(value):
+                add_numbers(f"{path}.{item.get('key', number) if isinstance(item, dict) else number}", item)
         elif isinstance(value, float) and math.isfinite(value) and not path.endswith(("_s", "_mb")):
             numbers[path.lstrip(".")] = value
 
-    gather("", json.loads(done.printed))
+    add_numbers("", json.loads(finished.printed))
     return numbers
 
 
@@ -101,13 +101,13 @@ class Trial:
     """Further words for this tree."""
     reference: tuple[str, ...] = ()
     """Further words for another run of both trees, whose figures the others are held against; none without."""
-    figures: Callable[[Ended], Figures] = of_the_log
+    figures: Callable[[Finished], Figures] = figures_of_log
     """What both are held against each other by."""
     logged: bool = True
     """Whether the command takes ``--out`` for its files."""
 
 
-def run_words(design: str, *flags: str, hold: float = SETTLING + TURN) -> tuple[str, ...]:
+def list_run_words(design: str, *flags: str, hold: float = SETTLING + TURN) -> tuple[str, ...]:
     """List the words of a run at full speed under the rated load, by default of one crank turn after it has settled."""
     return ("simulate", "--design", design, "--load-nm", "36.68", "--ramp-s", "0", "--hold-s", repr(hold), *flags)
 
@@ -176,21 +176,24 @@ more once they have come to move about, which takes a fifth of a second: the def
 """
 
 TRIALS = (
-    Trial("start and end of a run", run_words("pin", hold=0.001), figures=of_the_json),
+    Trial("start and end of a run", list_run_words("pin", hold=0.001), figures=figures_of_json),
     Trial("default run", ("simulate", "--design", "pin")),
-    Trial("free pins, 36.68 N m", run_words("pin"), reference=FINE),
-    Trial("massless pins, 36.68 N m", run_words("pin"), ("--set", 'ring.pins="massless"'), reference=FINE),
-    Trial("fixed pins, 36.68 N m", run_words("pin", "--set", 'ring.pins="fixed"'), reference=FINE),
-    Trial("nonpin, 36.68 N m", run_words("nonpin"), reference=FINE),
-    Trial("stress of pin", ("stress", "--design", "pin"), figures=of_the_json),
-    Trial("validate", ("validate",), figures=of_the_json, logged=False),
-    Trial("statics, 10 x 360 angles", (STATICS,), figures=of_the_json, logged=False),
+    Trial("free pins, 36.68 N m", list_run_words("pin"), reference=FINE),
+    Trial("massless pins, 36.68 N m", list_run_words("pin"), ("--set", 'ring.pins="massless"'), reference=FINE),
+    Trial("fixed pins, 36.68 N m", list_run_words("pin", "--set", 'ring.pins="fixed"'), reference=FINE),
+    Trial("nonpin, 36.68 N m", list_run_words("nonpin"), reference=FINE),
+    Trial("stress of pin", ("stress", "--design", "pin"), figures=figures_of_json),
+    Trial("validate", ("validate",), figures=figures_of_json, logged=False),
+    Trial("statics, 10 x 360 angles", (STATICS,), figures=figures_of_json, logged=False),
 )
 
 
 @contextmanager
-def laid_out(revision: str) -> Iterator[Path]:
-    """Check out a revision of this repository in a temporary folder, and yield it; exit for an unknown revision."""
+def check_out(revision: str) -> Iterator[Path]:
+    """Check out a revision of this repository in a temporary folder while the context is open, and yield the folder.
+
+    The script exits if there is no such revision.
+    """
     packed = subprocess.run(["git", "archive", revision, "cycloid_mj"], cwd=ROOT, capture_output=True, check=False)
     if packed.returncode:
         sys.exit(f"no revision {revision} here: {packed.stderr.decode().strip().splitlines()[-1]}")
@@ -200,8 +203,11 @@ def laid_out(revision: str) -> Iterator[Path]:
         yield Path(folder)
 
 
-def run_trial(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ended:
-    """Run a trial's command in a tree, with further words, its files into a folder; exit if it fails."""
+def run_trial(tree: Path, trial: Trial, extra_words: tuple[str, ...], out: Path) -> Finished:
+    """Run a trial's command with the package in `tree` and with extra words; its files go to the folder `out`.
+
+    The script exits if the command fails.
+    """
     program, *flags = trial.words
     into = ("--out", str(out)) if trial.logged else ()
     if program.startswith("import"):
@@ -209,7 +215,7 @@ def run_trial(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> 
     else:
         quiet = ("--quiet",) if trial.logged else ()
         run = "from cycloid_mj.cli import run; run()"
-        command = [sys.executable, "-c", run, program, *flags, *further, "--json", *quiet, *into]
+        command = [sys.executable, "-c", run, program, *flags, *extra_words, "--json", *quiet, *into]
     out.mkdir()
     with TemporaryFile() as printed:
         environment = os.environ | {"PYTHONPATH": str(tree)}
@@ -220,35 +226,36 @@ def run_trial(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> 
             sys.exit(f"failed with exit code {process.returncode}: {' '.join(command)}")
         printed.seek(0)
         text = printed.read().decode()
-    return Ended(usage.ru_utime + usage.ru_stime, 1e-3 * usage.ru_maxrss, text, out)
+    return Finished(usage.ru_utime + usage.ru_stime, 1e-3 * usage.ru_maxrss, text, out)
 
 
-def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[Ended], dict[str, Figures]]:
-    """Run a trial in this tree and in another in turn; return how each pass ended here and there, and the figures.
+def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Finished], list[Finished], dict[str, Figures]]:
+    """Run a trial in this tree and in another in turn, `passes` times each, after a run that compiles.
 
-    The figures are those of this tree, of the other one, and of the reference of both. A run before them compiles.
+    Return the finished commands of this tree, those of the other, and figures by run: of both trees, and of the
+    reference of both.
     """
-    ours: list[Ended] = []
-    theirs: list[Ended] = []
+    ours: list[Finished] = []
+    theirs: list[Finished] = []
     with TemporaryDirectory() as folder:
         out = Path(folder)
-        warm = Trial("warm", ("simulate", *trial.words[1:3], "--ramp-s", "0", "--hold-s", "0.001"))
+        warm_up = Trial("warm", ("simulate", *trial.words[1:3], "--ramp-s", "0", "--hold-s", "0.001"))
         for number, tree in enumerate((ROOT, other)):
-            run_trial(tree, warm if trial.words[0] == "simulate" else trial, (), out / f"warm{number}")
+            run_trial(tree, warm_up if trial.words[0] == "simulate" else trial, (), out / f"warm{number}")
         for number in range(passes):
             ours.append(run_trial(ROOT, trial, trial.ours, out / f"ours{number}"))
             theirs.append(run_trial(other, trial, (), out / f"other{number}"))
-        compared = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
+        figures = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
         if trial.reference:
             for name, tree in (("this tree, fine", ROOT), ("other, fine", other)):
-                compared[name] = trial.figures(run_trial(tree, trial, trial.reference, out / name))
-    return ours, theirs, compared
+                figures[name] = trial.figures(run_trial(tree, trial, trial.reference, out / name))
+    return ours, theirs, figures
 
 
 def loops(other: Path, passes: int) -> dict[str, tuple[list[float], list[float]]]:
-    """Collect what `LOOPS` finds of each case in this tree and in another, in turn, pass by pass."""
+    """Measure the step loops of `LOOPS` in this tree and in another in turn: case -> CPU times here and there [s]."""
     times: dict[str, tuple[list[float], list[float]]] = {}
-    trial = Trial("loops", (LOOPS,), figures=of_the_json, logged=False)
+    trial = Trial("loops", (LOOPS,), figures=figures_of_json, logged=False)
     with TemporaryDirectory() as folder:
         for number in range(passes):
             for side, tree in enumerate((ROOT, other)):
@@ -259,9 +266,9 @@ def loops(other: Path, passes: int) -> dict[str, tuple[list[float], list[float]]
 
 
 def difference(ours: Figures, theirs: Figures) -> tuple[str, float, int]:
-    """Return the figure that differs most between two runs, by how much, and of how many.
+    """Find the figure that differs most between two runs; return its name, its relative difference, and their number.
 
-    The difference is a share of the other's figure; figures that only one side has are left out.
+    The difference is relative to `theirs`; figures that only one run has are left out.
     """
     common = {name: abs(ours[name] / theirs[name] - 1.0) for name in ours if theirs.get(name)}
     worst = max(common, key=lambda name: common[name], default="")

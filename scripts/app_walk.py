@@ -39,7 +39,10 @@ Shown = Callable[[str], None]
 
 @contextmanager
 def serving(*words: str) -> Iterator[str]:
-    """Serve the page as a user does, and return its address with the access token."""
+    """Serve the page as a user does while the context is open, and yield its address with the access token.
+
+    `words` are those of ``cycloid-mj app``.
+    """
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -56,7 +59,7 @@ def serving(*words: str) -> Iterator[str]:
 
 
 def _printed_address(server: "subprocess.Popen[bytes]", messages: IO[str]) -> str:
-    """Wait for the address that the command prints."""
+    """Wait until the command has printed the page's address, and return it; raise RuntimeError if it ends before."""
     for _ in range(900):
         messages.seek(0)
         if printed := re.search(r"http://\S+", messages.read()):
@@ -67,11 +70,14 @@ def _printed_address(server: "subprocess.Popen[bytes]", messages: IO[str]) -> st
     raise RuntimeError("the server did not start")
 
 
-def walk(page: Tab, address: str, shown: Shown, process: str = "printed") -> float:
-    """Design a drive; `shown` is called with the name of each step. Return how long it took [s]."""
+def walk(page: Tab, address: str, on_step: Shown, process: str = "printed") -> float:
+    """Design a drive on the page from the start form to its figures, as a user does; return the duration [s].
+
+    `process` is a key of `REQUIREMENTS`; `on_step` is called with the name of each step that is reached.
+    """
     page.go(address)
     page.wait("document.querySelector('#start')?.open", "the start form opens by itself")
-    began = time.monotonic()
+    start = time.monotonic()
     for number, value in enumerate(REQUIREMENTS[process]):
         if number:
             page.key("Tab")
@@ -83,28 +89,28 @@ def walk(page: Tab, address: str, shown: Shown, process: str = "printed") -> flo
     for _ in range(MOTORS[process] == "nema23"):
         page.key("N")
     page.wait(f"document.querySelector('#start [name=motor]').value === '{MOTORS[process]}'", "the motor is chosen")
-    shown("1-asked")
+    on_step("1-asked")
     page.click("#start [type=submit]")
     for _ in range(MAX_REFUSALS):
         page.wait("document.querySelector('.drives button, .way:not(.less)')", "drives, or remedies", 600.0)
         if page.run("!!document.querySelector('.drives button')"):
             break
-        shown("2-refused")
+        on_step("2-refused")
         page.click(".way:not(.less)")
     page.wait("document.querySelector('.drives button')", "drives that meet the requirements", 600.0)
-    shown("3-drives")
+    on_step("3-drives")
     page.click(".drives .first button")
     page.wait("!document.querySelector('#start').open", "the form closes")
     wait_for_result(page)
-    shown("4-designed")
-    return time.monotonic() - began
+    on_step("4-designed")
+    return time.monotonic() - start
 
 
-def download_drive(page: Tab, downloads: Path, shown: Shown) -> Path:
-    """Download all files to build the drive, and return the ZIP file."""
+def download_drive(page: Tab, downloads: Path, on_step: Shown) -> Path:
+    """Download all files to build the drive from the tab Export, and return the path of the ZIP file."""
     page.click("[role=tab]", "Export")
     page.wait("document.querySelector('.bill')", "the bill of materials", 200.0)
-    shown("5-export")
+    on_step("5-export")
     page.click("#panel button", "All files to build it")
     for _ in range(6000):
         if ready := [*downloads.glob("*-drive.zip")]:
@@ -114,7 +120,7 @@ def download_drive(page: Tab, downloads: Path, shown: Shown) -> Path:
 
 
 def wait_for_result(page: Tab) -> None:
-    """Wait until the header has all its figures, and the checks are shown next to it."""
+    """Wait until the page's header shows all its figures, and the checks next to it."""
     page.wait(
         "(t => t.includes('h') && !t.includes('…'))(document.querySelector('#head').innerText)"
         " && document.querySelector('#checks h2') && !document.querySelector('#head.old, #checks.old')",
@@ -123,30 +129,30 @@ def wait_for_result(page: Tab) -> None:
     )
 
 
-def looks(page: Tab, shown: Shown) -> None:
-    """Look at a drive from all sides, break it, and mend it by a button."""
+def looks(page: Tab, on_step: Shown) -> None:
+    """Visit all tabs of a drive, set a value that cannot be built, and repair it by a remedy's button."""
     page.click("[role=tab]", "Loads")
     page.wait("document.querySelectorAll('.chart').length === 3", "forces over the turn")
-    shown("6-loads")
+    on_step("6-loads")
     page.click("[role=tab]", "Error")
     page.wait("document.querySelectorAll('.chart').length === 2", "transmission error and orders")
-    shown("7-error")
+    on_step("7-error")
     page.click("[role=tab]", "3-D")
     page.wait("document.querySelector('canvas.solid')", "the assembly")
     page.listen(1.0)
-    shown("8-solid")
+    on_step("8-solid")
     for name, words in (("9-exploded", "Exploded"), ("10-step", "Assembly step")):
         page.run(
             f"[...document.querySelectorAll('.range')].find(e => e.innerText === '{words}').firstElementChild.focus()"
         )
         page.key("End" if words == "Exploded" else "ArrowLeft")
         page.listen(0.5)
-        shown(name)
+        on_step(name)
     page.click("[role=tab]", "Figures")
     page.run("document.getElementById('k-gear.bore_radius_mm').focus()")
     page.key("End")
     page.wait("!document.querySelector('#wrong').hidden", "it cannot be built, and the picture says so")
-    shown("11-broken")
+    on_step("11-broken")
     page.click("#wrong .remedy")
     page.wait("document.querySelector('#wrong').hidden", "a button mends it")
     wait_for_result(page)
@@ -162,17 +168,17 @@ def main() -> int:
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
 
-    def shown(name: str) -> None:
+    def on_step(name: str) -> None:
         page.picture(options.out / f"{name}.png")
 
     with tempfile.TemporaryDirectory() as downloads, serving() as address, tab(Path(downloads)) as page:
         page.screen(options.width, SIZES[options.width], options.scheme)
         began = time.monotonic()
-        taken = walk(page, address, shown, options.drive)
-        content = download_drive(page, Path(downloads), shown).read_bytes()
+        taken = walk(page, address, on_step, options.drive)
+        content = download_drive(page, Path(downloads), on_step).read_bytes()
         print(f"a drive after {taken:.0f} s, its files after {time.monotonic() - began:.0f} s", end="")
         print(f" ({len(content) / 1e6:.1f} MB); load {os.getloadavg()[0]:.1f}")
-        looks(page, shown)
+        looks(page, on_step)
         if page.errors:
             print(*page.errors, sep="\n", file=sys.stderr)
             return 1

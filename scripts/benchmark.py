@@ -30,7 +30,7 @@ import costs
 import mujoco
 import numba
 import numpy as np
-from against import TRIALS, compare, difference, laid_out, loops, of_the_log
+from against import TRIALS, check_out, compare, difference, figures_of_log, loops
 from cost_limits import limits_table
 from sweeping import sweep_table
 
@@ -80,7 +80,7 @@ def ratio(row: Row, over: str, under: str) -> Row:
 
 
 def loop_table(passes: int) -> Table:
-    """Step loop against MuJoCo's own work; us per step."""
+    """Measure the step loop and MuJoCo's own work in it [us per step]."""
     table: Table = {}
     for kind in costs.KINDS:
         for load in (0.0, 36.0):
@@ -93,7 +93,7 @@ def loop_table(passes: int) -> Table:
 
 
 def log_table(passes: int) -> Table:
-    """Log at 10 kHz: steps without Python, with samples, and with the log of them; us per step."""
+    """Measure the cost of a log at 10 kHz: steps without Python, with samples, and with their log [us per step]."""
     table: Table = {}
     for kind in (costs.FREE, costs.NONPIN):
         for load in (0.0, 36.0):
@@ -110,7 +110,7 @@ def log_table(passes: int) -> Table:
 
 
 def mesh_table(passes: int) -> Table:
-    """Exact profiles against convex meshes of them in MuJoCo's own collision; us per step of 1 us."""
+    """Measure exact profiles against convex meshes of them in MuJoCo's own collision [us per step of 1 us]."""
 
     def cost(case: costs.Case) -> float:
         return costs.bare_cost(*case, warm=100)[0]
@@ -125,7 +125,7 @@ def mesh_table(passes: int) -> Table:
 
 
 def teeth_table(passes: int) -> Table:
-    """Step loop by the number of ring teeth, under 36 N m; us per step."""
+    """Measure the step loop over the number of ring teeth, under 36 N m [us per step]."""
     table: Table = {}
     for teeth, fit in TEETH.items():
         changes = [f"ring.teeth={teeth}", *(f"{name}={value}" for name, value in fit.items())]
@@ -135,7 +135,7 @@ def teeth_table(passes: int) -> Table:
 
 
 def threads_table(passes: int) -> Table:
-    """Independent runs in threads, as many as cores, compared with a single run: wall time [s] and CPU time.
+    """Measure independent runs in threads, as many as cores, relative to a single run: wall time [s] and CPU time.
 
     Hashing needs no Python and shows how much of the cores is available; at 10 us a sample is ten steps. Wall times
     require an idle machine. CPU times, us per step of a thread, include the effect of threads on each other's caches,
@@ -174,7 +174,7 @@ def together(runs: int, work: Callable[[], float]) -> tuple[float, float]:
 
 
 def command_table(passes: int) -> Table:
-    """``cycloid-mj simulate`` as a process, compile caches warm: wall and CPU time [s], peak memory [MB]."""
+    """Measure ``cycloid-mj simulate`` as a process with warm caches: wall and CPU time [s], peak memory [MB]."""
     table: Table = {}
     for kind in (costs.FREE, costs.NONPIN):
         for samples in (2, 500):
@@ -194,10 +194,10 @@ def _lasting(steps: int, timestep: float) -> tuple[str, str]:
 
 
 def scaling_table(passes: int) -> Table:
-    """Step loop by the number of free pins under 36 N m, at a step that resolves them; us per step.
+    """Measure the step loop over the number of free pins under 36 N m, at a step that resolves them [us per step].
 
     Thinner pins are lighter, as their radius squared, and take a step shorter as their radius. The exponent is that of
-    the cost from the fewest pins on.
+    the cost from the smallest number of pins on.
     """
     cases = {}
     for teeth, fit in FREE_PINS.items():
@@ -219,7 +219,7 @@ def scaling_table(passes: int) -> Table:
 
 
 def solvers_table(passes: int) -> Table:
-    """Both solvers, each at its own step: CPU s of a simulated second, and the exponent by the number of free pins."""
+    """Measure both solvers at their own steps: CPU time of a simulated second [s], and its exponent over free pins."""
     loaded, own = "load.torque_nm=36.68", ("drive.ramp_s=0", "drive.hold_s=0.13")
     cases = {
         "free pins": ("pin", loaded),
@@ -248,7 +248,7 @@ def solvers_table(passes: int) -> Table:
 
 
 def discs_table(passes: int) -> Table:
-    """Step loop of two discs against one, under the same load a disc; us per step.
+    """Measure the step loop of two discs relative to one, under the same load for each disc [us per step].
 
     The preset twodisc at its own step, 58 N m a disc; the paper's designs, all their parts rigid, at 36 N m a disc.
     """
@@ -261,7 +261,10 @@ def discs_table(passes: int) -> Table:
 
 
 def _of_discs(name: str, discs: int) -> costs.Case:
-    """Return a case with so many discs; the preset turns slowly, so that a sample each 100 steps sees every tooth."""
+    """Return the case of a design with a number of discs.
+
+    The preset turns slowly, so that a sample each 100 steps contains every tooth.
+    """
     if name in costs.KINDS:
         return costs.example(name, 36.0 * discs, 10_000, f"gear.discs={discs}")
     step = float(build(PRESETS[name]).model.opt.timestep)
@@ -271,7 +274,7 @@ def _of_discs(name: str, discs: int) -> costs.Case:
 
 
 def exudyn_table(passes: int) -> Table:
-    """CPU time of a simulated second at rated load [s], here, each design at its own step, and in Exudyn (published).
+    """Measure the CPU time of a simulated second at rated load [s] at its own step, next to Exudyn (published).
 
     ``scripts/peer_exudyn.py`` runs Exudyn itself, with the one contact that it has for such a profile, a polygon.
     """
@@ -286,12 +289,13 @@ def exudyn_table(passes: int) -> Table:
 
 
 def against_table(revision: str, passes: int) -> Table:
-    """Show step loops and commands here and in another revision, in turn: CPU time [s], peak memory [MB], figures.
+    """Measure step loops and commands here and in another revision in turn: CPU time [s], peak memory [MB], figures.
 
-    What the step changes is the difference to this tree's own fine step; the other's also has another physics.
+    The effect of the step is the difference to this tree's own fine step; the other revision may also have other
+    physics.
     """
     table: Table = {}
-    with laid_out(revision) as other:
+    with check_out(revision) as other:
         for name, (here, there) in loops(other, passes).items():
             times = {"this tree": here, revision: there}
             table[f"1 s of {name}"] = times | ratio(times, revision, "this tree")
@@ -304,7 +308,7 @@ def against_table(revision: str, passes: int) -> Table:
             }
             table[trial.name] = row | ratio(row, revision, "this tree") | memory
             show({trial.name: table[trial.name]})
-            for name in rows["this tree"] if trial.figures is of_the_log else ():
+            for name in rows["this tree"] if trial.figures is figures_of_log else ():
                 values = ", ".join(f"{tree} {one[name]:.5g}" for tree, one in rows.items() if name in one)
                 print(f"    {name}: {values}")
             for tree in list(rows)[1:]:
@@ -330,7 +334,7 @@ SECTIONS: dict[str, Callable[[int], Table]] = {
 
 
 def machine() -> dict[str, str]:
-    """Return the source of the figures."""
+    """Return processor, versions and date as the source of the figures."""
     info = Path("/proc/cpuinfo")
     models = [line.partition(": ")[2] for line in info.read_text().splitlines() if "model name" in line]
     return {
@@ -352,7 +356,7 @@ def show(table: Table) -> None:
 
 
 def main() -> None:
-    """Print the requested tables."""
+    """Measure and print the requested tables."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("sections", nargs="*", help=f"of {', '.join(SECTIONS)}; all by default")
     parser.add_argument("--quick", action="store_true", help="two passes of each case instead of seven")

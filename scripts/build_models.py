@@ -42,11 +42,11 @@ def two_discs() -> Design:
 def two_disc_files() -> dict[str, bytes]:
     """Collect every file of models/twodisc, with its README."""
     generated = model_files(Reducer(two_discs()), COARSE)
-    return {**generated, "README.md": two_disc_readme(json.loads(generated[MANIFEST])).encode()}
+    return {**generated, "README.md": format_two_disc_readme(json.loads(generated[MANIFEST])).encode()}
 
 
-def two_disc_readme(manifest: dict[str, Any]) -> str:
-    """Return the README of models/twodisc for its manifest."""
+def format_two_disc_readme(manifest: dict[str, Any]) -> str:
+    """Return the README of models/twodisc, filled with the values of its manifest."""
     rows = [
         f"| {name} | {figures['parts']} | {figures['max_overfill_um']:.3g} | {figures['max_underfill_um']:.3g} |"
         for name, figures in manifest["surfaces"].items()
@@ -65,11 +65,11 @@ def two_disc_readme(manifest: dict[str, Any]) -> str:
 def files(name: str, design: Design, plain: dict[str, dict[str, Any]]) -> dict[str, bytes]:
     """Collect every generated file of one model folder but its picture."""
     generated = model_files(Reducer(design))
-    return {**generated, "README.md": readme(name, json.loads(generated[MANIFEST]), plain).encode()}
+    return {**generated, "README.md": format_readme(name, json.loads(generated[MANIFEST]), plain).encode()}
 
 
-def readme(name: str, manifest: dict[str, Any], plain: dict[str, dict[str, Any]]) -> str:
-    """Write the README of a model folder from its manifest and the figures of plain CoACD."""
+def format_readme(name: str, manifest: dict[str, Any], plain: dict[str, dict[str, Any]]) -> str:
+    """Return the README of a model's folder from its manifest and the deviations of plain CoACD, by part."""
     ring = "free pins in a pinwheel" if name == "pin" else "a double-enveloping internal gear"
     surfaces = {key: value for key, value in manifest["surfaces"].items() if key in ("teeth", "lobe")}
     titles = {"teeth": "gear teeth, sliced (this model)", "lobe": "internal gear, sliced (this model)"}
@@ -102,8 +102,8 @@ def read_measurements(name: str) -> Any:
     return json.loads((MODELS / name).read_text(encoding="utf-8"))
 
 
-def overview(manifests: dict[str, dict[str, Any]]) -> str:
-    """Write the README of models/ from the manifests and what was measured."""
+def format_overview(manifests: dict[str, dict[str, Any]]) -> str:
+    """Return the README of models/ from the manifests of all models and the kept measurements."""
     plain, rows, free = (read_measurements(name) for name in (PLAIN, AGREEMENT, FREE))
     sliced = {
         "gear teeth, sliced": manifests["pin"]["surfaces"]["teeth"],
@@ -111,15 +111,15 @@ def overview(manifests: dict[str, dict[str, Any]]) -> str:
     }
     return OVERVIEW.read_text(encoding="utf-8").format(
         rows="\n".join(_row(title, figures) for title, figures in {**sliced, **plain}.items()),
-        agreement="\n".join(_run_row(row) for row in rows),
-        ratios=_ratios(rows),
+        agreement="\n".join(_format_run(row) for row in rows),
+        ratios=_format_ratios(rows),
         free="\n".join(_free_row(name, row) for name, row in free.items()),
         force=round(Reducer(PRESETS["pin"]).at_rated_load.contacts["pin_gear"].force),
     )
 
 
-def _run_row(row: dict[str, Any]) -> str:
-    """Return a run as a row of the table."""
+def _format_run(row: dict[str, Any]) -> str:
+    """Return a measured run as a row of a Markdown table."""
     cells = (
         row["design"],
         f"{row['load_nm']:g} N m",
@@ -142,8 +142,8 @@ def _free_row(name: str, run: dict[str, float]) -> str:
     return f"| {' | '.join([name, *errors, str(run['warnings'])])} |"
 
 
-def _ratios(rows: list[dict[str, Any]]) -> str:
-    """Return a sentence on how much slower mesh contact is, per step and per simulated second."""
+def _format_ratios(rows: list[dict[str, Any]]) -> str:
+    """Return a sentence on how much slower mesh contact is than exact contact, per step and per simulated second."""
     lines = []
     for name in MODELLED:
         mesh, exact = (
@@ -158,7 +158,7 @@ def _ratios(rows: list[dict[str, Any]]) -> str:
 
 
 def render(folder: Path) -> None:
-    """Render a model from its input side, obliquely, and from its output side."""
+    """Render a model as images next to it: from the input side, obliquely, and from the output side."""
     import mujoco
     import numpy as np
     from PIL import Image
@@ -184,32 +184,32 @@ def render(folder: Path) -> None:
     Image.fromarray(np.hstack(views)).save(folder / "picture.png", optimize=True)
 
 
-def written(name: str, generated: dict[str, bytes]) -> Path:
-    """Write a model's folder, without what it had before."""
+def write_model(name: str, files: dict[str, bytes]) -> Path:
+    """Write the files of a model into its folder, whose previous content is removed; return the folder."""
     folder = MODELS / name
     folder.mkdir(exist_ok=True)
-    for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(generated):
+    for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(files):
         (folder / stale).unlink()
-    write_folder(generated, folder)
+    write_folder(files, folder)
     return folder
 
 
 def main(arguments: list[str]) -> int:
-    """Make both folders and the README above them."""
+    """Build both model folders and the README above them; return the exit code."""
     if set(arguments) - {"--pictures"}:
         print(__doc__, file=sys.stderr)
         return 2
     plain = read_measurements(PLAIN)
     manifests = {}
-    print(written("twodisc", two_disc_files()))
+    print(write_model("twodisc", two_disc_files()))
     for name in MODELLED:
         generated = files(name, at_step(name), plain)
-        folder = written(name, generated)
+        folder = write_model(name, generated)
         manifests[name] = json.loads(generated[MANIFEST])
         if "--pictures" in arguments:
             render(folder)
         print(folder)
-    (MODELS / "README.md").write_text(overview(manifests), encoding="utf-8")
+    (MODELS / "README.md").write_text(format_overview(manifests), encoding="utf-8")
     return 0
 
 

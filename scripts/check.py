@@ -17,7 +17,7 @@ BESIDE_TESTS = (("mypy",), ("lint-imports",))
 
 
 def tests(room: str | None) -> tuple[str, ...]:
-    """List the command that runs all tests, or those of a room; exit for an unknown room."""
+    """Return the command that runs all tests, or those of one package; exit for an unknown package."""
     if room is None:
         return ("pytest", "-n", "2", "--dist", "worksteal")
     rooms = sorted(path.name for path in (ROOT / "tests").iterdir() if any(path.glob("test_*.py")))
@@ -27,7 +27,7 @@ def tests(room: str | None) -> tuple[str, ...]:
 
 
 def main() -> int:
-    """Run every command; stop at the first format or lint error; return the first exit code that is not 0."""
+    """Run all checks of the project; stop at the first format or lint error; return the first nonzero exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("--fast", metavar="ROOM", help="run the tests of one room alone")
     test_command = tests(parser.parse_args().fast)

@@ -49,7 +49,7 @@ def touching_parts(reducer: Reducer, sizes: Casing) -> Iterator[str]:
 
 
 def bill_differences(reducer: Reducer, sizes: Casing) -> Iterator[str]:
-    """Yield the lines of the bill whose number differs from that of the solids, and a difference of the masses."""
+    """Yield a sentence for each line of the bill whose count differs from the solids, and if the masses differ."""
     lines = [line for line in bill(reducer, 0.0, sizes) if line.made_or_bought != "consumable"]
     listed = {line.item: line.count for line in lines}
     drawn = Counter(place.part for place in places(reducer, 0.0, sizes))
@@ -62,7 +62,7 @@ def bill_differences(reducer: Reducer, sizes: Casing) -> Iterator[str]:
 
 
 def failed_exports(name: str) -> Iterator[str]:
-    """Yield each export that fails, with the last line of its messages."""
+    """Yield a sentence for each format in which the export of a design fails, with the last line of its messages."""
     for flags in EXPORTS:
         with tempfile.TemporaryDirectory() as folder:
             command = ["export", *flags.split(), "--design", name, "--out", str(Path(folder) / "parts")]
@@ -74,7 +74,7 @@ def failed_exports(name: str) -> Iterator[str]:
 
 
 def run(names: list[str]) -> int:
-    """Print the faults of designs; return 1 if there are any."""
+    """Print the faults of designs, given by their names; return 1 if there are any, else 0."""
     count = 0
     for name in names or presets_for("export"):
         found = list(faults(name))

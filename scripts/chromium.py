@@ -36,7 +36,7 @@ class Tab:
             self.send(f"{domain}.enable")
 
     def send(self, method: str, **values: Any) -> Any:
-        """Have the browser do something, and return its answer."""
+        """Send a command of the DevTools protocol to the browser, and return the result."""
         number = next(self._numbers)
         self._socket.send(json.dumps({"id": number, "method": method, "params": values}))
         while True:
@@ -81,7 +81,7 @@ class Tab:
         raise TimeoutError(f"{what}: not within {seconds:g} s")
 
     def click(self, selector: str, word: str = "") -> None:
-        """Click in the middle of the first element that is seen and has a word in it."""
+        """Click in the middle of the first visible element that matches a CSS selector and contains a word."""
         find = (
             f"[...document.querySelectorAll({json.dumps(selector)})].find(e => e.offsetParent !== null "
             f"&& e.innerText.includes({json.dumps(word)}))"
@@ -92,7 +92,7 @@ class Tab:
             self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     def _middle(self, element: str) -> list[float]:
-        """Bring an element onto the screen and find its middle, once the page has settled there."""
+        """Scroll an element onto the screen and return its middle [px], once the page has settled."""
         place: list[float] = self.run(
             f"(async e => {{ e.scrollIntoView({{block: 'center'}}); "
             "for (let frame = 0; frame < 3; frame += 1) await new Promise(requestAnimationFrame); "
@@ -124,7 +124,7 @@ class Tab:
         file.write_bytes(base64.b64decode(self.send("Page.captureScreenshot")["data"]))
 
     def listen(self, seconds: float) -> None:
-        """Receive the messages of the browser for some time [s]."""
+        """Receive events of the browser for a duration [s], and record errors of the page."""
         end = time.monotonic() + seconds
         try:
             while (left := end - time.monotonic()) > 0.0:
@@ -142,7 +142,7 @@ class Tab:
 
 @contextmanager
 def tab(downloads: Path | None = None) -> Iterator[Tab]:
-    """Start a browser without a window and yield its page; downloads are saved in a folder."""
+    """Start a browser without a window, and yield its page; downloads are saved in a folder."""
     if CHROMIUM is None:
         raise FileNotFoundError("needs Chromium (Debian: chromium)")
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
@@ -159,7 +159,7 @@ def tab(downloads: Path | None = None) -> Iterator[Tab]:
 
 
 def _address(answer: Path, lives: Callable[[], bool]) -> str:
-    """Find out where the browser's first page listens."""
+    """Wait for the address of the browser's first page and return it; raise RuntimeError if the browser ends."""
     from urllib.request import urlopen
 
     for _ in range(600):

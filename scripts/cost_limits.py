@@ -16,7 +16,7 @@ from costs import Launched, launch, second_cost
 from sweeping import TOLERANCES
 
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.explore.sampling import BLOCK_SAMPLES, list_batches, tolerance_zones
+from cycloid_mj.explore.sampling import SAMPLING, list_batches, tolerance_zones
 from cycloid_mj.explore.tolerances import balance_batch
 from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES
@@ -138,10 +138,10 @@ def marginal_second(*words: str) -> float:
 
 
 def sample_cost(design: Design) -> float:
-    """Measure the CPU time of a sample of `tolerance`, 360 angles under three torques [ms]."""
+    """Measure the CPU time of one sample of `tolerance`, balanced at 360 angles under three torques [ms]."""
     reducer = Reducer(design)
     work = partial(balance_batch, reducer, tolerance_zones(reducer), 0, ANGLES)
-    first_batch, *rest = list_batches(BLOCK_SAMPLES)
+    first_batch, *rest = list_batches(SAMPLING.block)
     work((first_batch, SAMPLED))
     start = time.process_time()
     for block in rest:
@@ -207,7 +207,7 @@ DEMANDS = (
 
 
 def limits_table(passes: int) -> dict[str, dict[str, list[float]]]:
-    """Measure the required figures of commands and studies: CPU time, memory, ratios.
+    """Measure the costs that are limited: CPU time, memory and ratios of commands and studies, with their limits.
 
     A `share` of 1 or less fulfils the requirement. Lines are printed as they are measured.
     """

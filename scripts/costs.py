@@ -89,7 +89,7 @@ def _steps(model: int, data: int, ctrl: int, commands: Any) -> None:
 
 @contextmanager
 def timers() -> Iterator[None]:
-    """Switch MuJoCo's internal timers on."""
+    """Switch MuJoCo's internal timers on while the context is open."""
     callback = ctypes.c_void_p.in_dll(library(), "mjcb_time")
     callback.value = _microseconds.address
     try:
@@ -108,9 +108,9 @@ def example(kind: str, load: float, steps: int, *changes: str) -> Case:
 
 
 def bare_cost(design: Design, compiled: ReducerModel, warm: int = WARM) -> tuple[float, float]:
-    """Return the CPU time of a step [us] of MuJoCo without Python, and that of the narrow phase by its timers.
+    """Measure the CPU time of a step of MuJoCo without Python, and the part of the collision's narrow phase [us].
 
-    The narrow phase counts only within ``timers``, and includes a reading of the clock.
+    The narrow phase counts only within ``timers``, and includes a reading of the clock. `warm` steps are taken before.
     """
     reducer = Reducer(design)
     plan = schedule(reducer)
@@ -160,7 +160,7 @@ def run_cost(design: Design, compiled: ReducerModel) -> float:
 
 
 def second_cost(solver: Solver, design: Design) -> float:
-    """Measure the CPU time of a simulated second [s] by a solver at its own step, without a log and the first block."""
+    """Measure the CPU time of a simulated second [s] by a solver at its own step, without log and first block."""
     reducer, start, begin, end = Reducer(design), 0, 0.0, 0.0
     for block in blocks(model_for(solver, reducer), reducer):
         end = float(block.time[-1])
@@ -202,7 +202,13 @@ class Launched(NamedTuple):
 
 
 def launch(*words: str, **environment: str) -> Launched:
-    """Run a command of ``cycloid-mj`` in a temporary folder; raise CalledProcessError if it fails."""
+    """Run a command of ``cycloid-mj`` in a temporary folder, and return its costs.
+
+    Raises
+    ------
+    CalledProcessError
+        The command fails.
+    """
     command = [sys.executable, "-S", "-c", _LAUNCHER, sys.executable, "-m", "cycloid_mj", *words]
     around = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT, ROOT / "papers"))), **environment}
     around.pop("PYTHONDONTWRITEBYTECODE", None)  # an installation keeps what Python compiles

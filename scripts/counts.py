@@ -109,7 +109,7 @@ def cached_by_design(parsed: Iterable[Module]) -> tuple[str, ...]:
 
 
 def ring_conversions(parsed: Iterable[Module]) -> tuple[str, ...]:
-    """List the lines that ask whether the ring turns, or convert for it, outside of the modules for it."""
+    """List the lines that decide by whether the ring is the output, outside of the modules meant for it."""
     places: dict[str, None] = {}
     for one in parsed:
         if one.path in (RING_MODULE, *RV_MODULES):
@@ -128,8 +128,8 @@ def _compares_member(node: ast.AST) -> bool:
     return any(isinstance(side, ast.Attribute) and side.attr == "turning" for side in (node.left, *node.comparators))
 
 
-def homonyms(parsed: Iterable[Module]) -> tuple[str, ...]:
-    """List the names that classes of several modules share."""
+def list_homonyms(parsed: Iterable[Module]) -> tuple[str, ...]:
+    """List the names that classes of several modules have in common."""
     defined: dict[str, list[str]] = {}
     for one in parsed:
         for node in ast.walk(one.tree):
@@ -138,8 +138,8 @@ def homonyms(parsed: Iterable[Module]) -> tuple[str, ...]:
     return tuple(f"{name}: {', '.join(places)}" for name, places in sorted(defined.items()) if len(places) > 1)
 
 
-def drawers_opened() -> tuple[str, ...]:
-    """List every call of `DRAWERS` that one data sheet of the preset twodisc makes."""
+def list_drawer_calls() -> tuple[str, ...]:
+    """List every call of a function in `DRAWERS` during one data sheet of the preset twodisc."""
     from cycloid_mj.design import PRESETS
     from cycloid_mj.life.datasheet import datasheet
 
@@ -158,21 +158,21 @@ def drawers_opened() -> tuple[str, ...]:
     return tuple(calls)
 
 
-def of_sources() -> list[Count]:
-    """Count what the sources decide."""
+def count_sources() -> list[Count]:
+    """Count properties of the sources: parameters, caches, conversions and names, with the lines behind each count."""
     of = modules()
     return [
         Count("functions that take a Design alone, not its name", 250, taking_design(of)),
         Count("caches keyed by a Design", 3, cached_by_design(of)),
         Count("lines that convert for a turning ring", 10, ring_conversions(of)),
-        Count("class names with several meanings", 10, homonyms(of)),
+        Count("class names with several meanings", 10, list_homonyms(of)),
     ]
 
 
 def counts() -> list[Count]:
     """Count everything."""
-    sheet = Count("calls of share, phases, tooth_profile in one data sheet of twodisc", 50, drawers_opened())
-    return [*of_sources(), sheet]
+    sheet = Count("calls of share, phases, tooth_profile in one data sheet of twodisc", 50, list_drawer_calls())
+    return [*count_sources(), sheet]
 
 
 def table(counted: Iterable[Count]) -> str:

@@ -59,7 +59,10 @@ SETTLED, TURNS = 0.06, 0.25
 
 
 def fit_drives() -> dict[str, Any]:
-    """Fit both drives, predict the nonpin drive from the pin drive's values, and compute parts and preload."""
+    """Fit both measured drives, predict the nonpin drive from the pin drive's fit, and compute compliances and preload.
+
+    Return the content of the page as JSON values.
+    """
     import cycloid_mj as cm
     from cycloid_mj.reducer import Reducer
 
@@ -78,7 +81,7 @@ def fit_drives() -> dict[str, Any]:
             **{key: content_of[key] for key in ("parameters", "measured", "model", "models")},
             "shares": [loop["residual_share"] for loop in content_of["loops"]],
             "shares_without_offset": [loop["residual_share_without_offset"] for loop in content_of["loops"]],
-            "predicted": {key: one.value for key, one in predicted.modelled.in_units().items()},
+            "predicted": {key: quantity.value for key, quantity in predicted.modelled.in_units().items()},
             "predicted_shares": list(predicted.shares),
             **part_compliances(kind),
         }
@@ -86,7 +89,7 @@ def fit_drives() -> dict[str, Any]:
 
 
 def part_compliances(kind: str) -> dict[str, Any]:
-    """Compute the compliance of each part as drawn, with the seats of the drawing, for the limits of the modulus."""
+    """Compute the compliance of each part as drawn by finite elements, and its interval over the modulus."""
     import cycloid_mj as cm
     from cycloid_mj.reducer import Reducer
     from cycloid_mj.stress.mounts import read_mounts
@@ -96,8 +99,8 @@ def part_compliances(kind: str) -> dict[str, Any]:
     return {"parts": dict(springs.compliance), "interval": springs.interval}
 
 
-def rubbing() -> dict[str, Any]:
-    """Fit friction in the contacts to the pin drive's loops, by crank angle and locked shaft, and other losses."""
+def fit_contact_friction() -> dict[str, Any]:
+    """Fit friction in the contacts to the pin drive's loops by crank angle and locked shaft; compare other losses."""
     import cycloid_mj as cm
     from cycloid_mj.bench import compare_losses
     from cycloid_mj.reducer import Reducer
@@ -120,8 +123,8 @@ def rubbing() -> dict[str, Any]:
             "shares": [loop["residual_share"] for loop in content["loops"]],
         }
     losses = [
-        {"meaning": one.meaning, "shares": list(one.shares), "values": one.values}
-        for one in compare_losses(first).variants
+        {"meaning": variant.meaning, "shares": list(variant.shares), "values": variant.values}
+        for variant in compare_losses(first).variants
     ]
     return {"held": rows, "losses": losses}
 
@@ -149,22 +152,22 @@ def preload_study() -> dict[str, dict[str, float | None]]:
     return rows
 
 
-def sections(content: Mapping[str, Any]) -> dict[str, str]:
-    """Return the generated sections of the page by name."""
+def format_sections(content: Mapping[str, Any]) -> dict[str, str]:
+    """Return the generated sections of the page in Markdown, by name."""
     return {
-        "measured": measured_table(content),
-        "fit": fit_table(content),
-        "models": models_table(content),
-        "predicted": predicted_table(content),
-        "parts": parts_table(content),
-        "rubbing": rubbing_table(content),
-        "losses": losses_table(content),
-        "preload": preload_table(content),
+        "measured": format_measured(content),
+        "fit": format_fits(content),
+        "models": format_models(content),
+        "predicted": format_prediction(content),
+        "parts": format_compliances(content),
+        "rubbing": format_friction_fits(content),
+        "losses": format_losses(content),
+        "preload": format_preload(content),
     }
 
 
-def measured_table(content: Mapping[str, Any]) -> str:
-    """Return the figures that the authors state next to those of the measured points."""
+def format_measured(content: Mapping[str, Any]) -> str:
+    """Tabulate the figures that the authors state next to those of the measured points, in Markdown."""
     head = ("", "Baseline, authors", "Baseline, measured", "Twin, authors", "Twin, measured")
     both = [content[kind]["measured"] for kind in LOOPS]
     rows = [
@@ -174,8 +177,8 @@ def measured_table(content: Mapping[str, Any]) -> str:
     return markdown_table(head, rows)
 
 
-def fit_table(content: Mapping[str, Any]) -> str:
-    """Return the fitted values of both drives, and how far each fit misses its loops."""
+def format_fits(content: Mapping[str, Any]) -> str:
+    """Tabulate the fitted values of both drives, and the residual of each fit, in Markdown."""
     pin, nonpin = (content[kind] for kind in LOOPS)
     rows: list[tuple[str, ...]] = [
         (f"`{key}` [{one['unit']}]", _estimate(one), _estimate(nonpin["parameters"][key]))
@@ -187,8 +190,8 @@ def fit_table(content: Mapping[str, Any]) -> str:
     return markdown_table(("", "Baseline (95 %)", "Twin (95 %)"), rows)
 
 
-def models_table(content: Mapping[str, Any]) -> str:
-    """Return how far each candidate model misses the loops of both drives, and its criterion above the lowest."""
+def format_models(content: Mapping[str, Any]) -> str:
+    """Tabulate the residual of each candidate model for both drives, and its criterion, in Markdown."""
     head = ("Friction at a locked crank", "Baseline: loops", "BIC", "Twin: loops", "BIC")
     both = [content[kind]["models"] for kind in LOOPS]
     rows = []
@@ -201,8 +204,8 @@ def models_table(content: Mapping[str, Any]) -> str:
     return markdown_table(head, rows)
 
 
-def predicted_table(content: Mapping[str, Any]) -> str:
-    """Return the nonpin drive as the pin drive's values predict it, next to its measurement."""
+def format_prediction(content: Mapping[str, Any]) -> str:
+    """Tabulate the nonpin drive as predicted from the pin drive's fit next to its measurement, in Markdown."""
     pin, nonpin = (content[kind] for kind in LOOPS)
     rows = []
     for key, label in FIGURES.items():
@@ -213,8 +216,8 @@ def predicted_table(content: Mapping[str, Any]) -> str:
     return markdown_table(("", "Baseline, measured", "Baseline, fitted", "Twin, predicted", "Twin, measured"), rows)
 
 
-def parts_table(content: Mapping[str, Any]) -> str:
-    """Return the compliance of each part by finite elements, and their stiffness together."""
+def format_compliances(content: Mapping[str, Any]) -> str:
+    """Tabulate the compliance of each part by finite elements, and their stiffness together, in Markdown."""
     drives = [content[kind] for kind in LOOPS]
     rows = [
         (label, *(_number(1e3 * drive["parts"][key]) if key in drive["parts"] else "" for drive in drives))
@@ -226,8 +229,8 @@ def parts_table(content: Mapping[str, Any]) -> str:
     return markdown_table(("Rotation of the output per torque [mrad/(N m)]", "Ring pins", "Internal gear"), rows)
 
 
-def rubbing_table(content: Mapping[str, Any]) -> str:
-    """Return the fits with friction in the contacts, a row for each crank angle and locked shaft."""
+def format_friction_fits(content: Mapping[str, Any]) -> str:
+    """Tabulate the fits with friction in the contacts, a row for each crank angle and locked shaft, in Markdown."""
     shaft, loops = "Crank angle [deg], locked shaft", ("Rms, play loop", "Rms, large loop")
     rows = [
         (held, _estimate(fit["parameters"]["friction"]), f"{fit['play']:.2f}", *map("{:.1%}".format, fit["shares"]))
@@ -236,8 +239,8 @@ def rubbing_table(content: Mapping[str, Any]) -> str:
     return markdown_table((shaft, "Friction coefficient", "Play [deg]", *loops), rows)
 
 
-def losses_table(content: Mapping[str, Any]) -> str:
-    """Return how far each kind of losses misses the loops."""
+def format_losses(content: Mapping[str, Any]) -> str:
+    """Tabulate the residual of each kind of losses, in Markdown."""
     names = {"friction": "friction", "material_loss": "material loss"}
     rows = []
     for losses in content["rubbing"]["losses"]:
@@ -246,8 +249,8 @@ def losses_table(content: Mapping[str, Any]) -> str:
     return markdown_table(("Losses", "Fitted", "Rms, play loop", "Rms, large loop"), rows)
 
 
-def preload_table(content: Mapping[str, Any]) -> str:
-    """Return play, friction and stiffness against the preload, a column for each angle."""
+def format_preload(content: Mapping[str, Any]) -> str:
+    """Tabulate play, friction and stiffness over the preload, a column for each angle, in Markdown."""
     rows = content["preload"]
     names = {
         "play": ("play [deg]", ".3f"),
@@ -276,13 +279,15 @@ def _estimate(fitted: Mapping[str, Any]) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the page and return the exit code."""
+    """Compute the results if requested, write the page, and return the exit code."""
     if "--fit" in arguments:
         kept = json.loads(KEPT.read_text(encoding="utf-8"))
-        again = {} if "--quick" in arguments else {"rubbing": rubbing()}
+        again = {} if "--quick" in arguments else {"rubbing": fit_contact_friction()}
         KEPT.write_text(json.dumps(kept | fit_drives() | again, indent=1) + "\n", encoding="utf-8")
     content = json.loads(KEPT.read_text(encoding="utf-8"))
-    PAGE.write_text(replace_sections(PAGE.read_text(encoding="utf-8"), sections(content), SCRIPT), encoding="utf-8")
+    PAGE.write_text(
+        replace_sections(PAGE.read_text(encoding="utf-8"), format_sections(content), SCRIPT), encoding="utf-8"
+    )
     return 0
 
 

@@ -240,9 +240,14 @@ def look_of_the_animation() -> dict[str, Value]:
     """Collect how bright the parts of its first frame are, from 0 to 1, for a short run."""
     import numpy as np
 
-    from cycloid_mj.plots.animation import film, take
+    from cycloid_mj.plots.animation import draw_frames, select_samples
 
-    frame = np.asarray(next(iter(film(take(short_run("massless"), 200.0, 1), 520))), dtype=float).mean(axis=2) / 255.0
+    frame = (
+        np.asarray(next(iter(draw_frames(select_samples(short_run("massless"), 200.0, 1), 520))), dtype=float).mean(
+            axis=2
+        )
+        / 255.0
+    )
     rows = [np.array_split(band, BLOCKS, axis=1) for band in np.array_split(frame, BLOCKS)]
     return {f"block {i}, {j}": float(block.mean()) for i, band in enumerate(rows) for j, block in enumerate(band)}
 
@@ -327,7 +332,7 @@ def stale(artefact: Artefact, kept: Mapping[str, Any] | None) -> list[str]:
 
 
 def list_changes(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
-    """Return which figures of an artefact's probes come out otherwise than before, a sentence each."""
+    """Compare the figures of an artefact's probes with earlier ones, and return a sentence for each that changed."""
     changes = []
     for name in artefact.probes:
         was, now = before.get(name, {}), probe_values(name)
@@ -365,7 +370,7 @@ def _digest(name: str) -> str:
 
 
 def write(name: str, artefact: Artefact) -> None:
-    """Write an artefact and its stamp; repeat no step that has output. CalledProcessError if one fails."""
+    """Run the steps of an artefact that lack output, and write its stamp; raise CalledProcessError if a step fails."""
     scratch = SCRATCH / name
     probed = scratch / "probes.json"
     if not probed.exists() or list_changes(artefact, json.loads(probed.read_text(encoding="utf-8"))):
@@ -385,7 +390,7 @@ def write(name: str, artefact: Artefact) -> None:
 
 
 def _do(task: Step, out: Path) -> None:
-    """Run the command of a task; its output has its name only once it is complete."""
+    """Run the command of a step; its output gets its name only when it is complete."""
     part = out.with_name(f"{out.name}.part")
     shutil.rmtree(part, ignore_errors=True)
     command = [word.format(out=part) for word in task.command]
@@ -404,7 +409,7 @@ def cpu() -> float:
 
 
 def main() -> int:
-    """Write or list the stale artefacts; return the exit code."""
+    """Write the outdated artefacts of the documentation, or list them; return the exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("names", nargs="*", help=f"of {', '.join(ARTEFACTS)}; default: all that are stale")
     parser.add_argument("--list", action="store_true", help="tell what is stale, and why; write nothing")

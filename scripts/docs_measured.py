@@ -65,7 +65,7 @@ CLAIMS = ("gear_speed", "q_path", "q_velocity", "gear_centre_acceleration", "out
 
 
 def read_measures(folder: Path, design: str) -> dict[str, dict[str, Any]]:
-    """Return the quantities of a design for the table, from the JSON of its measures in a folder (``pin-te``, ...)."""
+    """Read the quantities of a design for the table from its measures' JSON files in a folder (``pin-te``, ...)."""
     measures: dict[str, dict[str, Any]] = {}
     for measure in MEASURES:
         content = json.loads((folder / f"{design}-{measure}").read_text(encoding="utf-8"))
@@ -78,7 +78,7 @@ def read_measures(folder: Path, design: str) -> dict[str, dict[str, Any]]:
 
 
 def read_comparison(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the part of the JSON of `compare` that the page shows, with the time step of each run."""
+    """Extract from the JSON of `compare` what the page shows, with the time step of each run."""
     runs = []
     for run in content["runs"]:
         spreads = {one["quantity"]: one for one in run["spreads"]}
@@ -94,8 +94,8 @@ def read_comparison(content: Mapping[str, Any]) -> dict[str, Any]:
     return {"speed_rpm": content["conditions"]["drive.speed_rpm"], "runs": runs}
 
 
-def comparison(data: Mapping[str, Any]) -> str:
-    """Return the table of `compare`, a column for each run, with its conditions."""
+def format_comparison(data: Mapping[str, Any]) -> str:
+    """Tabulate the result of `compare` in Markdown, a column for each run, with its conditions."""
     runs = data["runs"]
     loads = [f"{run['load_nm']:g} N m" if run["load_nm"] else "no load" for run in runs]
     names = [run["design"].replace("-", " ") for run in runs]
@@ -112,8 +112,8 @@ def comparison(data: Mapping[str, Any]) -> str:
     return f"{condition}\n\n{markdown_table(head, [*rows, ('efficiency [%]', *shares)])}"
 
 
-def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of which design fluctuates more, under load and over the starts without load.
+def format_fluctuations(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
+    """Tabulate which design fluctuates more, under load and over the starts without load, in Markdown.
 
     `claims` are those of `reproduce`, whose fluctuations contain the range of pin over nonpin.
     """
@@ -171,12 +171,12 @@ def _cell(quantity: Mapping[str, Any]) -> str:
     return text if reference is None else f"{text} ({reference:.4g})"
 
 
-def written_page(page: str) -> str:
-    """Return the page with the tables of all kept results."""
+def fill_page(page: str) -> str:
+    """Return the page with its generated tables replaced by those of all kept results."""
     sections = {
         "measured": table(_read(KEPT)),
-        "compared": comparison(_read(COMPARED)),
-        "orders": orders(_read(COMPARED), _read(REPRODUCED)["claims"]),
+        "compared": format_comparison(_read(COMPARED)),
+        "orders": format_fluctuations(_read(COMPARED), _read(REPRODUCED)["claims"]),
     }
     return replace_sections(page, sections, SCRIPT)
 
@@ -199,7 +199,7 @@ def main() -> int:
         _keep(KEPT, {name: read_measures(options.folder, name) for name in DESIGNS})
     if options.compared:
         _keep(COMPARED, read_comparison(_read(options.compared)))
-    PAGE.write_text(written_page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    PAGE.write_text(fill_page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     return 0
 
 

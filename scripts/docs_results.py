@@ -70,7 +70,7 @@ def sections(content: Mapping[str, Any]) -> dict[str, str]:
     if lacking := sorted(claims.keys() ^ {key for keys in SECTIONS.values() for key in keys}):
         raise ValueError(f"these claims are not on the page once: {', '.join(lacking)}")
     tables = {name: figure_table([claims[key] for key in keys]) for name, keys in SECTIONS.items()}
-    return {"tally": tally(content), **tables, "errata": errata(content["errata"])}
+    return {"tally": format_tally(content), **tables, "errata": format_errata(content["errata"])}
 
 
 def figure_table(claims: Sequence[Mapping[str, Any]]) -> str:
@@ -89,8 +89,8 @@ def _shorten(text: str) -> str:
     return text.partition(" (")[0].partition(";")[0].partition(", the most")[0]
 
 
-def tally(content: Mapping[str, Any]) -> str:
-    """Return the number of claims with each verdict, as a sentence."""
+def format_tally(content: Mapping[str, Any]) -> str:
+    """Return a sentence with the number of claims for each verdict."""
     claims = content["claims"]
     counts = ", ".join(
         f"{sum(claim['verdict'] == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
@@ -122,8 +122,8 @@ def _row(claim: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def errata(entries: Sequence[Mapping[str, Any]]) -> str:
-    """Return the errata: printed and corrected, with the relative errors of both against a proof."""
+def format_errata(entries: Sequence[Mapping[str, Any]]) -> str:
+    """Tabulate the errata in Markdown: printed and corrected, with the relative errors of both against a proof."""
     head = ("Eq.", "Printed", "Correct", "Error as printed", "Error corrected", "Compared with")
     rows = []
     for entry in entries:
@@ -149,8 +149,8 @@ def claims_csv(content: Mapping[str, Any]) -> str:
     return csv_text([CLAIM_COLUMNS, *claim_rows(content)])
 
 
-def kept(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the part of the command's JSON that the page needs; raise ValueError if a stage failed or is missing."""
+def extract_page_data(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Extract from the JSON of `reproduce` what the page needs; raise ValueError if a stage failed or is missing."""
     errors = {stage["key"]: stage["error"] for stage in content["stages"]}
     if failed := [key for key, error in errors.items() if error]:
         raise ValueError(f"the page needs a run without a broken stage: {', '.join(failed)}")
@@ -167,13 +167,13 @@ def kept_authors(content: Mapping[str, Any]) -> dict[str, Any]:
     return {"note": stage["notes"][0], "tables": stage["tables"]}
 
 
-def keep(folder: Path) -> None:
-    """Keep what the page needs of the output folder of `cycloid-mj reproduce`."""
+def save_page_data(folder: Path) -> None:
+    """Save what the page needs of the output folder of `cycloid-mj reproduce`."""
     content = json.loads((folder / "reproduce.json").read_text(encoding="utf-8"))
     if [stage["key"] for stage in content["stages"]] == ["authors"]:
         path, chosen = AUTHORS, kept_authors(content)
     else:
-        path, chosen = KEPT, kept(content)
+        path, chosen = KEPT, extract_page_data(content)
         for name, shown in SHOWN.items():
             keep_small(folder / "figures" / f"{name}.png", PICTURES / f"{shown}.png")
     path.write_text(json.dumps(chosen, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
@@ -182,7 +182,7 @@ def keep(folder: Path) -> None:
 def main(arguments: Sequence[str]) -> int:
     """Write the page and its tables for download; return the exit code."""
     if arguments:
-        keep(Path(arguments[0]))
+        save_page_data(Path(arguments[0]))
     content, hypothesis = (json.loads(path.read_text(encoding="utf-8")) for path in (KEPT, AUTHORS))
     page = replace_sections(PAGE.read_text(encoding="utf-8"), sections(content), SCRIPT)
     texts = {PAGE: page, CLAIMS: claims_csv(content), HYPOTHESIS: hypothesis_csv(hypothesis)}

@@ -86,7 +86,7 @@ Row = Mapping[str, str]
 
 
 def design_of(layout: str, load_share: float, friction: float, speed: float) -> Design:
-    """Return the design of a layout at a share of its rated torque, with a tooth friction and a crank speed [rpm]."""
+    """Return the design of a layout under a share of its rated torque, with tooth friction and crank speed [rpm]."""
     preset, *changes = LAYOUTS[layout]
     design = override(
         PRESETS[preset], [*witness.CONDITIONS, *without_gravity(), f"drive.speed_rpm={speed!r}", *changes]
@@ -122,7 +122,7 @@ def fine_difference(design: Design) -> Array:
 
 
 def compare_layout(layout: str) -> list[dict[str, str]]:
-    """Run a layout under all conditions and return the rows of the table."""
+    """Simulate a layout with both solvers under all conditions, and return the rows of the table."""
     rows = []
     for share, friction, speed in itertools.product(SOLVERS.loads, SOLVERS.frictions, SOLVERS.speeds):
         design = design_of(layout, share, friction, speed)
@@ -154,7 +154,7 @@ def _cells(excess: Array) -> dict[str, str]:
 
 
 def summary(rows: Iterable[Row]) -> str:
-    """Return the table of the page: the largest differences, by kind of ring pins, load and speed."""
+    """Tabulate the largest differences of the solvers in Markdown, by kind of ring pins, load and speed."""
     rows = [row for row in rows if not row["stopped"]]
     head = ("Ring", "Load", "Speed [rpm]", "Mean TE", "Peak-to-peak TE", "Cam force", "Efficiency", "Rms speed")
     lines = []
@@ -187,7 +187,7 @@ def write_rows(rows: Iterable[Row]) -> None:
 
 
 def run_layouts(chosen: Sequence[str]) -> None:
-    """Compare the solvers on some layouts and keep the rows of the others."""
+    """Compare the solvers on some layouts, and save their rows with the kept rows of the others."""
     rows = read_rows()
     for layout in chosen:
         print(layout, file=sys.stderr)
@@ -197,7 +197,7 @@ def run_layouts(chosen: Sequence[str]) -> None:
 
 
 def main() -> None:
-    """Write the page."""
+    """Compare the solvers on the requested layouts, and write the page."""
     parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
     parser.add_argument("--run", nargs="*", metavar="LAYOUT", help=f"of {', '.join(LAYOUTS)}; all by default")
     chosen = parser.parse_args().run

@@ -92,7 +92,7 @@ class Summary:
 
 
 def summaries(rows: Sequence[Mapping[str, str]]) -> list[Summary]:
-    """Return the worst row of every group."""
+    """Find the row with the largest share of its bound in every group."""
     result = []
     for group in GROUPS:
         members = group.rows(rows)

@@ -107,9 +107,9 @@ class Prism:
 
 
 def smallest_distances(reducer: Reducer, sizes: Casing, cranks: Iterable[float]) -> tuple[Distance, ...]:
-    """Measure the smallest distance of each two kinds of parts of different bodies over crank angles [rad].
+    """Compute the smallest distance between any two kinds of parts of different bodies over crank angles [rad].
 
-    Of parts that are apart along the axis by the axial play, the distance is that along the axis: a lower bound.
+    For parts that are separated along the axis by the axial play, it is the distance along the axis: a lower bound.
     """
     smallest: dict[tuple[str, ...], Distance] = {}
     faces = {part: [(face_of(one), one) for one in stack] for part, stack in assembly_sections(reducer, sizes).items()}
@@ -129,17 +129,17 @@ def smallest_distances(reducer: Reducer, sizes: Casing, cranks: Iterable[float])
     return tuple(smallest.values())
 
 
-def planar_distance(one: Face, other: Face, limit: float = math.inf) -> float:
-    """Compute the distance of plane faces [m], 0 where they overlap; inf if it is larger than a limit [m]."""
-    (low, high), (other_low, other_high) = one.box, other.box
+def planar_distance(first: Face, second: Face, limit: float = math.inf) -> float:
+    """Compute the distance between two plane faces [m], 0 if they overlap, inf if it is larger than a limit [m]."""
+    (low, high), (other_low, other_high) = first.box, second.box
     if np.hypot(*np.maximum(np.maximum(low - other_high, other_low - high), 0.0)) >= MILLIMETRES * limit:
         return math.inf
-    if one.covers(other.points[0]) or other.covers(one.points[0]):
+    if first.covers(second.points[0]) or second.covers(first.points[0]):
         return 0.0
-    upper = min(float(np.min(one.tree.query(other.points)[0])), MILLIMETRES * limit)
-    near = one.tree.sparse_distance_matrix(other.tree, upper + MILLIMETRES * SPACING, output_type="ndarray")
-    pairs = {*zip(one.owners[near["i"]].tolist(), other.owners[near["j"]].tolist(), strict=True)}
-    values = [occ.BRepExtrema_DistShapeShape(one.edges[i], other.edges[j]).Value() for i, j in pairs]
+    upper = min(float(np.min(first.tree.query(second.points)[0])), MILLIMETRES * limit)
+    near = first.tree.sparse_distance_matrix(second.tree, upper + MILLIMETRES * SPACING, output_type="ndarray")
+    pairs = {*zip(first.owners[near["i"]].tolist(), second.owners[near["j"]].tolist(), strict=True)}
+    values = [occ.BRepExtrema_DistShapeShape(first.edges[i], second.edges[j]).Value() for i, j in pairs]
     return min(values, default=math.inf) / MILLIMETRES
 
 
@@ -149,7 +149,7 @@ def _is_raceway(families: tuple[str, ...]) -> bool:
 
 
 def face_of(section: PartSection) -> Face:
-    """Return the face of a section."""
+    """Return the plane face of a part's section."""
     shape = planar_face(section)
     edges: list[Any] = []
     points: list[list[float]] = []
@@ -171,7 +171,10 @@ def face_of(section: PartSection) -> Face:
 def _prisms(
     reducer: Reducer, sizes: Casing, crank: float, faces: Mapping[str, Sequence[tuple[Face, PartSection]]]
 ) -> Iterator[Prism]:
-    """Yield the prisms of all parts in place; bearings as their rings, each with the body that it moves with."""
+    """Yield the prisms of all parts at a crank angle [rad]; a bearing has the prisms of its rings.
+
+    `faces` are the faces and sections of each part by name.
+    """
     for place in places(reducer, crank, sizes):
         z = place.origin[2]
         for face, section in faces[place.part]:

@@ -58,13 +58,13 @@ class Flip:
         return f"{self.file}:{self.line}  {self.expression}"
 
 
-def of_package(path: Path) -> str:
+def name_in_package(path: Path) -> str:
     """Return a file of the package from its root on, any other by its name."""
     return path.relative_to(ROOT / PACKAGE).as_posix() if path.is_relative_to(ROOT / PACKAGE) else path.name
 
 
-def flips(path: Path) -> Iterator[Flip]:
-    """Yield every sign of a file."""
+def find_signs(path: Path) -> Iterator[Flip]:
+    """Yield every plus or minus sign in the expressions of a Python file, as a flip."""
     content = path.read_bytes()
     starts = [0]
     for line in content.splitlines(keepends=True):
@@ -86,7 +86,7 @@ def flips(path: Path) -> Iterator[Flip]:
         else:
             continue
         place = next(i for i in range(first, last) if content[i : i + 1] in (b"+", b"-"))
-        yield Flip(of_package(path), node.lineno, place, content[place : place + 1].decode(), ast.unparse(node))
+        yield Flip(name_in_package(path), node.lineno, place, content[place : place + 1].decode(), ast.unparse(node))
 
 
 def flip_sign(content: bytes, flip: Flip) -> bytes:
@@ -129,8 +129,11 @@ def warm() -> None:
         importlib.import_module(library)
 
 
-def see(flip: Flip | None, file: str, pipe: int) -> None:
-    """Write to a pipe whether a test fails, with a sign of a file flipped or none; in a process of its own."""
+def run_flip(flip: Flip | None, file: str, pipe: int) -> None:
+    """Run the tests of a file with one sign flipped, or none, and write to a pipe whether a test fails.
+
+    It runs in its own process.
+    """
     import resource  # which Windows lacks
 
     import numba
@@ -164,12 +167,12 @@ class Trial:
 
     @classmethod
     def start(cls, flip: Flip | None, file: str) -> "Trial":
-        """Fork a process that tests the flip."""
+        """Fork a process that runs the tests with a flip, and return its trial."""
         pipe, tell = os.pipe()
         child = os.fork()
         if not child:
             try:
-                see(flip, file, tell)
+                run_flip(flip, file, tell)
             finally:
                 os._exit(0)
         os.close(tell)
@@ -184,7 +187,7 @@ class Trial:
 
 
 def try_flips(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, bool]]:
-    """Try flips, so many at a time, in their order; yield whether a test sees each."""
+    """Try flips in parallel processes, in their order; yield each flip with whether a test fails."""
     running: deque[tuple[Flip, Trial]] = deque()
     for flip in chosen:
         if len(running) == workers:
@@ -196,9 +199,9 @@ def try_flips(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, bool]]:
 
 
 def choose_flips(only: str, lines: str, sample: int) -> list[Flip]:
-    """List the flips to try: all, those of one file or of some of its lines, or so many spread evenly over them."""
+    """Select the flips to try: all, those of one file or some of its lines, or `sample` flips evenly spread."""
     files = [ROOT / PACKAGE / file for file in FILES if not only or f"/{file}".endswith(f"/{only}")]
-    of_files = (sorted(flips(path), key=lambda flip: flip.place) for path in files)
+    of_files = (sorted(find_signs(path), key=lambda flip: flip.place) for path in files)
     every = [flip for of_file in of_files for flip in of_file]
     if lines:
         first, last = (int(end) for end in lines.split("-"))

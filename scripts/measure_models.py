@@ -32,7 +32,7 @@ FREE_RUN, KEYFRAME = 0.2, "1640rpm_0"
 
 
 def plain() -> dict[str, dict[str, Any]]:
-    """Decompose the toothed parts by CoACD without cutting them first; measure the result along the true normals."""
+    """Decompose the toothed parts by CoACD without slices; return their deviations along the true normals."""
     figures = {}
     for threshold in (0.05, 0.02):
         settings = CoacdSettings(threshold=threshold)
@@ -48,7 +48,7 @@ def agreement() -> list[dict[str, Any]]:
 
 
 def _run(name: str, load: float, contact: Contact, timestep_us: float) -> dict[str, Any]:
-    """Run a preset under a load [N m] by a kind of contact; return its mean figures and its cost."""
+    """Simulate a preset under a load [N m] with a kind of contact; return its mean figures and its cost."""
     changes = ("drive.ramp_s=0.0", f"drive.hold_s={HOLD}", f"load.torque_nm={load}")
     design = override(PRESETS[name], [*changes, f"settings.timestep_us={timestep_us}"])
     compiled = reducer_model(Reducer(design), contact)
@@ -74,7 +74,7 @@ def free_running() -> dict[str, dict[str, float]]:
 
 
 def _free_run(scene: Path, design: Design) -> dict[str, float]:
-    """Run a model without load from a keyframe; return the errors of the gear's speed, and MuJoCo's warnings."""
+    """Simulate a model folder without load from a keyframe; return errors of the gear's speed, and warnings."""
     model = mujoco.MjModel.from_xml_path(str(scene))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(KEYFRAME).id)
@@ -99,7 +99,7 @@ MEASURES = {"agreement.json": agreement, "free_running.json": free_running, "pla
 
 
 def main(arguments: list[str]) -> int:
-    """Write the files."""
+    """Measure all models and write the results as JSON files; return the exit code."""
     if set(arguments) - set(MEASURES):
         print(__doc__, file=sys.stderr)
         return 2

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from against import ROOT, Ended, Figures, Trial, laid_out, of_the_json, run_trial, run_words
+from against import ROOT, Figures, Finished, Trial, check_out, figures_of_json, list_run_words, run_trial
 
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import presets_for
@@ -49,22 +49,22 @@ class Move:
 
 
 def trials(design: str) -> Iterator[Trial]:
-    """Iterate over the commands whose figures of a design are compared."""
+    """Yield the commands whose figures of a design are compared between revisions."""
     run = ("--set", "drive.ramp_s=0", "--set", f"drive.hold_s={SHORT}")
-    yield Trial("design check", ("design", "check", design), figures=of_the_json, logged=False)
-    yield Trial("statics", ("statics", "--design", design), figures=of_the_json, logged=False)
-    yield Trial("rate", ("rate", "--design", design), figures=of_the_json, logged=False)
+    yield Trial("design check", ("design", "check", design), figures=figures_of_json, logged=False)
+    yield Trial("statics", ("statics", "--design", design), figures=figures_of_json, logged=False)
+    yield Trial("rate", ("rate", "--design", design), figures=figures_of_json, logged=False)
     yield Trial("simulate, no load", ("simulate", "--design", design, *run), figures=of_the_run)
     if design in ("pin", "nonpin"):
-        yield Trial("simulate, 36.68 N m", run_words(design, hold=SHORT), figures=of_the_run)
+        yield Trial("simulate, 36.68 N m", list_run_words(design, hold=SHORT), figures=of_the_run)
 
 
-def of_the_run(done: Ended) -> Figures:
+def of_the_run(done: Finished) -> Figures:
     """Read the figures that a run has printed, and a number that every bit of its logged columns decides."""
     (log,) = done.out.glob("*.mcap")
     run = read(log)
     bits = hashlib.sha256(b"".join(run[name].tobytes() for name in sorted(run.columns)))
-    return {**of_the_json(done), "bits of the log": float(int(bits.hexdigest()[:8], 16))}
+    return {**figures_of_json(done), "bits of the log": float(int(bits.hexdigest()[:8], 16))}
 
 
 def moves(design: str, command: str, old: Figures, new: Figures) -> Iterator[Move]:
@@ -99,7 +99,7 @@ def reasons(old: str, new: str) -> list[str]:
 
 
 def compare_trees(old: Path, new: Path) -> list[Move]:
-    """Run all commands in two trees and list what moved."""
+    """Run all commands with the packages of two trees, and list the figures that differ."""
     moved: list[Move] = []
     with TemporaryDirectory() as folder:
         for design in presets_for("measure"):
@@ -119,7 +119,7 @@ def main() -> None:
     parser.add_argument("old", help="revision whose figures are known")
     parser.add_argument("new", help="revision whose figures are asked for")
     asked = parser.parse_args()
-    with laid_out(asked.old) as old, laid_out(asked.new) as new:
+    with check_out(asked.old) as old, check_out(asked.new) as new:
         moved = compare_trees(old, new)
     print(table(moved).as_markdown(), come_and_gone(moved), sep="\n\n")
     print("", *reasons(asked.old, asked.new), sep="\n")

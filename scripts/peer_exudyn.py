@@ -54,7 +54,10 @@ class Motion:
 
 
 def _solve(exu: Any, mbs: Any, end: float, timestep: float, solver: Any) -> float:
-    """Solve an assembled system up to an end by a step [s]; CPU time of a simulated second [s]."""
+    """Solve an assembled Exudyn system up to the time `end` with a fixed step [s].
+
+    Return the CPU time of a simulated second [s].
+    """
     settings = exu.SimulationSettings()
     settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, round(end / timestep)
     settings.timeIntegration.automaticStepSize = settings.timeIntegration.adaptiveStep = False
@@ -66,7 +69,7 @@ def _solve(exu: Any, mbs: Any, end: float, timestep: float, solver: Any) -> floa
     return (time.process_time() - begin) / end
 
 
-def design_of(timestep: float, friction: float, pins: str = "fixed") -> Design:
+def reduced_design(timestep: float, friction: float, pins: str = "fixed") -> Design:
     """Return the preset `pin` reduced to the features of Exudyn's model: uniform contacts, a rigid cam, no output."""
     changes = [
         f'ring.pins="{pins}"',
@@ -84,8 +87,11 @@ def design_of(timestep: float, friction: float, pins: str = "fixed") -> Design:
 
 
 def run_ours(timestep: float, friction: float, end: float, pins: str = "fixed") -> Motion:
-    """Run this project's model, with the load on the gear."""
-    design = design_of(timestep, friction, pins)
+    """Simulate this project's model in MuJoCo, with the load on the gear.
+
+    `friction` is that of pin on gear, `pins` the kind of ring pins, ``fixed`` or ``free``.
+    """
+    design = reduced_design(timestep, friction, pins)
     compiled = build(design)
     data = initial_state(compiled, Reducer(design))
     data.joint("gear_angle").qfrc_applied[0] = LOAD
@@ -93,31 +99,32 @@ def run_ours(timestep: float, friction: float, end: float, pins: str = "fixed") 
         timestep * np.arange(round(end / timestep), dtype=np.float64)
     )
     commands[:, 1] = 0.0  # the output, which nothing holds, has no load: that is on the gear
-    every, rows = round(SAMPLING / timestep), []
+    stride, rows = round(SAMPLING / timestep), []
     crank, gear, drive = data.joint("crank"), data.joint("gear_angle"), data.actuator("drive")
     with install():
         start = time.process_time()
         for number, command in enumerate(commands):
             data.ctrl[:] = command
             mujoco.mj_step(compiled.model, data)
-            if number % every == 0:
+            if number % stride == 0:
                 rows.append((crank.qpos[0], gear.qpos[0], gear.qvel[0], drive.force[0]))
         cpu = (time.process_time() - start) / end
     theta, gamma, speed, torque = np.array(rows).T
     return Motion(theta, gamma, speed, torque, cpu)
 
 
-def bedding(design: Design, stiffness: float) -> float:
-    """Compute the stiffness [N/m2] of a bed of springs that a pin enters as deep as it enters our contact.
+def match_stiffness(design: Design, stiffness: float) -> float:
+    """Compute the bedding modulus [N/m2] at which a pin enters Exudyn's segments as deep as it enters our contact.
 
-    A circle of radius rho, p deep in the bed, meets a force of 4/3 sqrt(2 rho) p^(3/2) times it.
+    A circle of radius rho, p deep in the bed, meets a force of 4/3 sqrt(2 rho) p^(3/2) times the modulus. `stiffness`
+    is that of our contact [N/m].
     """
     force = Reducer(design).contacts[design.tooth_pair].force
     return force / (4.0 / 3.0 * math.sqrt(2.0 * design.ring.pin_radius) * (force / stiffness) ** 1.5)
 
 
 def _add_teeth(mbs: Any, design: Design, markers: list[Any], segments: int, stiffness: float, friction: float) -> None:
-    """Add the contact of the gear's outline, as a number of segments, with the ring pins; markers of the gear first."""
+    """Add the contact of the ring pins with the gear's outline, a polygon; `markers` are gear, then pins."""
     import exudyn as exu  # type: ignore[import-not-found]
     from exudyn import itemInterface as item
 
@@ -141,11 +148,11 @@ def _add_teeth(mbs: Any, design: Design, markers: list[Any], segments: int, stif
 
 
 def run_exudyn(timestep: float, friction: float, end: float, segments: int) -> Motion:
-    """Run Exudyn's model."""
+    """Simulate Exudyn's model with a polygon as the gear's outline, by the generalized-alpha integrator."""
     import exudyn as exu
     from exudyn import itemInterface as item
 
-    design = design_of(timestep, friction)
+    design = reduced_design(timestep, friction)
     compiled = build(design)
     tooth, cam, gear = compiled.laws["pin_gear"], compiled.laws["cam"], compiled.model.body("gear")
     speed, eccentricity = design.drive.speed, design.gear.eccentricity
@@ -175,7 +182,7 @@ def run_exudyn(timestep: float, friction: float, end: float, segments: int) -> M
     pins = [
         marker(ring, radius * math.sin(angle), radius * math.cos(angle)) for angle in pin_angles(tooth_profile(design))
     ]
-    _add_teeth(mbs, design, [on_gear, *pins], segments, bedding(design, tooth.stiffness), friction)
+    _add_teeth(mbs, design, [on_gear, *pins], segments, match_stiffness(design, tooth.stiffness), friction)
     mbs.AddLoad(item.LoadTorqueVector(markerNumber=on_gear, loadVector=[0, 0, LOAD]))
 
     def sensor(what: Any, kind: str, **of: Any) -> Any:
@@ -189,10 +196,12 @@ def run_exudyn(timestep: float, friction: float, end: float, segments: int) -> M
     ]
     mbs.Assemble()
     cpu = _solve(exu, mbs, end, timestep, exu.DynamicSolverType.GeneralizedAlpha)
-    turned, moved, velocity, force = (mbs.GetSensorStoredData(number)[:, 1:] for number in sensors)
-    theta = turned[:, 0]
+    crank_coordinates, gear_coordinates, velocity, force = (
+        mbs.GetSensorStoredData(number)[:, 1:] for number in sensors
+    )
+    theta = crank_coordinates[:, 0]
     torque = eccentricity * (np.sin(theta) * force[:, 1] + np.cos(theta) * force[:, 0])
-    return Motion(theta, moved[:, 2], velocity[:, 2], torque, cpu)
+    return Motion(theta, gear_coordinates[:, 2], velocity[:, 2], torque, cpu)
 
 
 class Parts(NamedTuple):
@@ -220,15 +229,55 @@ class Parts(NamedTuple):
 
 
 @njit(error_model="numpy")
-def forces(parts: Parts, time: float, q: Array, v: Array, near: Array, out: Array) -> None:
-    """Write the forces of all contacts, the cam and the load into `out`: on x, y and turn of the gear, then of pins.
+def nearest_point(parts: Parts, x: float, y: float, t: float) -> tuple[float, float, float, float, float]:
+    """Find the point of the trochoid nearest to (x, y) [m] by Newton's method from the parameter t [rad].
 
-    `near` (N,) are the parameters of the points of the trochoid nearest to the pins, where Newton's method starts.
+    Return its parameter, the components of the vector from the point to (x, y) [m], and those of the tangent [m/rad].
+    """
+    for _ in range(8):
+        st, ct, sn, cn = math.sin(t), math.cos(t), math.sin(parts.N * t), math.cos(parts.N * t)
+        rx, ry = x - parts.E * st + parts.c * sn, y - parts.E * ct + parts.c * cn
+        tx, ty = parts.E * ct - parts.c * parts.N * cn, -parts.E * st + parts.c * parts.N * sn
+        bx, by = -parts.E * st + parts.c * parts.N**2 * sn, -parts.E * ct + parts.c * parts.N**2 * cn
+        square = tx * tx + ty * ty
+        step = (rx * tx + ry * ty) / max(square - rx * bx - ry * by, 0.1 * square)
+        t += min(max(step, -0.2 / parts.N), 0.2 / parts.N)
+        if abs(step) < 1e-9:
+            break
+    return t, rx, ry, tx, ty
+
+
+@njit(error_model="numpy")
+def add_seat_force(parts: Parts, state: tuple[float, float, float, float, float], out: Array) -> None:
+    """Add the force of a pin's seat to `out`: force on x and y [N] and torque [N m] of the pin.
+
+    `state` is the pin's displacement (x, y) [m] from the middle of its seat, its velocity [m/s] and spin [rad/s].
+    """
+    ex, ey, pu, pv, spin = state
+    distance = math.hypot(ex, ey)
+    if distance <= parts.play:  # a circle in a circle
+        return
+    nx, ny = -ex / distance, -ey / distance
+    normal = parts.seat[0] * (distance - parts.play) - parts.seat[1] * (nx * pu + ny * pv)
+    if normal > 0.0:
+        slip = -ny * pu + nx * pv - parts.radius * spin
+        side = -parts.friction[1] * normal * min(max(slip / parts.creep, -1.0), 1.0)
+        out[0] += normal * nx - side * ny
+        out[1] += normal * ny + side * nx
+        out[2] -= side * parts.radius
+
+
+@njit(error_model="numpy")
+def forces(parts: Parts, time: float, q: Array, v: Array, parameters: Array, out: Array) -> None:
+    """Write the forces of all contacts, the cam and the load into `out`: on x, y and angle of the gear, then of pins.
+
+    `q` and `v` are these coordinates [m, rad] and their velocities. `parameters` (N,) are those of the points of the
+    trochoid nearest to the pins, where Newton's method starts; they are updated.
     """
     out[:] = 0.0
     theta = parts.speed * time
-    x, y, turn = q[0], q[1], q[2]
-    sine, cosine = math.sin(turn), math.cos(turn)
+    x, y, angle = q[0], q[1], q[2]
+    sine, cosine = math.sin(angle), math.cos(angle)
     stretch_x, stretch_y = x + parts.c * math.sin(theta), y - parts.c * math.cos(theta)
     rate_x = v[0] + parts.c * parts.speed * math.cos(theta)
     rate_y = v[1] + parts.c * parts.speed * math.sin(theta)
@@ -239,33 +288,14 @@ def forces(parts: Parts, time: float, q: Array, v: Array, near: Array, out: Arra
         row = 3 + 3 * i
         px, py, pu, pv, spin = parts.places[i, 0], parts.places[i, 1], 0.0, 0.0, 0.0
         if parts.pin:
-            ex, ey = q[row], q[row + 1]
-            px, py, pu, pv, spin = px + ex, py + ey, v[row], v[row + 1], v[row + 2]
-            reach = math.hypot(ex, ey)
-            if reach > parts.play:  # a circle in a circle
-                nx, ny = -ex / reach, -ey / reach
-                normal = parts.seat[0] * (reach - parts.play) - parts.seat[1] * (nx * pu + ny * pv)
-                if normal > 0.0:
-                    slip = -ny * pu + nx * pv - parts.radius * spin
-                    side = -parts.friction[1] * normal * min(max(slip / parts.creep, -1.0), 1.0)
-                    out[row] += normal * nx - side * ny
-                    out[row + 1] += normal * ny + side * nx
-                    out[row + 2] -= side * parts.radius
+            pu, pv, spin = v[row], v[row + 1], v[row + 2]
+            add_seat_force(parts, (q[row], q[row + 1], pu, pv, spin), out[row : row + 3])
+            px, py = px + q[row], py + q[row + 1]
         ax, ay = px - x, py - y
-        lx, ly = cosine * ax + sine * ay, cosine * ay - sine * ax  # seen from the gear
-        t = near[i]
-        for _ in range(8):
-            st, ct, sn, cn = math.sin(t), math.cos(t), math.sin(parts.N * t), math.cos(parts.N * t)
-            rx, ry = lx - parts.E * st + parts.c * sn, ly - parts.E * ct + parts.c * cn
-            tx, ty = parts.E * ct - parts.c * parts.N * cn, -parts.E * st + parts.c * parts.N * sn
-            bx, by = -parts.E * st + parts.c * parts.N**2 * sn, -parts.E * ct + parts.c * parts.N**2 * cn
-            square = tx * tx + ty * ty
-            step = (rx * tx + ry * ty) / max(square - rx * bx - ry * by, 0.1 * square)
-            t += min(max(step, -0.2 / parts.N), 0.2 / parts.N)
-            if abs(step) < 1e-9:
-                break
-        near[i] = t
-        size = math.sqrt(square)
+        # seen from the gear
+        t, rx, ry, tx, ty = nearest_point(parts, cosine * ax + sine * ay, cosine * ay - sine * ax, parameters[i])
+        parameters[i] = t
+        size = math.hypot(tx, ty)
         ox, oy = -ty / size, tx / size  # outwards, seen from the gear
         depth = -(rx * ox + ry * oy) - parts.clearance
         if depth <= 0.0:
@@ -289,7 +319,7 @@ def forces(parts: Parts, time: float, q: Array, v: Array, near: Array, out: Arra
             out[row + 2] -= side * parts.radius
 
 
-def _parts_of(design: Design, laws: Mapping[str, Any], friction: float, free: bool) -> Parts:
+def _collect_parts(design: Design, laws: Mapping[str, Any], friction: float, free: bool) -> Parts:
     """Collect dimensions and contact laws of a design for the compiled contacts."""
     gear = tooth_profile(design)
 
@@ -316,32 +346,32 @@ def _parts_of(design: Design, laws: Mapping[str, Any], friction: float, free: bo
 
 
 def run_compiled(timestep: float, friction: float, end: float, pins: str = "fixed") -> Motion:
-    """Run Exudyn's integrator (RK44) with contacts that its user has compiled: exact teeth, fixed pins or free ones."""
+    """Simulate with Exudyn's integrator (RK44) and contacts compiled here: exact teeth, fixed or free pins."""
     import exudyn as exu
     from exudyn import itemInterface as item
 
-    design = design_of(timestep, friction, pins)
+    design = reduced_design(timestep, friction, pins)
     compiled, gear, free = build(design), tooth_profile(design), pins == "free"
     angles = pin_angles(gear)
-    of = _parts_of(design, compiled.laws, friction, free)
+    parts = _collect_parts(design, compiled.laws, friction, free)
     bodies = [compiled.model.body("gear"), *(compiled.model.body(f"pin_{i + 1}") for i in range(len(angles)) if free)]
     mass = np.concatenate([[body.mass[0], body.mass[0], inertia_about_axis(body)] for body in bodies])
     speeds = np.zeros(mass.size)
-    speeds[:3] = -gear.eccentricity * of.speed, 0.0, -of.speed / gear.lobes
-    places = np.zeros(mass.size)
-    places[1] = gear.eccentricity
-    near, out = np.array(angles), np.zeros(mass.size)
+    speeds[:3] = -gear.eccentricity * parts.speed, 0.0, -parts.speed / gear.lobes
+    start_coordinates = np.zeros(mass.size)
+    start_coordinates[1] = gear.eccentricity
+    parameters, out = np.array(angles), np.zeros(mass.size)
 
     def force(mbs: Any, time: float, number: int, q: Any, v: Any) -> Any:
-        forces(of, time, np.asarray(q), np.asarray(v), near, out)
+        forces(parts, time, np.asarray(q), np.asarray(v), parameters, out)
         return out
 
-    forces(of, 0.0, places, speeds, near.copy(), out)  # compiled before the clock starts
+    forces(parts, 0.0, start_coordinates, speeds, parameters.copy(), out)  # compiled before the clock starts
     mbs = exu.SystemContainer().AddSystem()
     node = mbs.AddNode(
         item.NodeGenericODE2(
             referenceCoordinates=[0.0] * mass.size,
-            initialCoordinates=places.tolist(),
+            initialCoordinates=start_coordinates.tolist(),
             initialCoordinates_t=speeds.tolist(),
             numberOfODE2Coordinates=mass.size,
         )
@@ -359,12 +389,12 @@ def run_compiled(timestep: float, friction: float, end: float, pins: str = "fixe
     mbs.Assemble()
     cpu = _solve(exu, mbs, end, timestep, exu.DynamicSolverType.RK44)
     stored = [mbs.GetSensorStoredData(number) for number in sensors]
-    theta = of.speed * stored[0][:, 0]
-    (x, y, turn), (u, v, rate) = (one[:, 1:4].T for one in stored)
-    force_x = of.cam[0] * (x + of.c * np.sin(theta)) + of.cam[1] * (u + of.c * of.speed * np.cos(theta))
-    force_y = of.cam[0] * (y - of.c * np.cos(theta)) + of.cam[1] * (v + of.c * of.speed * np.sin(theta))
-    torque = of.c * (np.cos(theta) * force_x + np.sin(theta) * force_y)
-    return Motion(theta, turn, rate, torque, cpu)
+    theta = parts.speed * stored[0][:, 0]
+    (x, y, angle), (u, v, rate) = (sample[:, 1:4].T for sample in stored)
+    force_x = parts.cam[0] * (x + parts.c * np.sin(theta)) + parts.cam[1] * (u + parts.c * parts.speed * np.cos(theta))
+    force_y = parts.cam[0] * (y - parts.c * np.cos(theta)) + parts.cam[1] * (v + parts.c * parts.speed * np.sin(theta))
+    torque = parts.c * (np.cos(theta) * force_x + np.sin(theta) * force_y)
+    return Motion(theta, angle, rate, torque, cpu)
 
 
 def inertia_about_axis(body: Any) -> float:
@@ -374,8 +404,11 @@ def inertia_about_axis(body: Any) -> float:
     return float(axes.reshape(3, 3)[2] ** 2 @ body.inertia)
 
 
-def judge(motion: Motion, lobes: int) -> tuple[float, float, float, float]:
-    """Compute mean and peak-to-peak transmission error [arcsec], rms error of the gear's speed [rad/s], efficiency."""
+def compute_figures(motion: Motion, lobes: int) -> tuple[float, float, float, float]:
+    """Compute figures over the second half of a run.
+
+    They are mean and peak-to-peak transmission error [arcsec], rms error of the gear's speed [rad/s], and efficiency.
+    """
     half = slice(len(motion.crank) // 2, None)
     crank, gear, speed, torque = (values[half] for values in (motion.crank, motion.gear, motion.speed, motion.torque))
     error = np.degrees(gear + crank / lobes) * 3600.0
@@ -385,7 +418,7 @@ def judge(motion: Motion, lobes: int) -> tuple[float, float, float, float]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Run all models, and print a table of their CPU times and figures."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("--end-ms", type=float, default=10.0, help="simulated time [ms]; its second half is judged")
     parser.add_argument("--friction", type=float, default=0.05, help="pin on gear")
@@ -400,7 +433,7 @@ def main() -> None:
         }
     for segments in (2800, 5600, 11200, 22400):
         runs[f"Exudyn, 10 us, {segments} segments"] = partial(run_exudyn, 1e-5, friction, end, segments)
-    lobes = design_of(1e-6, friction).lobes
+    lobes = reduced_design(1e-6, friction).lobes
     print(f"{'':32}{'CPU s / s':>10}{'TE mean':>10}{'TE p-p':>10}{'speed rms':>11}{'efficiency':>12}")
     for name, run in runs.items():
         try:
@@ -408,8 +441,8 @@ def main() -> None:
         except Exception as problem:  # Exudyn's solver gives up: the other rows go on
             print(f"{name:32}{type(problem).__name__}: {problem}", flush=True)
             continue
-        mean, swing, rms, efficiency = judge(motion, lobes)
-        print(f"{name:32}{motion.cpu:10.3g}{mean:10.3f}{swing:10.3f}{rms:11.4f}{efficiency:12.4f}", flush=True)
+        mean, peak_to_peak, rms, efficiency = compute_figures(motion, lobes)
+        print(f"{name:32}{motion.cpu:10.3g}{mean:10.3f}{peak_to_peak:10.3f}{rms:11.4f}{efficiency:12.4f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ def animation(path: Path = MODELS / "mechanism.gif") -> int:
 
 
 def report(logs: Sequence[str], path: Path = MODELS / "report.png") -> int:
-    """Write the top of the report of some runs to a picture; return the exit code."""
+    """Render the top of the report of some logs as a PNG file; return the exit code."""
     with TemporaryDirectory() as folder:
         page = Path(folder) / "report.html"
         if code := cycloid_mj(["report", *logs, "--out", str(page)]):
@@ -74,7 +74,7 @@ def keep_small(taken: Path, path: Path) -> None:
 
 
 def screenshot(page: Path, path: Path, width: int, height: int) -> None:
-    """Write the top of a page to a picture of a size [px]; exit with 1 where there is no Chromium."""
+    """Render the top of an HTML page as an image of a size [px]; exit with 1 if there is no Chromium."""
     chromium = shutil.which("chromium")
     if not chromium:
         sys.exit("error: the picture of a page needs Chromium (Debian: chromium)")

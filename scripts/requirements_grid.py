@@ -94,10 +94,10 @@ WISHES: tuple[Callable[[Requirement, float], dict[str, Any]], ...] = (
 
 
 def draw_requirements(count: int, seed: int) -> list[Requirement]:
-    """Draw requirements, each size evenly by its logarithm; larger drives are asked for more torque.
+    """Draw random requirements: sizes from a log-uniform distribution, and up to two further wishes.
 
-    A quarter has no further wish, a half one, a quarter two, as far as these go together. With the same seed, a smaller
-    number yields the first of a larger one.
+    Larger drives get more torque. A quarter has no further wish, a half one, a quarter two, as far as these are
+    compatible. With the same seed, a smaller number yields the first of a larger one.
     """
     points = qmc.Sobol(7, seed=seed).random_base2(math.ceil(math.log2(max(count, 1))))
     grid = []
@@ -119,16 +119,20 @@ def _even(low: float, high: float, share: float) -> float:
     return float(f"{low * (high / low) ** share:.3g}")
 
 
-def flags(asked: Requirement, ratios: int = 0) -> dict[str, str]:
-    """Return the flags of `design new`, and their values, that ask for a requirement, or for a range of ratios."""
-    usual = Requirement(asked.ratio, asked.diameter, asked.torque)
+def flags(requirement: Requirement, ratios: int = 0) -> dict[str, str]:
+    """Return the flags of `design new` for a requirement: flag -> value; with `ratios`, for a range of ratios."""
+    usual = Requirement(requirement.ratio, requirement.diameter, requirement.torque)
     values = {}
     for key, (flag, factor) in FLAGS.items():
-        value = getattr(asked, key)
+        value = getattr(requirement, key)
         if key in ALWAYS or value != getattr(usual, key):
             values[flag] = f"{factor * value:.10g}" if isinstance(value, float) else str(value or "auto")
-    values |= {"--ratio-range": f"{asked.ratio}:{asked.ratio + ratios}"} if ratios else {"--ratio": str(asked.ratio)}
-    return values | ({"--custom": ""} if asked.custom else {})
+    values |= (
+        {"--ratio-range": f"{requirement.ratio}:{requirement.ratio + ratios}"}
+        if ratios
+        else {"--ratio": str(requirement.ratio)}
+    )
+    return values | ({"--custom": ""} if requirement.custom else {})
 
 
 def size(asked: dict[str, str]) -> tuple[dict[str, Any], str]:
@@ -140,11 +144,11 @@ def size(asked: dict[str, str]) -> tuple[dict[str, Any], str]:
     return (json.loads(out.getvalue()) if out.getvalue() else {}), err.getvalue()
 
 
-def faults(drive: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
-    """Yield the requirements that a written drive does not fulfil, by `design check` and its own data sheet."""
+def faults(drive: dict[str, Any], requested_flags: dict[str, str]) -> Iterator[str]:
+    """Yield a sentence for each requirement that a drive does not fulfil, by `design check` and its data sheet."""
     design = load(Path(drive["file"]))
     reducer, figures = Reducer(design), drive["figures"]
-    wanted = {flag: float(value) for flag, value in asked.items() if flag in NUMBERS}
+    wanted = {flag: float(value) for flag, value in requested_flags.items() if flag in NUMBERS}
     yield from (str(item) for item in check(design) if item.severity == "error" and not item.passed)
     yield from (str(item) for item in life_checks(reducer) if not item.passed)
     items = [item for item in rate(design, parts="toleranced").items.values() if item.decisive]
@@ -173,23 +177,27 @@ def faults(drive: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
         yield f"its backlash is {backlash:.4g} arcmin"
 
 
-def judge(asked: dict[str, str], number: int, thorough: bool) -> tuple[str, float, list[str]]:
-    """Size a drive; return the answer in words, its CPU time [s], and its faults."""
+def judge(requested_flags: dict[str, str], number: int, thorough: bool) -> tuple[str, float, list[str]]:
+    """Size a drive for the requested flags; return the answer in words, its CPU time [s], and its faults."""
     began = time.process_time()
-    answer, error = size(asked)
+    answer, error = size(requested_flags)
     spent = time.process_time() - began
     if not answer:
         return error, spent, ["neither a drive nor a refusal"]
     if drives := answer.get("designs"):
         titles = ", ".join(f"{one['title']} {one['figures']['mass_kg']:.3g} kg" for one in drives)
-        return titles, spent, [fault for one in drives[: None if thorough else 1] for fault in faults(one, asked)]
+        return (
+            titles,
+            spent,
+            [fault for one in drives[: None if thorough else 1] for fault in faults(one, requested_flags)],
+        )
     most, ways = answer["most"], answer["ways"]
     wrong = [] if ways else ["no way out"]
-    if most >= float(asked["--torque-nm"]):
-        wrong.append(f"{most:g} N m are at most, and {asked['--torque-nm']} refused")
-    others = [("its most", asked | {"--torque-nm": f"{most:g}"})] if most else []
+    if most >= float(requested_flags["--torque-nm"]):
+        wrong.append(f"{most:g} N m are at most, and {requested_flags['--torque-nm']} refused")
+    others = [("its most", requested_flags | {"--torque-nm": f"{most:g}"})] if most else []
     chosen = ways if thorough else ways[number % max(len(ways), 1) :][:1]
-    others += [(one["words"], _replace_flags(asked, one["flags"])) for one in chosen]
+    others += [(one["words"], _replace_flags(requested_flags, one["flags"])) for one in chosen]
     for words, other in others:
         then, error = size(other)
         wrong += [f"{words}: {fault}" for one in then.get("designs", [])[:1] for fault in faults(one, other)]
@@ -205,7 +213,7 @@ def _replace_flags(asked: dict[str, str], words: list[str]) -> dict[str, str]:
 
 
 def main() -> int:
-    """Judge the answers to all requirements, and print a line for each."""
+    """Size drives for all requirements, and print a line for each with its faults."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=40)

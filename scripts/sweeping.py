@@ -14,7 +14,7 @@ from cycloid_mj.base.engine import Engine
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore.measured import MeasureSettings
 from cycloid_mj.explore.row import PointResult, Task, evaluate_row
-from cycloid_mj.explore.sampling import BLOCK_SAMPLES, list_batches, tolerance_zones
+from cycloid_mj.explore.sampling import SAMPLING, list_batches, tolerance_zones
 from cycloid_mj.explore.tolerances import balance_batch
 from cycloid_mj.figures import SAMPLED
 from cycloid_mj.figures.sampled import ANGLES
@@ -42,8 +42,8 @@ def nothing(_: int) -> PointResult:
     return PointResult({f"a_quantity_of_statics_{number}": 1.0 / 3.0 for number in range(60)})
 
 
-def works(many: int, few: int) -> dict[str, Work]:
-    """Collect what is measured, with so many points of the fast kind and of the others."""
+def works(fast_points: int, slow_points: int) -> dict[str, Work]:
+    """Return the pieces of work to measure by name: `fast_points` of the fast kind, `slow_points` of the others."""
     pin = PRESETS["pin"]
 
     def points(key: str, measure: str, changes: dict[str, Any], count: int, real_pins: bool = False) -> Work:
@@ -52,31 +52,31 @@ def works(many: int, few: int) -> dict[str, Work]:
 
     toleranced = override(pin, TOLERANCES)
     return {
-        "nothing": Work(nothing, range(many)),
-        "statics": points("load.torque_nm", "statics", {}, few),
-        "turn, massless pins": points("load.torque_nm", "simulate", TURN, few),
+        "nothing": Work(nothing, range(fast_points)),
+        "statics": points("load.torque_nm", "statics", {}, slow_points),
+        "turn, massless pins": points("load.torque_nm", "simulate", TURN, slow_points),
         "turn, free pins": points("load.torque_nm", "simulate", TURN, WORKERS, real_pins=True),
-        f"{BLOCK_SAMPLES} samples": Work(
+        f"{SAMPLING.block} samples": Work(
             partial(balance_batch, Reducer(toleranced), tolerance_zones(Reducer(toleranced)), 0, ANGLES),
-            [(block, SAMPLED) for block in list_batches(WORKERS * BLOCK_SAMPLES)],
+            [(block, SAMPLED) for block in list_batches(WORKERS * SAMPLING.block)],
         ),
     }
 
 
 def sweep_table(passes: int, chosen: Mapping[str, Work] | None = None) -> dict[str, dict[str, list[float]]]:
-    """Points of a sweep and their way to a worker; ms a point, workers warm.
+    """Measure the cost of a sweep's points and of their transfer to workers [ms per point], workers warm.
 
     CPU time of the work; wall time in two processes and on a Dask cluster with two workers; CPU time of its client and
     its scheduler. A line ``512 samples`` is a block of `tolerance`, a piece of work as the others are points.
     """
-    chosen = works(many=1000, few=16) if chosen is None else chosen
+    chosen = works(fast_points=1000, slow_points=16) if chosen is None else chosen
     with tempfile.TemporaryDirectory() as folder, Cluster(Path(folder), WORKERS, (ROOT / "scripts",)) as cluster:
         there = Engine(scheduler=cluster.address)
         return {name: _costs(one, there, cluster.scheduler.pid, passes) for name, one in chosen.items()}
 
 
 def _costs(work: Work, there: Engine, scheduler: int, passes: int) -> dict[str, list[float]]:
-    """Measure a piece of work in all ways, in turn."""
+    """Measure a piece of work in this process, in workers and on a cluster, in turn; return the costs by column."""
     costs: dict[str, list[float]] = {name: [] for name in COLUMNS}
     for engine in (Engine(1), Engine(WORKERS), there):
         engine.each(work.work, work.items[:WORKERS])

@@ -30,7 +30,7 @@ AHEAD = "mujoco-core"
 
 
 def requirements() -> tuple[str, str]:
-    """Return what pyproject.toml asks of MuJoCo, as the requirement of its oldest release and of its newest."""
+    """Return the oldest and the newest release of MuJoCo that pyproject.toml allows, as pip requirements."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     allowed = next(line for line in project["dependencies"] if re.match(r"mujoco\b", line))
     oldest = re.search(r">=\s*([\d.]+)", allowed)
@@ -47,7 +47,7 @@ def ran(*command: str | Path, folder: Path = ROOT) -> subprocess.CompletedProces
 
 
 def install(environment: Path, requirement: str) -> str:
-    """Make an environment with the project on a release of MuJoCo; return the release, or pip's last line."""
+    """Create an environment with the project on a release of MuJoCo; return the release, or pip's last line."""
     python = str(environment / "bin" / "python")
     quiet = [python, *["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]]
     commands = [[sys.executable, "-m", "venv", str(environment)]]
@@ -77,7 +77,7 @@ def run_tests(environment: Path) -> tuple[bool, str]:
 
 
 def main() -> int:
-    """Print the table; return 1 if a release that is allowed fails."""
+    """Test all releases of MuJoCo, and print a table; return 1 if an allowed release fails."""
     options = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     options.add_argument("--folder", type=Path, help="where to keep the environments; by default they are removed")
     kept: Path | None = options.parse_args().folder

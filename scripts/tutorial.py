@@ -53,7 +53,7 @@ def commands(lines: str) -> list[str]:
 
 
 def run_command(command: str, folder: Path) -> str:
-    """Run a command in a folder; return what it prints, and of one that fails its error."""
+    """Run a command in a folder, and return its output, or its error if it fails."""
     words = [sys.executable, "-m", "cycloid_mj", *shlex.split(command)[1:]]
     print(f"$ {command}", file=sys.stderr, flush=True)
     environment = {**os.environ, "COLUMNS": str(WIDTH), "NO_COLOR": "1"}
@@ -64,7 +64,7 @@ def run_command(command: str, folder: Path) -> str:
 
 
 def with_printed(page: str, folder: Path) -> str:
-    """Return a page with what its commands print when they run in a folder, in their order."""
+    """Return a page with the output of its commands inserted, which are run in a folder in their order."""
 
     def fill(block: re.Match[str]) -> str:
         text = "\n\n".join(filter(None, (run_command(command, folder) for command in commands(block["lines"]))))

@@ -27,7 +27,7 @@ NO_WHEEL = re.compile(r"No matching distribution found for ([\w.-]+)")
 
 
 def resolve(requirements: list[str], *options: str) -> tuple[set[str], str]:
-    """Return the names of the packages that pip would install, and what it prints on an error."""
+    """Return the names of the packages that pip would install for requirements, and the message of an error."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder, "report.json")
         command = [sys.executable, "-m", "pip", "install", "--dry-run", "--quiet", "--ignore-installed"]

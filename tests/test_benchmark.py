@@ -113,7 +113,7 @@ def test_a_ratio_to_exudyn_is_to_each_published_cost(monkeypatch) -> None:
 
 def test_figures_of_two_trees_are_held_against_each_other_by_name(tmp_path) -> None:
     printed = {"a": [{"key": "x", "value": 2.0}, 3.0], "wall_s": 1.0, "n": 4, "none": None, "bad": float("inf")}
-    ours = against.of_the_json(against.Ended(1.0, 1.0, json.dumps(printed), tmp_path))
+    ours = against.figures_of_json(against.Finished(1.0, 1.0, json.dumps(printed), tmp_path))
     assert ours == {"a.x.value": 2.0, "a.1": 3.0}
     assert against.difference(ours, {"a.x.value": 2.5, "a.1": 3.0, "b": 1.0}) == ("a.x.value", pytest.approx(0.2), 2)
 
@@ -149,7 +149,7 @@ def test_against_needs_one_revision_that_git_knows(monkeypatch, capsys) -> None:
     with pytest.raises(SystemExit):
         benchmark.main()
     assert "against REVISION" in capsys.readouterr().err
-    with pytest.raises(SystemExit, match="no revision nowhere"), against.laid_out("nowhere"):
+    with pytest.raises(SystemExit, match="no revision nowhere"), against.check_out("nowhere"):
         pass
 
 
@@ -186,7 +186,7 @@ def test_the_program_of_the_statics_runs_in_this_tree(tmp_path) -> None:
 
 @pytest.mark.slow
 def test_the_cost_of_a_point_is_its_work_and_its_way() -> None:
-    works = sweeping.works(many=50, few=2)
+    works = sweeping.works(fast_points=50, slow_points=2)
     assert len(works) == 5
     table = sweeping.sweep_table(1, {name: works[name] for name in ("nothing", "statics")})
     for name, row in table.items():

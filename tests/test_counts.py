@@ -48,15 +48,15 @@ def test_each_line_that_converts_for_a_turning_ring_counts_once(module: counts.M
 
 
 def test_a_class_name_of_two_modules_is_a_homonym(module: counts.Module) -> None:
-    assert counts.homonyms([module]) == ()
-    assert counts.homonyms([module, counts.Module("b.py", module.tree)]) == ("Gear: a.py:13, b.py:13",)
+    assert counts.list_homonyms([module]) == ()
+    assert counts.list_homonyms([module, counts.Module("b.py", module.tree)]) == ("Gear: a.py:13, b.py:13",)
 
 
 def test_no_count_is_above_what_contributing_says() -> None:
     """The counts that the sources alone decide; those of a data sheet take ten seconds."""
     page = (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(encoding="utf-8")
     stated = dict(re.findall(r"^\| (.+?) \| (\d+) \| under", page, re.MULTILINE))
-    counted = {one.name: one.value for one in counts.of_sources()}
+    counted = {one.name: one.value for one in counts.count_sources()}
     assert counted.keys() < stated.keys()
     assert {name: value for name, value in counted.items() if value > int(stated[name])} == {}
 

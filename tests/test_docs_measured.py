@@ -13,7 +13,7 @@ ROOT = Path(__file__).parent.parent
 def test_the_page_says_what_was_measured() -> None:
     page = docs_measured.PAGE.read_text(encoding="utf-8")
     found = json.loads(docs_measured.KEPT.read_text(encoding="utf-8"))
-    assert docs_measured.written_page(page) == page
+    assert docs_measured.fill_page(page) == page
     for design, quantities in found.items():
         for label, keys in docs_measured.ROWS:
             assert sum(key in quantities for key in keys) == 1, (design, label)
@@ -29,7 +29,7 @@ def test_the_page_says_what_was_compared() -> None:
         {"quantity": name, "least": 114.2, "largest": 157.0, "mean": 0.013} for _, name, _ in docs_measured.LEVELS
     ]
     runs = [run | {"load_nm": 0.0, "spreads": spreads}, run | {"load_nm": 36.68, "spreads": []}]
-    told = docs_measured.comparison(
+    told = docs_measured.format_comparison(
         docs_measured.read_comparison({"conditions": {"drive.speed_rpm": 1640.0}, "runs": runs})
     )
     assert "at 1640 rpm." in told
@@ -54,7 +54,10 @@ def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands()
     ]
     spreads = ([1.1, 2.0], [1.04, 2.0], [0.3, 0.9], [0.3, 0.96], [0.5, 3.0])
     claims = [{"key": key, "ours": {"spread": one}} for key, one in zip(docs_measured.CLAIMS, spreads, strict=True)]
-    rows = [line.strip("| ").split(" | ") for line in docs_measured.orders({"runs": runs}, claims).splitlines()[2:]]
+    rows = [
+        line.strip("| ").split(" | ")
+        for line in docs_measured.format_fluctuations({"runs": runs}, claims).splitlines()[2:]
+    ]
     assert [row[0] for row in rows[:2]] == ["gear speed", "path of q, without its steady shift"]
     assert [row[1] for row in rows] == ["1.5"] * 5
     # beyond all starts of the other, by more than 5 %
@@ -75,4 +78,4 @@ def test_a_number_stands_with_its_error_and_its_closed_form() -> None:
 
 def test_a_page_without_marks_is_refused() -> None:
     with pytest.raises(ValueError, match="lacks"):
-        docs_measured.written_page("nothing")
+        docs_measured.fill_page("nothing")

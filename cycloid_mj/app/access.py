@@ -52,10 +52,13 @@ class AccessControl:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle one request."""
         refusal = self._refusal(scope)
-        await (refusal or self._inner)(scope, receive, _with_headers(send))
+        await (refusal or self._inner)(scope, receive, _add_headers(send))
 
     def _refusal(self, scope: Scope) -> Response | None:
-        """Return the response to a request that is not passed on."""
+        """Return the response that refuses a request from another host or origin, or without the token.
+
+        Return None if the request is allowed.
+        """
         headers = Headers(scope=scope)
         if len(scope["raw_path"]) + len(scope["query_string"]) > LIMITS.path_length:
             return PlainTextResponse(LONG_PATH, HTTPStatus.REQUEST_URI_TOO_LONG)
@@ -75,8 +78,8 @@ class AccessControl:
         return secrets.compare_digest(text.encode(), self._token)
 
 
-def _with_headers(send: Send) -> Send:
-    """Add the headers that every response has."""
+def _add_headers(send: Send) -> Send:
+    """Return a function that sends a response with the security headers of the page."""
 
     async def send_with_headers(message: Message) -> None:
         if message["type"] == "http.response.start":

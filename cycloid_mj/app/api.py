@@ -12,33 +12,25 @@ from typing import Any, NamedTuple
 from cycloid_mj.app import artifacts, drive, monte_carlo, part_stress, requirement, solid, summary, turn
 from cycloid_mj.app.controls import controls, find_controls, key_in_words, value_in_words
 from cycloid_mj.app.drawing import section
-from cycloid_mj.app.state import apply_changes, design_of, differences, values_of
+from cycloid_mj.app.limits import QUESTIONS
+from cycloid_mj.app.state import apply_changes, changed_values, differences, parse_design
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design, presets_for
 from cycloid_mj.design.file import loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import load_of
 
-MAX_MAGNIFICATION = 1000.0
-"""Largest factor by which the page draws clearances."""
-
-MAX_TURN = 1000
-"""Highest number of a crank turn whose forces the page requests."""
-
-MAX_FOUND = 30
-"""Most parameters that a search shows."""
-
 Content = Mapping[str, Any]
 
 
 def draw(content: Content) -> dict[str, Any]:
     """Apply ``changes`` to a ``design``, and return everything that is shown at once (`view`)."""
-    design = apply_changes(design_of(content.get("design", {})), content.get("changes", {}))
+    design = apply_changes(parse_design(content.get("design", {})), content.get("changes", {}))
     return view(design, content)
 
 
 def open_design(content: Content) -> dict[str, Any]:
-    """Return the `view` of a ``preset`` or of the ``text`` of a design file."""
+    """Open a design from a ``preset`` or the ``text`` of a design file, and return its `view`."""
     text, preset = content.get("text"), content.get("preset")
     presets = presets_for("app")
     if isinstance(preset, str) and preset in presets:
@@ -62,22 +54,24 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     Parameters
     ----------
     content
-        ``play`` is the magnification of clearances, ``asked`` the requirements that the header is judged by.
+        Question of the page: ``play`` is the magnification of clearances, ``asked`` the requirements that the header is
+        judged by.
     """
-    factor = content.get("play", 1.0)
-    if not isinstance(factor, int | float) or not 1.0 <= factor <= MAX_MAGNIFICATION:
+    magnification = content.get("play", 1.0)
+    if not isinstance(magnification, int | float) or not 1.0 <= magnification <= QUESTIONS.magnification:
         raise UsageError(
-            f"the magnification of the clearances is {factor!r}, which is out of range: choose a number from 1 to "
-            f"{MAX_MAGNIFICATION:g}"
+            f"the magnification of the clearances is {magnification!r}, which is out of range: choose a number from "
+            "1 to "
+            f"{QUESTIONS.magnification:g}"
         )
     reducer = Reducer(design)
     return {
-        "design": values_of(design),
+        "design": changed_values(design),
         "name": design.name,
-        "head": summary.geometry(reducer, content.get("asked")),
+        "head": summary.geometry_figures(reducer, content.get("asked")),
         "load_nm": abs(design.load.torque),
         "controls": [asdict(control) for control in controls(design)],
-        "section": section(reducer, float(factor)),
+        "section": section(reducer, float(magnification)),
         "errors": summary.errors(reducer),
     }
 
@@ -88,7 +82,7 @@ def _reducer(content: Content) -> Reducer:
 
 @lru_cache(maxsize=1)  # consecutive questions are on the same design: each reuses what has been solved
 def _cached_reducer(values: str) -> Reducer:
-    return Reducer(design_of(json.loads(values)))
+    return Reducer(parse_design(json.loads(values)))
 
 
 def statics(content: Content) -> dict[str, Any]:
@@ -98,7 +92,7 @@ def statics(content: Content) -> dict[str, Any]:
 
 def life(content: Content) -> dict[str, Any]:
     """Return the rating, with the size of the drive with covers for a motor of the ``options``."""
-    options = drive.build_options(content.get("options"))
+    options = drive.parse_options(content.get("options"))
     return summary.life(_reducer(content), content.get("asked"), options.motor)
 
 
@@ -113,7 +107,7 @@ def remedies(content: Content) -> dict[str, Any]:
 
 
 def compare(content: Content) -> dict[str, Any]:
-    """Return the values in which the designs ``a`` and ``b`` differ, in words."""
+    """List the values in which the designs ``a`` and ``b`` of a question differ, with keys and values in words."""
     rows = differences(content.get("a"), content.get("b"))
     return {
         "rows": [
@@ -125,15 +119,17 @@ def compare(content: Content) -> dict[str, Any]:
 
 def find(content: Content) -> dict[str, Any]:
     """Return controls of the parameters that a ``text`` matches and the page does not show already."""
-    found = find_controls(design_of(content.get("design", {})), str(content.get("text", "")))
-    return {"controls": [asdict(control) for control in found[:MAX_FOUND]]}
+    matches = find_controls(parse_design(content.get("design", {})), str(content.get("text", "")))
+    return {"controls": [asdict(control) for control in matches[: QUESTIONS.matches]]}
 
 
 def forces(content: Content) -> dict[str, Any]:
     """Return the forces over the crank turn with the number ``turn``."""
     number = content.get("turn", 0)
-    if type(number) is not int or not 0 <= number <= MAX_TURN:
-        raise UsageError(f"the crank turn is {number!r}, which is out of range: choose an integer from 0 to {MAX_TURN}")
+    if type(number) is not int or not 0 <= number <= QUESTIONS.turn:
+        raise UsageError(
+            f"the crank turn is {number!r}, which is out of range: choose an integer from 0 to {QUESTIONS.turn}"
+        )
     return turn.forces(_reducer(content), number)
 
 
@@ -144,12 +140,12 @@ def error(content: Content) -> dict[str, Any]:
 
 def shape(content: Content) -> dict[str, Any]:
     """Return the meshes of the drive with covers for a motor of the ``options``."""
-    return solid.assembly(_reducer(content), drive.build_options(content.get("options")))
+    return solid.assembly_meshes(_reducer(content), drive.parse_options(content.get("options")))
 
 
 def build(content: Content) -> dict[str, Any]:
     """Return size, bill and order of assembly of the drive with covers for a motor of the ``options``."""
-    return drive.describe_drive(_reducer(content), drive.build_options(content.get("options")))
+    return drive.describe_drive(_reducer(content), drive.parse_options(content.get("options")))
 
 
 AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {
@@ -180,8 +176,8 @@ class JobKind(NamedTuple):
     args: tuple[Any, ...]
 
 
-def job_of(content: Content) -> JobKind:
-    """Return the job of a question.
+def create_job(content: Content) -> JobKind:
+    """Return the job that a question of the page requests: its queue, name, function and arguments.
 
     Raises
     ------
@@ -190,16 +186,16 @@ def job_of(content: Content) -> JobKind:
     """
     kind, design = str(content.get("kind")), content.get("design")
     if kind == "size":
-        requirement.requirement_of(content.get("form"))
+        requirement.parse_form(content.get("form"))
         return JobKind("studies", "the search for drives", requirement.size, (content.get("form"),))
     if kind in artifacts.FILES or kind == artifacts.WHOLE_DRIVE:
-        options = drive.build_options(content.get("options"))
+        options = drive.parse_options(content.get("options"))
         queue = "at once" if kind == artifacts.DESIGN_FILE else "files"
         name = "the files of the drive" if kind == artifacts.WHOLE_DRIVE else artifacts.FILES[kind][0]
-        return JobKind(queue, name, artifacts.make, (design, kind, options))
+        return JobKind(queue, name, artifacts.create_files, (design, kind, options))
     jobs: Mapping[str, tuple[str, Callable[..., Any], tuple[Any, ...]]] = {
-        "run": ("the simulation", artifacts.run, (design,)),
-        "scatter": ("tolerances", monte_carlo.samples, (design, content.get("spread_um"))),
+        "run": ("the simulation", artifacts.simulate_run, (design,)),
+        "scatter": ("tolerances", monte_carlo.study_tolerances, (design, content.get("spread_um"))),
         "stress": ("stresses", part_stress.stress, (design,)),
     }
     if kind not in jobs:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from cycloid_mj.app.drive import BuildOptions, build_files, drive_of
+from cycloid_mj.app.drive import BuildOptions, build_files, reducer_at_reference
 from cycloid_mj.app.jobs import Download
-from cycloid_mj.app.state import design_of
+from cycloid_mj.app.state import parse_design
 from cycloid_mj.base.atomic_write import zip_files
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.result import plain
@@ -54,10 +54,10 @@ def data_sheet(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     return {f"{design.name}-datasheet.pdf": document(datasheet_pages(datasheet(Reducer(design))))}
 
 
-def parts_in(file_format: Format, design: Design, options: BuildOptions) -> dict[str, bytes]:
-    """Return a zip file with a file of each part in a format, with covers where they fit."""
+def part_files(file_format: Format, design: Design, options: BuildOptions) -> dict[str, bytes]:
+    """Export all parts of a design in a format, with covers where they fit; return one zip file by its name."""
     files = dict(export(design, file_format, CHORD_ERROR, options.offset, options.motor).files)
-    reducer = drive_of(Reducer(design))
+    reducer = reducer_at_reference(Reducer(design))
     if sizes := casing_or_none(reducer, options.motor)[0]:
         wide = widen_clearances(reducer, options.offset)
         files |= drive_files(wide, file_format, sizes, CHORD_ERROR, stock_cam_seat(reducer))
@@ -66,20 +66,20 @@ def parts_in(file_format: Format, design: Design, options: BuildOptions) -> dict
 
 def assembly(design: Design, options: BuildOptions) -> dict[str, bytes]:
     """Return the assembly as a STEP file, with covers where they fit."""
-    reducer = drive_of(Reducer(design))
+    reducer = reducer_at_reference(Reducer(design))
     return {f"{design.name}.step": assembly_step(reducer, 0.0, casing_or_none(reducer, options.motor)[0])}
 
 
 def print_plate(design: Design, options: BuildOptions) -> dict[str, bytes]:
     """Return a zip file with print plates, test coupon and bill of materials, with covers where they fit."""
-    reducer = drive_of(Reducer(design))
+    reducer = reducer_at_reference(Reducer(design))
     settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
     printed = print_files(reducer, casing_or_none(reducer, options.motor)[0], settings)
     return _zip(f"{design.name}-print", printed.files)
 
 
-def joint(design: Design, _options: BuildOptions) -> dict[str, bytes]:
-    """Return a zip file with the joint for a robot model: the files of ``cycloid-mj reduce`` without its page."""
+def joint_files_zip(design: Design, _options: BuildOptions) -> dict[str, bytes]:
+    """Return a zip file, by its name, with the files of ``cycloid-mj reduce`` for a robot model, without its page."""
     from cycloid_mj.robot.files import choose_scenes, joint_files
     from cycloid_mj.robot.identification import reduce
 
@@ -97,17 +97,29 @@ FILES: Mapping[str, tuple[str, Callable[[Design, BuildOptions], dict[str, bytes]
     "datasheet": ("Data sheet (PDF)", data_sheet),
     "step": ("Assembly (STEP)", assembly),
     "3mf": ("Print plate (3MF)", print_plate),
-    "stl": ("Meshes (STL)", partial(parts_in, "stl")),
-    "dxf": ("Outlines (DXF)", partial(parts_in, "dxf")),
+    "stl": ("Meshes (STL)", partial(part_files, "stl")),
+    "dxf": ("Outlines (DXF)", partial(part_files, "dxf")),
     "mjcf": ("MuJoCo model (MJCF)", model),
-    "joint": ("Joint for a robot", joint),
+    "joint": ("Joint for a robot", joint_files_zip),
 }
 """Kind -> text of its button, and the function that creates the files by name."""
 
 
-def make(on_progress: Progress, values: Any, kind: str, options: BuildOptions = DEFAULT_OPTIONS) -> Download:
-    """Create the files of a kind of `FILES` for a design of the page, or all files to build it."""
-    design = design_of(values)
+def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOptions = DEFAULT_OPTIONS) -> Download:
+    """Create the files of one kind for a design of the page.
+
+    Parameters
+    ----------
+    on_progress
+        Called with what is done next, as JSON values.
+    values
+        The design, by its values of the page.
+    kind
+        Key of `FILES`, or `WHOLE_DRIVE` for all files to build the drive.
+    options
+        Motor, printer offset and bed.
+    """
+    design = parse_design(values)
     if kind == WHOLE_DRIVE:
         files = build_files(
             Reducer(design), options, lambda doing, share: on_progress({"doing": doing, "share": share})
@@ -117,8 +129,10 @@ def make(on_progress: Progress, values: Any, kind: str, options: BuildOptions = 
     return Download(files=FILES[kind][1](design, options))
 
 
-def run(on_progress: Progress, values: Any) -> Download:
+def simulate_run(on_progress: Progress, values: Any) -> Download:
     """Simulate a design in MuJoCo at full speed under its load, and return the report of the run as a page.
+
+    `values` is the design by its values of the page; `on_progress` is called with the share that is done.
 
     Raises
     ------
@@ -129,22 +143,24 @@ def run(on_progress: Progress, values: Any) -> Download:
     from cycloid_mj.dynamics.run import simulate
     from cycloid_mj.report import report
 
-    design = design_of(values)
+    design = parse_design(values)
     if design.drive.speed == 0.0:
         raise DesignError(
             "the crank speed (drive.speed_rpm) is 0, so there is nothing to simulate: set a speed other than 0, such "
             "as 1640 rpm"
         )
     started = design.but(drive={"ramp": 0.0})
-    settled, turn = settling_time(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
-    short = started.steady(settled, max(MIN_CRANK_TURNS, settled / turn))  # at most half of a hold is not judged
+    settled, crank_turn = settling_time(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
+    shortened = started.steady(
+        settled, max(MIN_CRANK_TURNS, settled / crank_turn)
+    )  # at most half of a hold is not judged
 
     def report_progress(done: int, total: int) -> None:
         on_progress({"doing": "simulating in MuJoCo", "share": done / total})
 
     on_progress({"doing": "building the model", "share": 0.0})
-    run = simulate(short, progress=report_progress)
-    return Download(page=report({design.name: run}, settle=settled))
+    simulate_run = simulate(shortened, progress=report_progress)
+    return Download(page=report({design.name: simulate_run}, settle=settled))
 
 
 def _zip(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:

@@ -41,7 +41,7 @@ class LimitedConnection(H11Protocol):
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Parse data; the deadline of a request starts with its first byte, and after a refusal data is discarded."""
+        """Parse received data; the first byte of a request starts its deadline. Data after a refusal is discarded."""
         if self._refused:
             return
         if self._idle and self._waiting_since is not None:
@@ -93,7 +93,7 @@ class LimitedConnection(H11Protocol):
             self._refuse(408, TIMEOUT_MESSAGE)
 
     def _refuse(self, status: int, words: str) -> None:
-        """Send a refusal, where the state of the connection allows one, and close the connection."""
+        """Send a response with an HTTP status and a text, unless a response has begun, and close the connection."""
         headers = [("Content-Type", "text/plain; charset=utf-8"), ("Connection", "close")]
         if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE) and not self.transport.is_closing():
             response = h11.Response(status_code=status, headers=headers)
@@ -105,7 +105,10 @@ class LimitedConnection(H11Protocol):
         self._linger()
 
     def _linger(self) -> None:
-        """Close the connection when the client has closed its side, or soon after; others may close it earlier."""
+        """Stop sending, and close the connection when the client has closed its side, at most `linger_s` later.
+
+        It may be closed earlier if there are too many connections.
+        """
         self._stop_waiting()
         if self.transport.is_closing():
             return
@@ -115,20 +118,24 @@ class LimitedConnection(H11Protocol):
         self._deadline = self.loop.call_later(self.limits.linger_s, self.transport.close)
 
     def _close_longest_waiting(self) -> None:
-        since = {other: other._waiting_since for other in self.connections if isinstance(other, LimitedConnection)}
-        waiting = {other: time for other, time in since.items() if time is not None}
+        waiting_since = {
+            connection: connection._waiting_since
+            for connection in self.connections
+            if isinstance(connection, LimitedConnection)
+        }
+        waiting = {connection: time for connection, time in waiting_since.items() if time is not None}
         if waiting:
             longest = min(waiting, key=waiting.__getitem__)
             longest._stop_waiting()  # else it would be chosen again before the event loop has removed it
             longest.transport.abort()
 
     def _watch_progress(self, unsent: int) -> None:
-        """Abort the connection if none of the unsent bytes is taken within the time-out."""
+        """Abort the connection if the client takes none of the `unsent` bytes within the time-out."""
 
         def check() -> None:
-            left = self.transport.get_write_buffer_size()
-            if left < unsent:
-                self._watch_progress(left)
+            remaining = self.transport.get_write_buffer_size()
+            if remaining < unsent:
+                self._watch_progress(remaining)
             else:
                 self.transport.abort()
 

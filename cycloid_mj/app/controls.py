@@ -124,25 +124,31 @@ COUNTS = {"ring.teeth": 2.0, "output.pins": 2.0}
 SPAN = {"clearance": 3.0, "load": 4.0, "drive": 3.0, "service": 5.0}
 """Range of the sliders of a table, as a factor of the value."""
 
-DEFAULT_SPAN = 1.8
-"""The same of the other tables: lengths of parts."""
 
-MIN_CLEARANCE_RANGE_UM = 20.0
-"""Upper end of the sliders of clearances, at least [um]."""
+@dataclass(frozen=True)
+class SliderSettings:
+    """Ranges of the sliders."""
 
-SLIDER_STEPS = 400
-"""Approximate number of steps of a slider."""
+    span: float = 1.8
+    """Upper end of a slider over the value, for lengths of parts and other tables without an entry in `SPAN`."""
+    min_clearance_range_um: float = 20.0
+    """Upper end of the sliders of clearances, at least [um]."""
+    steps: int = 400
+    """Approximate number of steps of a slider."""
+
+
+SLIDER = SliderSettings()
 
 
 def controls(design: Design) -> tuple[Control, ...]:
     """Return the lists and sliders of a design."""
-    return (*_lists(design), *(_slider(design, *row) for row in _rows()))
+    return (*_list_controls(design), *(_create_slider(design, *row) for row in _slider_rows()))
 
 
 def find_controls(design: Design, text: str) -> tuple[Control, ...]:
-    """Return controls of the other numbers, lists and switches of the design file whose key or meaning matches a text.
+    """Search the other numbers, lists and switches of the design file by a text, and return their controls.
 
-    Each word of the text is a part of the key, its name in words, or the description.
+    A key matches if each word of the text is a part of the key, its name in words, or its description.
     """
     words, shown = text.lower().split(), {control.key for control in controls(design)}
     return tuple(
@@ -154,7 +160,7 @@ def find_controls(design: Design, text: str) -> tuple[Control, ...]:
 
 
 def _other_controls(design: Design) -> Iterator[Control]:
-    """Yield a control for each number, list of options and switch of the tables of a design."""
+    """Yield a control for each number, list of options and switch in the tables of a design file."""
     for table, section in design:
         for name, field in type(section).model_fields.items() if isinstance(section, BaseModel) else ():
             value, key = getattr(section, name), f"{table}.{file_key(name, field)}"
@@ -172,8 +178,8 @@ def _other_controls(design: Design) -> Iterator[Control]:
 def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) -> Control:
     """Return a slider around a value in SI, of integers for an integer; from 0 to 1 around zero."""
     shown = value if isinstance(value, int) else unit.from_si(value)
-    low, high = (0.0, max(1.0, abs(shown))) if shown == 0.0 else sorted((0.0, DEFAULT_SPAN * shown))
-    step = 1.0 if isinstance(value, int) else 10.0 ** math.floor(math.log10((high - low) / SLIDER_STEPS))
+    low, high = (0.0, max(1.0, abs(shown))) if shown == 0.0 else sorted((0.0, SLIDER.span * shown))
+    step = 1.0 if isinstance(value, int) else 10.0 ** math.floor(math.log10((high - low) / SLIDER.steps))
     return Control(key, OTHERS, label, _symbol(unit.suffix), meaning, shown, low, math.ceil(high / step) * step, step)
 
 
@@ -183,7 +189,7 @@ def label_of(key: str) -> str:
 
 
 def key_in_words(key: str) -> str:
-    """Return a key of the design file in words for the middle of a sentence; other words are returned unchanged."""
+    """Return a key of the design file as words within a sentence; any other text is returned unchanged."""
     if "." not in key:
         return key
     word = label_of(key)
@@ -201,7 +207,7 @@ def key_in_words(key: str) -> str:
 
 
 def value_in_words(key: str, value: Any) -> str:
-    """Return a value of the design file as text: with its unit, or in the words of its list."""
+    """Return the value of a key as text: a number with its unit, or the label of an option."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
@@ -228,7 +234,7 @@ def with_symbols(text: str) -> str:
     return re.sub(r"(?<=[0-9] )um\b", SYMBOLS["um"], text)
 
 
-def _rows() -> Iterator[tuple[str, str, str]]:
+def _slider_rows() -> Iterator[tuple[str, str, str]]:
     """Yield heading, name of the value and label of each slider."""
     for group, labels in LABELS.items():
         for name, label in labels.items():
@@ -236,28 +242,28 @@ def _rows() -> Iterator[tuple[str, str, str]]:
 
 
 def _labels() -> dict[str, str]:
-    """Return the label of each key of the design file that has a control."""
-    words = {key: label for key, (label, _) in WORDS.items()}
-    for group, name, label in _rows():
+    """Collect the labels of all keys of the design file that have a control of their own."""
+    labels = {key: label for key, (label, _) in WORDS.items()}
+    for group, name, label in _slider_rows():
         table, _, key = name.partition(".")
-        named = f"Clearance of {label.lower()}" if table == "clearance" else label
+        label_in_sentence = f"Clearance of {label.lower()}" if table == "clearance" else label
         for name in ("pin_gear", "tooth") if key == "mesh" else (key,):
             field = type(getattr(Design(), table)).model_fields[name]
-            words[f"{table}.{file_key(name, field)}"] = named if group else label
-    return words
+            labels[f"{table}.{file_key(name, field)}"] = label_in_sentence if group else label
+    return labels
 
 
-def _lists(design: Design) -> Iterator[Control]:
-    """Yield the lists of a design: layout, then materials."""
-    for key, (label, words) in WORDS.items():
+def _list_controls(design: Design) -> Iterator[Control]:
+    """Yield the controls with options: layout of the design, then its materials."""
+    for key, (label, texts) in WORDS.items():
         if key == "ring.pins" and design.ring.kind != "pin":
             continue
         table, _, name = key.partition(".")
         section = getattr(design, table)
         value, field = getattr(section, name), type(section).model_fields[name]
-        known = get_args(field.annotation)
-        options = tuple(option for option in words.items() if not known or option[0] in known)
-        if value not in words:
+        allowed = get_args(field.annotation)
+        options = tuple(option for option in texts.items() if not allowed or option[0] in allowed)
+        if value not in texts:
             options += ((value, str(value).replace("_", " ")),)
         yield Control(key, LAYOUT, label, "", _sentence(field.description), value, options=options)
     for table, label in MADE_OF.items():
@@ -275,8 +281,11 @@ def _lists(design: Design) -> Iterator[Control]:
         )
 
 
-def _slider(design: Design, group: str, name: str, label: str) -> Control:
-    """Return a slider with a range around the value of the design, in round steps."""
+def _create_slider(design: Design, group: str, name: str, label: str) -> Control:
+    """Return a slider for a number of the design, with a range around its value in round steps.
+
+    `name` is ``table.name`` in `LABELS`, `group` the heading and `label` the label of the slider.
+    """
     table, _, key = name.partition(".")
     key = design.tooth_pair if key == "mesh" else key
     section = getattr(design, table)
@@ -284,16 +293,16 @@ def _slider(design: Design, group: str, name: str, label: str) -> Control:
     unit = unit_of(field)
     path, meaning = f"{table}.{file_key(key, field)}", _sentence(field.description)
     if name in COUNTS:
-        low = max(4 if name == "ring.teeth" else 2, math.floor(current / COUNTS[name]))
-        return Control(path, group, label, "", meaning, current, low, math.ceil(current * COUNTS[name]), 1)
+        lower_end = max(4 if name == "ring.teeth" else 2, math.floor(current / COUNTS[name]))
+        return Control(path, group, label, "", meaning, current, lower_end, math.ceil(current * COUNTS[name]), 1)
     value = unit.from_si(current)
-    middle = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
-    span = SPAN.get(table, DEFAULT_SPAN)
-    high = max(MIN_CLEARANCE_RANGE_UM, span * middle) if table == "clearance" else span * middle
-    step = 10.0 ** math.floor(math.log10(high / SLIDER_STEPS))
-    low = step if table == "clearance" else max(1.0, math.floor(middle / span / step)) * step
-    reach = math.ceil(high / step) * step
-    return Control(path, group, label, _symbol(unit.suffix), meaning, value, low, reach, step)
+    typical = abs(value) or unit.from_si(design.rated_torque)  # of a design without load
+    span = SPAN.get(table, SLIDER.span)
+    high = max(SLIDER.min_clearance_range_um, span * typical) if table == "clearance" else span * typical
+    step = 10.0 ** math.floor(math.log10(high / SLIDER.steps))
+    lower_end = step if table == "clearance" else max(1.0, math.floor(typical / span / step)) * step
+    upper_end = math.ceil(high / step) * step
+    return Control(path, group, label, _symbol(unit.suffix), meaning, value, lower_end, upper_end, step)
 
 
 def _symbol(unit: str) -> str:

@@ -66,20 +66,21 @@ PLACES: Mapping[str, str] = {
 
 
 def section(reducer: Reducer, play: float = 1.0) -> dict[str, Any]:
-    """Return the outlines of a design [mm], y upward, in JSON values; clearances are magnified by the factor `play`.
+    """Return the cross-section of a reducer as outlines [mm], y upward, in JSON values, for the page to move.
 
-    For a design that cannot be built ``whole`` is false, and the profile has the loops or cuts that it would have.
+    `play` is the factor by which clearances are magnified. For a design that cannot be built ``whole`` is false, and
+    the profile has the loops or cuts that it would have.
     """
-    shown = reducer if play == 1.0 else _magnify_clearances(reducer, play)
+    drawn = reducer if play == 1.0 else _magnify_clearances(reducer, play)
     try:
-        outlines, buildable = _outlines(shown), True
+        outlines, buildable = _outlines(drawn), True
     except CycloidError:
         outlines, buildable = _unbuildable_outlines(reducer), False
     design = reducer.design
     ring, output = design.ring, design.output
     return {
         "whole": buildable,
-        "play": play if shown is not reducer else 1.0,
+        "play": play if drawn is not reducer else 1.0,
         "reach": MILLIMETRES * max(design.housing.outer_radius, ring.pin_circle_radius + 2.0 * ring.pin_radius),
         "pins": _points(ring_places(reducer)) if ring.kind == "pin" else [],
         "pin_radius": MILLIMETRES * ring.pin_radius,
@@ -109,29 +110,29 @@ def _outlines(reducer: Reducer) -> dict[str, Any]:
     """Return the outlines of housing and discs as SVG paths."""
     design = reducer.design
     solids = parts(reducer, design.housing.outer_radius / CHORDS_PER_RADIUS)
-    discs = [_path(solids[name].prisms[0]) for name in gears(design.gear.discs)]
-    return {"ring": _path(solids[HOUSING].prisms[0]), "discs": discs}
+    discs = [_svg_path(solids[name].prisms[0]) for name in gears(design.gear.discs)]
+    return {"ring": _svg_path(solids[HOUSING].prisms[0]), "discs": discs}
 
 
 def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
-    """Return the outlines of parts that cannot be built: a plain ring, and discs with their uncorrected profile."""
+    """Return SVG paths of a design that cannot be built: a plain ring, and discs with their uncorrected profile."""
     design = reducer.design
-    fine = design.housing.outer_radius / CHORDS_PER_RADIUS
-    walls = [circle(radius, fine) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
-    inner = [circle(design.gear.bore_radius, fine)]
-    inner += [circle(design.output.hole_radius, fine) + centre for centre in output_centres(reducer)]
+    chord_error = design.housing.outer_radius / CHORDS_PER_RADIUS
+    ring = [circle(radius, chord_error) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]
+    holes = [circle(design.gear.bore_radius, chord_error)]
+    holes += [circle(design.output.hole_radius, chord_error) + centre for centre in output_centres(reducer)]
     try:
         gear = tooth_profile(design)
         t = np.linspace(0.0, 2.0 * np.pi, POINTS_PER_LOBE * gear.lobes, endpoint=False)
         teeth = [profile.outline(gear, t, profile_offset(design))]
     except CycloidError:
         teeth = []
-    discs = ["".join(map(_loop, (*teeth, *inner)))] * design.gear.discs
-    return {"ring": "".join(map(_loop, walls)), "discs": discs}
+    discs = ["".join(map(_svg_loop, (*teeth, *holes)))] * design.gear.discs
+    return {"ring": "".join(map(_svg_loop, ring)), "discs": discs}
 
 
 def _dimensions(reducer: Reducer) -> list[dict[str, Any]]:
-    """Return name and diameter [mm] of the circles with a dimension line."""
+    """List name and diameter [mm] of the circles that get a dimension line."""
     design = reducer.design
     ring, output = design.ring, design.output
     radii = {
@@ -143,11 +144,11 @@ def _dimensions(reducer: Reducer) -> list[dict[str, Any]]:
     return [{"name": name, "diameter": 2.0 * MILLIMETRES * radius} for name, radius in radii.items()]
 
 
-def _path(prism: Prism) -> str:
-    return "".join(_loop(loop) for loop in (prism.outline, *prism.holes))
+def _svg_path(prism: Prism) -> str:
+    return "".join(_svg_loop(loop) for loop in (prism.outline, *prism.holes))
 
 
-def _loop(points: Array) -> str:
+def _svg_loop(points: Array) -> str:
     return f"M{' '.join(f'{x:.5g},{y:.5g}' for x, y in (MILLIMETRES * points).tolist())}Z"
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast, get_args
 
+from cycloid_mj.app.limits import QUESTIONS
 from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.life.joints import tightening_torques
@@ -35,8 +36,6 @@ MOTOR_WORDS: Mapping[str, str] = {
 
 BEDS = ("", "180x180", "220x220", "256x256", "300x300")
 """Beds of printers [mm]; empty: one plate, as large as needed."""
-
-MAX_OFFSET_UM = 500.0
 
 
 @dataclass(frozen=True)
@@ -80,8 +79,8 @@ class BuildOptions:
     bed: tuple[float, float] | None = None
 
 
-def build_options(content: Any) -> BuildOptions:
-    """Return the options of a question of the page: ``motor``, ``offset_um`` and ``bed``.
+def parse_options(content: Any) -> BuildOptions:
+    """Parse the options of a question of the page: ``motor``, ``offset_um`` and ``bed``.
 
     Raises
     ------
@@ -92,9 +91,9 @@ def build_options(content: Any) -> BuildOptions:
     motor, offset, bed = options.get("motor") or "auto", options.get("offset_um") or 0.0, options.get("bed") or ""
     if motor not in get_args(MotorName):
         raise UsageError(f"unknown motor {motor!r}: choose one of {', '.join(MOTOR_WORDS)}")
-    if type(offset) not in (int, float) or not 0.0 <= offset <= MAX_OFFSET_UM:
+    if type(offset) not in (int, float) or not 0.0 <= offset <= QUESTIONS.offset_um:
         raise UsageError(
-            f"the printer offset is {offset!r} um, which is out of range: choose 0 to {MAX_OFFSET_UM:g} um"
+            f"the printer offset is {offset!r} um, which is out of range: choose 0 to {QUESTIONS.offset_um:g} um"
         )
     if bed not in BEDS:
         raise UsageError(f"unknown printer bed {bed!r}: choose one of {', '.join(BEDS[1:])} (length x width in mm)")
@@ -104,13 +103,13 @@ def build_options(content: Any) -> BuildOptions:
     )
 
 
-def drive_of(reducer: Reducer) -> Reducer:
-    """Return the reducer whose parts are built: at 20 °C, and with the ring in one piece.
+def reducer_at_reference(reducer: Reducer) -> Reducer:
+    """Return the reducer as its parts are manufactured: at 20 °C, and with the ring in one piece.
 
     Raises
     ------
     DesignError
-        The sizes are those of warm parts.
+        The sizes of the design file are those of warm parts.
     """
     design = reducer.design.at_reference
     if design.ring.halves > 1:
@@ -119,19 +118,19 @@ def drive_of(reducer: Reducer) -> Reducer:
 
 
 def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
-    """Return size, bill, consumables and order of assembly of the drive with its covers, in JSON values.
+    """Describe the drive with its covers as JSON values: size, mass, bill of materials, consumables, order of assembly.
 
-    Without covers, ``reason`` says why they do not fit, and the bill is that of the mechanism.
+    If the covers do not fit, ``reason`` says why, and the bill is that of the mechanism.
 
     Raises
     ------
     DesignError
         The chosen motor does not fit, or a part cannot be manufactured.
     """
-    reducer = drive_of(reducer)
+    reducer = reducer_at_reference(reducer)
     sizes, reason = casing_or_none(reducer, options.motor)
     rows = bill_rows(reducer, sizes)
-    described = {
+    content = {
         "reason": reason,
         "bill": rows,
         "mass_kg": sum(row["mass_g"] for row in rows) / 1000.0,
@@ -141,12 +140,12 @@ def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     }
     if sizes:
         low, high = sizes.ends
-        described |= {
+        content |= {
             "motor": sizes.motor.name,
             "diameter_mm": 2.0 * MILLIMETRES * sizes.outer,
             "length_mm": MILLIMETRES * (high - low),
         }
-    return described
+    return content
 
 
 def bill_rows(reducer: Reducer, sizes: Casing | None) -> list[dict[str, Any]]:
@@ -156,12 +155,12 @@ def bill_rows(reducer: Reducer, sizes: Casing | None) -> list[dict[str, Any]]:
 
 
 def _bill_row(reducer: Reducer, line: BillLine) -> dict[str, Any]:
-    """Return a line of the bill as the page shows it."""
+    """Convert a line of the bill to JSON values, with its source (printed, bought or made) and price class."""
     source = "bought"
     if line.made_or_bought == "made":
         source = "printed" if is_printed(reducer, material_part(reducer, line.item)) else "made"
-    price = PRICES[_price_kind(line.item, source)]
-    piece = max(price.minimum, price.rate * line.mass_kg / max(line.count, 1))
+    rule = PRICES[_price_kind(line.item, source)]
+    price_of_piece = max(rule.minimum, rule.rate * line.mass_kg / max(line.count, 1))
     return {
         "item": line.item.replace("_", " "),
         "count": line.count,
@@ -171,7 +170,7 @@ def _bill_row(reducer: Reducer, line: BillLine) -> dict[str, Any]:
         "designation": line.designation,
         "fit": line.fit,
         "mass_g": 1000.0 * line.mass_kg,
-        "price": next(words for limit, words in PRICE_CLASSES if piece < limit),
+        "price": next(words for limit, words in PRICE_CLASSES if price_of_piece < limit),
     }
 
 
@@ -185,13 +184,17 @@ def _price_kind(item: str, source: str) -> str:
 
 
 def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str, float], None]) -> dict[str, bytes]:
-    """Return all files to build a drive: those of ``cycloid-mj export --plate --assembly --drawings``, by name.
+    """Create all files to build a drive, as ``cycloid-mj export --plate --assembly --drawings``, by name.
 
-    They are plates and test coupon, meshes of the printed parts, bill of materials, drawings, order of assembly with
-    an exploded view, and the assembly in STEP.
+    They are plates and test coupon, meshes of the printed parts, bill of materials, drawings, order of assembly with an
+    exploded view, and the assembly in STEP.
 
     Parameters
     ----------
+    reducer
+        The reducer.
+    options
+        Motor, printer offset and bed.
     on_step
         Called with what is done next, and the share that is done.
 
@@ -205,7 +208,7 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
     from cycloid_mj.plots.drawings import drawing_files
     from cycloid_mj.plots.exploded import ASSEMBLY, instruction_files
 
-    reducer = drive_of(reducer)
+    reducer = reducer_at_reference(reducer)
     sizes, reason = casing_or_none(reducer, options.motor)
     if sizes is None:
         raise CycloidError(f"the files of the drive cannot be written, because no covers fit this design: {reason}")
@@ -215,9 +218,9 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
     files, notes = dict(printed.files), [*printed.notes, *printed.warnings]
     if is_plastic(reducer):
         on_step("meshing the parts", 0.3)
-        wide = widen_clearances(reducer, options.offset)
+        widened = widen_clearances(reducer, options.offset)
         meshes = export(reducer.design, "stl", CHORD_ERROR, options.offset, options.motor).files
-        meshes |= drive_files(wide, "stl", sizes, CHORD_ERROR, settings.cam_seat)
+        meshes |= drive_files(widened, "stl", sizes, CHORD_ERROR, settings.cam_seat)
         files |= {f"stl/{name}": content for name, content in meshes.items()}
     on_step("drawing the parts", 0.5)
     files |= {f"drawings/{name}": content for name, content in drawing_files(reducer, sizes).items()}

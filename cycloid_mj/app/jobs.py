@@ -9,14 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from cycloid_mj.app.limits import QUESTIONS
 from cycloid_mj.app.workers import Progress, Work
 from cycloid_mj.base.errors import CycloidError, UsageError
-
-MAX_QUEUED = 6
-"""Jobs that may be queued; the server refuses more."""
-
-MAX_FINISHED = 40
-"""Finished and stopped jobs whose results are kept, the latest."""
 
 
 class JobWorker(Protocol):
@@ -70,7 +65,7 @@ class Job:
     page: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the job to JSON values, with the names of its files only."""
+        """Convert state, progress and result of the job to JSON values, with the names of its files only."""
         return {
             "job": self.number,
             "state": self.state,
@@ -109,21 +104,31 @@ class Jobs:
         self._jobs: dict[int, Job] = {}
 
     def start(self, queue: str, name: str, work: Work, *args: Any) -> Job:
-        """Start a job in a queue, or let it wait for the others of that queue; `name` says what it computes.
+        """Start a job in a queue, where it waits for the earlier jobs of this queue, and return it.
+
+        Parameters
+        ----------
+        queue
+            Name of the queue.
+        name
+            What the job computes, in words.
+        work, args
+            Function and its arguments; it also gets a callback for the progress.
 
         Raises
         ------
         UsageError
             Too many jobs are queued.
         """
-        if sum(job.state in ("queued", "running") for job in self._jobs.values()) > MAX_QUEUED:
+        if sum(job.state in ("queued", "running") for job in self._jobs.values()) > QUESTIONS.queued_jobs:
             raise UsageError(
-                f"{MAX_QUEUED} jobs are queued, which is the maximum: stop one of them, or wait until one is finished"
+                f"{QUESTIONS.queued_jobs} jobs are queued, which is the maximum: stop one of them, or wait until one "
+                "is finished"
             )
         job = Job(next(self._numbers), name)
         self._jobs[job.number] = job
-        finished = [number for number, other in self._jobs.items() if other.state in ("done", "stopped")]
-        for number in finished[:-MAX_FINISHED]:
+        finished = [number for number, listed in self._jobs.items() if listed.state in ("done", "stopped")]
+        for number in finished[: -QUESTIONS.finished_jobs]:
             del self._jobs[number]
         threading.Thread(target=self._run, args=(self._queues[queue], job, work, args), daemon=True).start()
         return job
@@ -133,16 +138,16 @@ class Jobs:
         return tuple(self._queues[queue].waiting)
 
     def describe(self, job: Job) -> dict[str, Any]:
-        """Convert a job to JSON values; the progress of a queued job names the one that it waits for."""
-        ahead = next((queue.running for queue in self._queues.values() if job in queue.waiting), None)
-        if job.state != "queued" or ahead is None:
+        """Convert a job to JSON values; the progress of a queued job names the job that runs before it."""
+        running_job = next((queue.running for queue in self._queues.values() if job in queue.waiting), None)
+        if job.state != "queued" or running_job is None:
             return job.as_json()
-        doing = ahead.progress.get("doing", "") if isinstance(ahead.progress, Mapping) else ""
-        words = ", ".join(filter(None, (f"queued behind {ahead.name}", doing)))
+        activity = running_job.progress.get("doing", "") if isinstance(running_job.progress, Mapping) else ""
+        words = ", ".join(filter(None, (f"queued behind {running_job.name}", activity)))
         return job.as_json() | {"progress": {"doing": words}}
 
     def get(self, number: int) -> Job:
-        """Return a job by its number.
+        """Return the job with a number.
 
         Raises
         ------
@@ -154,7 +159,7 @@ class Jobs:
         return self._jobs[number]
 
     def stop(self, number: int) -> Job:
-        """Stop a queued or running job; errors as `get`."""
+        """Stop a queued or running job, and return it; raises as `get`."""
         job = self.get(number)
         if job.state in ("queued", "running"):
             job.state = "stopped"
@@ -164,7 +169,7 @@ class Jobs:
         return job
 
     def _run(self, queue: Queue, job: Job, work: Work, args: tuple[Any, ...]) -> None:
-        """Run a job when those before it have ended, unless it was stopped; runs in a thread."""
+        """Wait for the earlier jobs of the queue, then run a job unless it was stopped; runs in a thread."""
         queue.waiting.append(job)
         with queue.turn:
             queue.waiting.remove(job)

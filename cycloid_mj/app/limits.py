@@ -1,4 +1,4 @@
-"""Limits of the page's server: they bound what any client can make it store, open or wait for."""
+"""Limits of the page: they bound what any client can make the server compute, store, open or wait for."""
 
 from dataclasses import dataclass
 
@@ -25,3 +25,24 @@ class ServerLimits:
 
 
 LIMITS = ServerLimits()
+
+
+@dataclass(frozen=True)
+class QuestionLimits:
+    """Ranges of the values in the page's questions, and numbers of jobs."""
+
+    magnification: float = 1000.0
+    """Largest factor by which the page draws clearances."""
+    turn: int = 1000
+    """Highest number of a crank turn whose forces the page requests."""
+    matches: int = 30
+    """Most parameters that a search shows."""
+    offset_um: float = 500.0
+    """Largest printer offset [um]."""
+    queued_jobs: int = 6
+    """Jobs that may be queued; more are refused."""
+    finished_jobs: int = 40
+    """Finished and stopped jobs whose results are kept, the latest."""
+
+
+QUESTIONS = QuestionLimits()

@@ -2,27 +2,39 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from cycloid_mj.app.state import at_load, design_of
+from cycloid_mj.app.state import at_load, parse_design
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design
-from cycloid_mj.explore.jam import find_jams, jams_too_often
+from cycloid_mj.explore.jam import find_jams, stops_study
 from cycloid_mj.explore.sampling import list_batches, tolerance_zones
 from cycloid_mj.explore.tolerances import balance_batch, tolerance
 from cycloid_mj.figures import SAMPLED, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
 from cycloid_mj.reducer import Reducer
 
-SAMPLES, BUDGET_SAMPLES = 4096, 200
-"""Samples of the distributions, and of the error budget."""
 
-SEED = 0
-BINS = 24
-MAX_HALF_WIDTH_UM = 500.0
+@dataclass(frozen=True)
+class StudySettings:
+    """Size of the study of the tolerances tab."""
+
+    samples: int = 4096
+    budget_samples: int = 200
+    """Samples of the distributions, and of the error budget."""
+    seed: int = 0
+    bins: int = 24
+    """Random seed, and bars of a histogram."""
+    max_half_width_um: float = 500.0
+    """Largest half width of a tolerance [um]."""
+
+
+STUDY = StudySettings()
+
 
 TOLERANCE_KEYS = ("mesh", "cam", "output", "pin_position", "eccentricity")
 """Tolerances that are set to the half width of the page."""
@@ -31,8 +43,8 @@ UNITS = ("arcmin", "arcsec")
 """Units of the figures that are shown."""
 
 
-def samples(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> dict[str, Any]:
-    """Solve samples of a design within its tolerances, and share out the variance.
+def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> dict[str, Any]:
+    """Compute distributions and error budget of a design by Monte Carlo within its tolerances, as JSON values.
 
     Parameters
     ----------
@@ -48,31 +60,36 @@ def samples(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> 
     UsageError
         The design has no tolerances, or the half width is out of range.
     """
-    reducer = at_load(Reducer(spread_design(design_of(values), spread_um)))
+    reducer = at_load(Reducer(set_tolerances(parse_design(values), spread_um)))
     zones = tolerance_zones(reducer)
     if not zones:
         raise UsageError(
             "this design has no tolerances: enter one tolerance for all sizes (more than 0, at most "
-            f"{MAX_HALF_WIDTH_UM:g} um), or set the table [tolerance] of the design file"
+            f"{STUDY.max_half_width_um:g} um), or set the table [tolerance] of the design file"
         )
     columns: dict[str, Array] = {}
-    for batch in list_batches(SAMPLES):
-        block = balance_batch(reducer, zones, SEED, ANGLES, (batch, tuple(SAMPLED)))
-        jams_early = not columns and jams_too_often(find_jams(block))
-        columns = {key: np.concatenate([columns[key], added]) if columns else added for key, added in block.items()}
-        seen = _distributions(reducer, columns)
-        count = seen["samples"]
-        on_progress({"doing": f"{count} of {SAMPLES} samples", "share": count / SAMPLES, "seen": seen})
+    for batch in list_batches(STUDY.samples):
+        block = balance_batch(reducer, zones, STUDY.seed, ANGLES, (batch, tuple(SAMPLED)))
+        jams_early = not columns and stops_study(find_jams(block))
+        columns = {
+            key: np.concatenate([columns[key], block_values]) if columns else block_values
+            for key, block_values in block.items()
+        }
+        distributions = _distributions(reducer, columns)
+        count = distributions["samples"]
+        on_progress(
+            {"doing": f"{count} of {STUDY.samples} samples", "share": count / STUDY.samples, "seen": distributions}
+        )
         if jams_early:
-            return seen
-    on_progress({"doing": "computing the error budget", "share": 1.0, "seen": seen})
-    study = tolerance(reducer.design, BUDGET_SAMPLES, SEED)
+            return distributions
+    on_progress({"doing": "computing the error budget", "share": 1.0, "seen": distributions})
+    study = tolerance(reducer.design, STUDY.budget_samples, STUDY.seed)
     shares = [{"source": share.source, "share": share.total} for share in study.budget]
-    return {**seen, "budget": shares, "budget_of": figure(study.budget_of).name, "no_budget": study.no_budget}
+    return {**distributions, "budget": shares, "budget_of": figure(study.budget_of).name, "no_budget": study.no_budget}
 
 
-def spread_design(design: Design, spread_um: Any) -> Design:
-    """Return a design whose tolerances have a half width [um]; unchanged for None.
+def set_tolerances(design: Design, spread_um: Any) -> Design:
+    """Return a design with uniform tolerances of a half width [um]; unchanged for None.
 
     Raises
     ------
@@ -81,24 +98,31 @@ def spread_design(design: Design, spread_um: Any) -> Design:
     """
     if spread_um is None:
         return design
-    if type(spread_um) not in (int, float) or not 0.0 < spread_um <= MAX_HALF_WIDTH_UM or not math.isfinite(spread_um):
+    if (
+        type(spread_um) not in (int, float)
+        or not 0.0 < spread_um <= STUDY.max_half_width_um
+        or not math.isfinite(spread_um)
+    ):
         raise UsageError(
             f"the tolerance is {spread_um!r} um, which is out of range: choose more than 0 and at most "
-            f"{MAX_HALF_WIDTH_UM:g} um"
+            f"{STUDY.max_half_width_um:g} um"
         )
     zone = f"uniform {spread_um:g}"
     return design.but(tolerance=dict.fromkeys(TOLERANCE_KEYS, zone))
 
 
 def _distributions(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Any]:
-    """Return the distributions of the samples solved so far: histograms, percentiles, share of jams."""
+    """Compute the distributions of the samples solved so far: histograms, percentiles, share of jams, as JSON values.
+
+    `columns` are the figures of the samples by key, shape (samples,) each.
+    """
     jams, charts = find_jams(columns), list[dict[str, Any]]()
     for key, values in columns.items():
-        row, solved = figure(key), values[~jams & np.isfinite(values)]
-        if row.unit not in UNITS or len(solved) < 2:
+        catalogue_figure, solved = figure(key), values[~jams & np.isfinite(values)]
+        if catalogue_figure.unit not in UNITS or len(solved) < 2:
             continue
-        counts, edges = np.histogram(solved, BINS)
+        counts, edges = np.histogram(solved, STUDY.bins)
         low, middle, high = np.percentile(solved, [5.0, 50.0, 95.0]).tolist()
-        shape = {"counts": counts.tolist(), "edges": edges.tolist(), "p05": low, "p50": middle, "p95": high}
-        charts.append({"name": row.name, "unit": row.unit, **shape})
+        histogram = {"counts": counts.tolist(), "edges": edges.tolist(), "p05": low, "p50": middle, "p95": high}
+        charts.append({"name": catalogue_figure.name, "unit": catalogue_figure.unit, **histogram})
     return {"samples": len(jams), "jam": float(jams.mean()), "charts": charts, "condition": condition(reducer)}

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from cycloid_mj.app.state import design_of
+from cycloid_mj.app.state import parse_design
 from cycloid_mj.app.summary import rating_at_load
 from cycloid_mj.app.verdicts import rated_item
 from cycloid_mj.base.errors import CycloidError
@@ -29,19 +29,20 @@ COLOURS = ("#313695", "#4575b4", "#74add1", "#fdae61", "#f46d43", "#a50026")
 
 
 def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
-    """Compute the largest stress of each part over one crank turn under the load, and judge it by the yield strength.
+    """Compute the largest stress of each kind of part over a crank turn by finite elements, and compare it with yield.
 
-    A part whose bulk does not yield can still fail at its surface or by fatigue: those items of the rating at the
-    same load stand next to it. `on_progress` is called with the parts so far after each part.
+    A part whose bulk does not yield can still fail at its surface or by fatigue: the result also has those items of the
+    rating at the same load. `values` is the design by its values of the page; `on_progress` is called after each part
+    with the parts so far.
 
     Raises
     ------
     CycloidError
         The extra ``fem`` is not installed, or the run failed.
     """
-    design = design_of(values)
+    design = parse_design(values)
     reducer = Reducer(design)
-    parts = _rated_parts(rating_at_load(reducer))
+    parts = _collect_rated_stress(rating_at_load(reducer))
     for number, (kind, (name, part, _)) in enumerate(PARTS.items()):
         on_progress({"doing": f"stress of the {name}", "share": number / len(PARTS), "parts": list(parts.values())})
         entry = figure(f"{kind}_stress_mpa")
@@ -57,28 +58,28 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     return {"parts": [part for part in parts.values() if part["rated"] or part["bulk"]]}
 
 
-def _rated_parts(rating: Rating) -> dict[str, dict[str, Any]]:
-    """Return each kind of part with the contact and fatigue stress that the rating has of it."""
+def _collect_rated_stress(rating: Rating) -> dict[str, dict[str, Any]]:
+    """Collect the contact and fatigue stresses of a rating by kind of part, as JSON values."""
     parts: dict[str, dict[str, Any]] = {
         kind: {"name": name, "rated": [], "bulk": []} for kind, (name, *_) in PARTS.items()
     }
     for item in rating.items.values():
         if item.unit == "MPa":
             words = set(item.key.split("_"))
-            kind = next((kind for kind, (*_, named) in PARTS.items() if words & set(named)), "ring")
-            parts[kind]["rated"].append(_coloured(rated_item(item, rating.life), item.margin(rating.life)))
+            kind = next((kind for kind, (*_, part_words) in PARTS.items() if words & set(part_words)), "ring")
+            parts[kind]["rated"].append(_add_bar(rated_item(item, rating.life), item.margin(rating.life)))
     return parts
 
 
-def _coloured(row: dict[str, Any], margin: float) -> dict[str, Any]:
-    """Return a row with the length and colour of its bar by the load over its limit, that is 1 over the margin."""
+def _add_bar(row: dict[str, Any], margin: float) -> dict[str, Any]:
+    """Add length and colour of a bar to a row, by the load over its limit, which is 1 over the margin."""
     share = 1.0 / margin if margin > 0.0 else math.inf
-    place = min(len(COLOURS) - 1, int(share * (len(COLOURS) - 1)))
-    return row | {"share": min(1.0, share), "colour": COLOURS[place]}
+    colour_index = min(len(COLOURS) - 1, int(share * (len(COLOURS) - 1)))
+    return row | {"share": min(1.0, share), "colour": COLOURS[colour_index]}
 
 
 def _bulk_row(name: str, stress_mpa: float, yield_mpa: float, definition: str) -> dict[str, Any]:
     """Return a bulk stress as a row with a bar, judged by the yield strength."""
     margin = yield_mpa / stress_mpa if stress_mpa > 0.0 else math.inf
     row = {"name": name, "text": f"{stress_mpa:.3g} of {yield_mpa:.3g} MPa", "judgement": judge(margin)}
-    return _coloured(row | {"title": definition}, margin)
+    return _add_bar(row | {"title": definition}, margin)

@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from cycloid_mj.app.controls import with_symbols
-from cycloid_mj.app.drive import build_options
-from cycloid_mj.app.state import values_of
+from cycloid_mj.app.drive import parse_options
+from cycloid_mj.app.state import changed_values
 from cycloid_mj.app.summary import covered_size
 from cycloid_mj.app.verdicts import requirement_verdicts, unmet_without_covers, verdict
 from cycloid_mj.base.errors import UsageError
@@ -47,13 +47,13 @@ NAMES = {
 """Requirements, as they are named where a drive violates them."""
 
 
-def requirement_of(form: Any) -> Requirement:
-    """Return the requirement of a form of the page; empty fields are left out.
+def parse_form(form: Any) -> Requirement:
+    """Convert the start form of the page to a requirement; empty fields are left out.
 
     Raises
     ------
     UsageError
-        A value is missing, no number, or out of its range.
+        A value is missing, not a number, or out of its range.
     """
     if not isinstance(form, Mapping):
         raise UsageError(
@@ -77,27 +77,30 @@ def requirement_of(form: Any) -> Requirement:
     for key in WORDS:
         if not isinstance(values.get(key, ""), str):
             raise UsageError(f'the {key} is {values[key]!r}, which is not text: send a string, such as "auto"')
-    motor = build_options(values).motor
+    motor = parse_options(values).motor
     values.pop("motor", None)
     if "duty_percent" in values:
         values["duty"] = values.pop("duty_percent") / 100.0
     requirement = required(**values)
-    return requirement.but(changes=crank_changes(requirement, motor))
+    return requirement.but(changes=choose_crank(requirement, motor))
 
 
-def crank_changes(requirement: Requirement, motor: MotorName) -> tuple[str, ...]:
-    """Return the setting of every candidate for a motor: the thinnest crank in stock that can be bored for its shaft.
+def choose_crank(requirement: Requirement, motor: MotorName) -> tuple[str, ...]:
+    """Return the setting of the thinnest crank in stock that can be bored for a motor's shaft: ``shaft.radius_mm=X``.
 
-    Without it, the search takes the thinnest crank that carries the load, into which no motor shaft fits.
+    Without it, the search takes the thinnest crank that carries the load, into which no motor shaft fits. The result is
+    empty for a motor without a shaft.
     """
     shaft = MOTORS[motor].shaft if motor in MOTORS else 0.0
     if not shaft:
         return ()
     printed = Material(name=requirement.made_of).is_plastic
     wall = max(RULES.min_printed_wall if printed else RULES.min_wall, 0.5 * RULES.wall_share * requirement.diameter)
-    bores = {round(MILLIMETRES * one.bore, 3) for one in stock.ball_bearings()}
-    thick = [bore for bore in bores if bore >= 2.0 * MILLIMETRES * (shaft + 2.0 * wall) and _has_bore_code(bore)]
-    return (f"shaft.radius_mm={0.5 * min(thick):.6g}",)
+    bores = {round(MILLIMETRES * bearing.bore, 3) for bearing in stock.ball_bearings()}
+    suitable_bores = [
+        bore for bore in bores if bore >= 2.0 * MILLIMETRES * (shaft + 2.0 * wall) and _has_bore_code(bore)
+    ]
+    return (f"shaft.radius_mm={0.5 * min(suitable_bores):.6g}",)
 
 
 def _has_bore_code(bore_mm: float) -> bool:
@@ -105,8 +108,8 @@ def _has_bore_code(bore_mm: float) -> bool:
     return bore_mm in (10.0, 12.0, 15.0, 17.0) or (bore_mm >= 20.0 and bore_mm % 5.0 == 0.0)
 
 
-def form_of(requirement: Requirement) -> dict[str, Any]:
-    """Return the form of a requirement; a field without a limit is None."""
+def fill_form(requirement: Requirement) -> dict[str, Any]:
+    """Convert a requirement to the fields of the start form; a field without a limit is None."""
 
     def limit(value: float) -> float | None:
         return None if not math.isfinite(value) or value == 0.0 else float(f"{value:.10g}")
@@ -133,30 +136,30 @@ def form_of(requirement: Requirement) -> dict[str, Any]:
 def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
     """Find drives for a requirement; `on_progress` gets partial answers with the alternatives confirmed so far."""
     on_progress({"doing": "searching for proportions that meet the requirements"})
-    motor = build_options(form).motor
-    found = size_drive(requirement_of(form), lambda answer: on_progress({"answer": _answer(answer, motor)}))
-    return _answer(found, motor)
+    motor = parse_options(form).motor
+    found = size_drive(parse_form(form), lambda answer: on_progress({"answer": _answer_json(answer, motor)}))
+    return _answer_json(found, motor)
 
 
-def _answer(answer: Answer, motor: MotorName) -> dict[str, Any]:
-    """Return the result of a search in JSON values: drives with their verdicts, or the limit and alternatives."""
-    drives = [_drive(drive, answer.requirement, motor) for drive in answer.drives]
+def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
+    """Convert the result of a search to JSON values: drives with their verdicts, or the limit and alternatives."""
+    drives = [_drive_json(drive, answer.requirement, motor) for drive in answer.drives]
     return {
-        "asked": form_of(answer.requirement),
+        "asked": fill_form(answer.requirement),
         "drives": drives,
-        "verdict": _summary(drives),
+        "verdict": _summary_json(drives),
         "most": answer.most,
         "limit": with_symbols(answer.limit),
         "refusal": "" if answer.drives else with_symbols(answer.refusal),
         "ways": [
-            {"words": with_symbols(option.words), "asked": form_of(option.requirement)} for option in answer.remedies
+            {"words": with_symbols(option.words), "asked": fill_form(option.requirement)} for option in answer.remedies
         ],
     }
 
 
-def _drive(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[str, Any]:
-    """Return a drive in JSON values, judged by the requirement with its covers for a motor."""
-    figures, form, reason = dict(drive.figures), form_of(required), ""
+def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[str, Any]:
+    """Convert a drive to JSON values, judged by the requirement with its covers for a motor."""
+    figures, form, reason = dict(drive.figures), fill_form(required), ""
     if motor != "auto":
         covered, reason = covered_size(Reducer(drive.design), motor)
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
@@ -168,7 +171,7 @@ def _drive(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[s
     return {
         "title": drive.title,
         "why": drive.why,
-        "design": values_of(drive.design.but(load={"torque": required.torque})),
+        "design": changed_values(drive.design.but(load={"torque": required.torque})),
         "figures": figures,
         "life": format_life(figures["life_h"]),
         "verdicts": verdicts,
@@ -176,8 +179,8 @@ def _drive(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[s
     }
 
 
-def _summary(drives: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Summarize how many drives meet the requirements: passed if all do, a warning if some do."""
+def _summary_json(drives: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Summarize how many of the drives meet the requirements: passed if all do, a warning if some do."""
     met, count = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
     if met == count:
         return verdict(Judgement.PASSED, f"{count} drive{'s meet' if count > 1 else ' meets'} the requirements")

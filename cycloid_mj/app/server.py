@@ -23,13 +23,13 @@ from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from cycloid_mj.app.access import AccessControl
-from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER, job_of, with_load
+from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER, create_job, with_load
 from cycloid_mj.app.artifacts import FILES
 from cycloid_mj.app.connections import LimitedConnection
 from cycloid_mj.app.drive import BEDS, MOTOR_WORDS
 from cycloid_mj.app.jobs import InProcess, Jobs
 from cycloid_mj.app.limits import LIMITS
-from cycloid_mj.app.state import values_of
+from cycloid_mj.app.state import changed_values
 from cycloid_mj.app.summary import sentence_in_words
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
@@ -58,7 +58,14 @@ class Page:
         self.start = start_values(design)
 
     def answer(self, name: str, content: Mapping[str, Any]) -> Any:
-        """Answer a question.
+        """Answer a question of the page: at once, in a worker process, or by starting a job.
+
+        Parameters
+        ----------
+        name
+            Name of the question.
+        content
+            Its JSON object.
 
         Raises
         ------
@@ -76,7 +83,7 @@ class Page:
         if name == "start":
             return self.start
         if name == "job":
-            job = job_of(content)
+            job = create_job(content)
             return self.jobs.describe(self.jobs.start(job.queue, job.name, job.work, *job.args))
         number = content.get("job")
         if name in ("look", "stop") and isinstance(number, int):
@@ -85,7 +92,7 @@ class Page:
 
 
 def application(page: Page, token: str) -> ASGIApp:
-    """Build the ASGI application of a page."""
+    """Create the ASGI application of a page: routes for assets, questions, files and reports, behind a token."""
     assets = _assets()
 
     async def send_asset(request: Request) -> Response:
@@ -96,21 +103,21 @@ def application(page: Page, token: str) -> ASGIApp:
 
     async def send_report(request: Request) -> Response:
         report = page.jobs.get(_job_number(request)).page
-        return Response(report, media_type="text/html") if report else _gone()
+        return Response(report, media_type="text/html") if report else _file_missing()
 
     async def send_file(request: Request) -> Response:
-        """Send a file of a job as a download."""
+        """Send a file that a job has created as a download."""
         name = request.path_params["name"]
         files = page.jobs.get(_job_number(request)).files
         if name not in files:
-            return _gone()
+            return _file_missing()
         disposition = {"Content-Disposition": f"attachment; filename*=utf-8''{quote(name)}"}
         return Response(files[name], media_type="application/octet-stream", headers=disposition)
 
     async def ask(request: Request) -> Response:
-        """Read a question, and answer it in a thread."""
+        """Read a question, and answer it in a thread; refuse it if it is too long, not JSON, or one too many."""
         try:
-            body = await _body(request)
+            body = await _read_body(request)
         except ClientDisconnect:
             return Response(status_code=HTTPStatus.REQUEST_TIMEOUT)
         if body is None:
@@ -122,7 +129,7 @@ def application(page: Page, token: str) -> ASGIApp:
             return _error(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the content type of a request must be application/json")
         if not page.slots.acquire(blocking=False):
             return _error(HTTPStatus.SERVICE_UNAVAILABLE, "too many requests at the same time: try again in a moment")
-        return await run_sync(_answer, page, request.path_params["name"], body, abandon_on_cancel=True)
+        return await run_sync(_respond, page, request.path_params["name"], body, abandon_on_cancel=True)
 
     routes = [
         Route("/", send_asset),
@@ -136,9 +143,9 @@ def application(page: Page, token: str) -> ASGIApp:
 
 
 def start_values(design: Design) -> dict[str, Any]:
-    """Return what the page begins with: the design, and the options of its start form, which opens without a design."""
+    """Return what the page begins with as JSON values: the design, and the options of its start form."""
     return {
-        "design": values_of(with_load(design)),
+        "design": changed_values(with_load(design)),
         "fresh": design == PRESETS["pin"],
         "presets": list(presets_for("app")),
         "processes": {name: process_defaults(limits) for name, limits in PROCESSES.items()},
@@ -151,7 +158,7 @@ def start_values(design: Design) -> dict[str, Any]:
 
 
 def process_defaults(limits: ProcessLimits) -> dict[str, Any]:
-    """Return the material of a process and its usual life, speed and share of the time, by fields of the start form."""
+    """Return material, life, speed and share of the time that are usual for a process, by fields of the start form."""
     return {
         "material": limits.material,
         "life_h": limits.life_h,
@@ -166,12 +173,12 @@ def new_token() -> str:
 
 
 def open_socket(port: int) -> socket.socket:
-    """Return a socket that listens on a port of this computer, 0 for any free port.
+    """Return a socket that listens on a port of this computer; port 0 selects any free port.
 
     Raises
     ------
     CycloidError
-        The port is taken.
+        The port is in use.
     """
     listener = socket.socket()
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -187,8 +194,8 @@ def open_socket(port: int) -> socket.socket:
     return listener
 
 
-def server_of(app: ASGIApp, connection: type[LimitedConnection] = LimitedConnection) -> uvicorn.Server:
-    """Return a server of an application; it runs until its attribute ``should_exit`` is set."""
+def create_server(app: ASGIApp, connection: type[LimitedConnection] = LimitedConnection) -> uvicorn.Server:
+    """Return a uvicorn server of an application with limited connections; it runs until ``should_exit`` is set."""
     return uvicorn.Server(
         uvicorn.Config(
             app,
@@ -209,18 +216,24 @@ def server_of(app: ASGIApp, connection: type[LimitedConnection] = LimitedConnect
 
 
 def serve(design: Design, listener: socket.socket, token: str, show: bool) -> None:
-    """Serve the page on a listening socket until the process is stopped.
+    """Serve the page of a design on a listening socket until the process is stopped.
 
     Parameters
     ----------
+    design
+        Design of the page.
+    listener
+        Socket from `open_socket`.
+    token
+        Secret that the page's address contains.
     show
-        Open the page in the default browser.
+        Whether to open the page in the default browser.
     """
-    question = {"design": values_of(with_load(design))}
+    question = {"design": changed_values(with_load(design))}
     slower = [(SLOWER[name], (question,)) for name in ("checks", "life")]
     workers = Workers([(work, (question,)) for work in QUICK.values()], slower)
     try:
-        server = server_of(application(Page(design, workers), token))
+        server = create_server(application(Page(design, workers), token))
         if show:
             address = page_address(listener, token)
             threading.Timer(0.3, webbrowser.open, (address,)).start()
@@ -235,8 +248,8 @@ def page_address(listener: socket.socket, token: str) -> str:
     return f"http://127.0.0.1:{listener.getsockname()[1]}/?token={token}"
 
 
-def _answer(page: Page, name: str, body: bytes) -> Response:
-    """Answer a question in JSON; runs in a thread and returns the slot of the question."""
+def _respond(page: Page, name: str, body: bytes) -> Response:
+    """Answer a question, the JSON text `body`, as a JSON response; runs in a thread and frees the question's slot."""
     try:
         content = json.loads(body)
         if not isinstance(content, dict):
@@ -267,7 +280,7 @@ def _no_job(_request: Request, error: Exception) -> Response:
     return PlainTextResponse(f"{error}\n", HTTPStatus.NOT_FOUND)
 
 
-async def _body(request: Request) -> bytes | None:
+async def _read_body(request: Request) -> bytes | None:
     """Read the body of a request; return None if it is too long."""
     if int(request.headers.get("content-length", "0")) > LIMITS.body_bytes:  # h11 has checked that these are digits
         return None
@@ -284,7 +297,7 @@ def _job_number(request: Request) -> int:
     return int(text) if text.isdecimal() and len(text) < 10 else 0
 
 
-def _gone() -> Response:
+def _file_missing() -> Response:
     return PlainTextResponse("This file is no longer available: create it again.\n", HTTPStatus.NOT_FOUND)
 
 

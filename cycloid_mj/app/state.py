@@ -18,8 +18,8 @@ TIED = ("gear.eccentricity_mm", "output.pin_radius_mm")
 Values = Mapping[str, Any]
 
 
-def design_of(values: Any) -> Design:
-    """Return the design of values of the page.
+def parse_design(values: Any) -> Design:
+    """Return the design of the page's values: keys of the design file -> values that differ from the preset ``pin``.
 
     Raises
     ------
@@ -31,10 +31,10 @@ def design_of(values: Any) -> Design:
             f"the design is of type {type(values).__name__}: send a JSON object of design-file keys and values, such "
             'as {"ring.teeth": 36}'
         )
-    return override(BASE, {str(key): _integer(key, value) for key, value in values.items()})
+    return override(BASE, {str(key): _as_integer(key, value) for key, value in values.items()})
 
 
-def values_of(design: Design) -> dict[str, Any]:
+def changed_values(design: Design) -> dict[str, Any]:
     """Return the values in which a design differs from the preset ``pin``, by the keys of its file.
 
     A material with the values of the library is represented by its name only.
@@ -42,29 +42,29 @@ def values_of(design: Design) -> dict[str, Any]:
     Raises
     ------
     DesignError
-        The design lacks what ``pin`` has.
+        The design lacks a value that ``pin`` has.
     """
-    own, base = _flat(design), _base()
-    if missing := [key for key in base if key not in own]:
+    values_by_key, base = _flatten_design(design), _base()
+    if missing := [key for key in base if key not in values_by_key]:
         raise DesignError(
             f"the page cannot edit this design, because it has no {', '.join(missing)}: edit the design file in a text "
             "editor"
         )
-    values = {key: value for key, value in own.items() if base.get(key) != value}
+    values = {key: value for key, value in values_by_key.items() if base.get(key) != value}
     for name in [key for key in values if key.endswith("material.name")]:
         table = name.removesuffix("name")
-        fewer = {key: value for key, value in values.items() if key == name or not key.startswith(table)}
-        if _flat(override(BASE, fewer)) == _flat(override(BASE, values)):
-            values = fewer
+        named_material = {key: value for key, value in values.items() if key == name or not key.startswith(table)}
+        if _flatten_design(override(BASE, named_material)) == _flatten_design(override(BASE, values)):
+            values = named_material
     return values
 
 
 def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
     """List the keys in which two designs of the page differ, with both values in the units of the file.
 
-    Both are represented by the values in which they differ from the preset ``pin``; errors as `design_of`.
+    Both are represented by the values in which they differ from the preset ``pin``; raises as `parse_design`.
     """
-    designs = (first, design_of(first)), (second, design_of(second))
+    designs = (first, parse_design(first)), (second, parse_design(second))
     pairs = {
         key: [values[key] if key in values else value_of(design, key) for values, design in designs]
         for key in dict.fromkeys((*first, *second))
@@ -73,9 +73,9 @@ def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
 
 
 def apply_changes(design: Design, changes: Any) -> Design:
-    """Return a design with changes, by the keys of its file, and with the values that follow; errors as `design_of`.
+    """Return a design with changes, by the keys of its file, and with the values that follow from them.
 
-    The page has one torque: load and nominal torque of the drive are set together.
+    The page has one torque: load and nominal torque of the drive are set together. Raises as `parse_design`.
     """
     if not isinstance(changes, Mapping):
         raise UsageError(
@@ -84,7 +84,7 @@ def apply_changes(design: Design, changes: Any) -> Design:
         )
     if not changes:
         return design
-    new = override(design, {str(key): _integer(key, value) for key, value in changes.items()})
+    new = override(design, {str(key): _as_integer(key, value) for key, value in changes.items()})
     if any(key in changes for key in TIED) and "output.hole_radius_mm" not in changes:
         new = new.but(output={"hole_radius": new.output.pin_radius + new.gear.eccentricity})
     if "drive.torque_nm" in changes:
@@ -106,14 +106,14 @@ def at_load(reducer: Reducer) -> Reducer:
     return with_nominal_torque(reducer, load)
 
 
-def _integer(key: str, value: Any) -> Any:
+def _as_integer(key: str, value: Any) -> Any:
     """Convert a float without fraction to an integer where the design has one: JSON has floats only."""
     if isinstance(value, float) and value.is_integer() and isinstance(_base().get(key), int):
         return int(value)
     return value
 
 
-def _flat(design: Design) -> dict[str, Any]:
+def _flatten_design(design: Design) -> dict[str, Any]:
     """Return the design file as one mapping: ``table.key`` -> value."""
     flat: dict[str, Any] = {}
     for key, value in tomllib.loads(dump(design)).items():
@@ -126,4 +126,4 @@ def _flat(design: Design) -> dict[str, Any]:
 
 @cache
 def _base() -> dict[str, Any]:
-    return _flat(BASE)
+    return _flatten_design(BASE)

@@ -11,7 +11,7 @@ from typing import Any
 
 from cycloid_mj.app.controls import key_in_words, number_with_unit, with_symbols
 from cycloid_mj.app.drawing import PLACES
-from cycloid_mj.app.drive import drive_of
+from cycloid_mj.app.drive import reducer_at_reference
 from cycloid_mj.app.state import apply_changes, at_load
 from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, unmet_without_covers, verdict
 from cycloid_mj.base.errors import CycloidError
@@ -61,8 +61,8 @@ POSES = 61
 """Crank angles of the rated torque in the header; its accuracy is `TORQUE_RTOL`."""
 
 
-def geometry(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the figures of the header that need no load, judged by the requirements of the start form.
+def geometry_figures(reducer: Reducer, required: Any = None) -> dict[str, Any]:
+    """Return ratio, diameter and mass as JSON values for the header, judged by the requirements of the start form.
 
     A diameter that is met is not judged here: `life` does so with the covers, with which the drive has to meet it.
     """
@@ -78,20 +78,20 @@ def geometry(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 
 def errors(reducer: Reducer) -> list[dict[str, Any]]:
     """Return the checks that a design fails and without which it cannot be built; empty for a valid design."""
-    return _unmet(reducer, (check for check in soundness(reducer) if check.severity == "error"))
+    return _failed_checks_json(reducer, (check for check in soundness(reducer) if check.severity == "error"))
 
 
 def checks(reducer: Reducer) -> dict[str, Any]:
-    """Return the failures and warnings of the checks at the load, failures first, and a summary of all checks."""
+    """Run all checks of a design at its load; return failures, then warnings, and a summary as JSON values."""
     loaded = at_load(reducer)
-    every = check_design(loaded.design)
+    results = check_design(loaded.design)
     return {
-        "count": len(every),
-        "judgement": gravest(check.judgement for check in every),
-        "words": f"{len(every)} checks: {every.counts}"
-        if every.failures or every.warnings
-        else f"All {len(every)} checks passed",
-        "failed": _unmet(loaded, (*every.failures, *every.warnings)),
+        "count": len(results),
+        "judgement": gravest(check.judgement for check in results),
+        "words": f"{len(results)} checks: {results.counts}"
+        if results.failures or results.warnings
+        else f"All {len(results)} checks passed",
+        "failed": _failed_checks_json(loaded, (*results.failures, *results.warnings)),
     }
 
 
@@ -99,19 +99,22 @@ def remedies(reducer: Reducer) -> dict[str, Any]:
     """Return the changes that resolve each warning of life, heat and strength at the load: check -> changes."""
     loaded = at_load(reducer)
     return {
-        _check_name(name): [_change(loaded, dict([change])) for change in changes]
+        _check_name(name): [_remedy_json(loaded, dict([change])) for change in changes]
         for name, changes in life_remedies(loaded).items()
     }
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the figures of a valid design by statics, at its load, judged by requirements; errors as `quick_sheet`."""
+    """Return the figures of a valid design by statics at its load as JSON values, judged by requirements.
+
+    Raises as `quick_sheet`.
+    """
     design = reducer.design
     sheet = quick_sheet(reducer)
     computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
     powers = {key: sheet.quantities[key].value for key in ("input_power", "output_power")}
     tooth = design.tooth_pair
-    lost = {
+    losses = {
         "teeth": sheet.quantities[f"{tooth}_friction_power"].value,
         "cam": sheet.quantities["cam_friction_power"].value,
         "output": sheet.quantities["output_friction_power"].value,
@@ -122,36 +125,40 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
         "backlash_arcmin": computed["backlash_arcmin"].value,
         "verdicts": requirement_verdicts(required, {"backlash_arcmin": computed["backlash_arcmin"].value}),
         "rows": [
-            {"name": name, "value": _with_unit(computed[key]), "note": computed[key].note or figure(key).definition}
+            {
+                "name": name,
+                "value": _format_quantity(computed[key]),
+                "note": computed[key].note or figure(key).definition,
+            }
             for key, name in NAMES.items()
             if key in computed
         ],
-        "losses": {**powers, "parts": [{"name": LOSSES[key], "watts": watts} for key, watts in lost.items()]},
+        "losses": {**powers, "parts": [{"name": LOSSES[key], "watts": watts} for key, watts in losses.items()]},
         "assumptions": list(sheet.assumptions),
     }
 
 
 def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> dict[str, Any]:
-    """Return the rating of a valid design at its load: its items, its life, and the torque for its required life.
+    """Rate a valid design at its load as JSON values: rated items, life, and the torque for its required life.
 
-    Figures are judged by `required`, the requirements of the start form; the life by the one of the design. Diameter
-    and length are those with covers for the motor: without covers no size is met.
+    Figures are judged by `required`, the requirements of the start form; the life by that of the design. Diameter and
+    length are those with covers for the motor: without covers no size is met.
     """
     design, hours_required = reducer.design, reducer.design.service.life
     rating = rating_at_load(reducer)
-    ends = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
-    shortest = min(ends, default=math.inf)
+    lives = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
+    shortest = min(lives, default=math.inf)
     try:
         rated, weakest = rated_torque(reducer, design.drive.speed, hours_required, crank_angles=POSES, rtol=TORQUE_RTOL)
         limit = weakest.name
-        if (once := figure("momentary_torque_nm").value(reducer)) < rated:
-            rated, limit = once, "emergency stop at twice the torque"
+        if (momentary := figure("momentary_torque_nm").value(reducer)) < rated:
+            rated, limit = momentary, "emergency stop at twice the torque"
     except CycloidError as error:
         rated, limit = 0.0, str(error)
-    covered, no_covers = covered_size(reducer, motor)
+    size_with_covers, no_covers = covered_size(reducer, motor)
     verdicts = requirement_verdicts(required, {"rated_torque_nm": rated})
-    if covered:
-        sizes = {"drive_diameter_mm": covered["diameter_mm"], "drive_length_mm": covered["length_mm"]}
+    if size_with_covers:
+        sizes = {"drive_diameter_mm": size_with_covers["diameter_mm"], "drive_length_mm": size_with_covers["length_mm"]}
         verdicts |= requirement_verdicts(required, sizes)
     else:
         verdicts |= unmet_without_covers(required)
@@ -165,7 +172,7 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
         "life": format_life(shortest),
         "verdicts": verdicts,
         "items": rated_items(rating),
-        "cased": covered,
+        "cased": size_with_covers,
         "no_covers": no_covers,
     }
 
@@ -184,24 +191,30 @@ def rated_items(rating: Rating) -> list[dict[str, Any]]:
 
 
 def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str, float] | None, str]:
-    """Return diameter, length and mass with covers, bearings and screws; None for a drive without, and the reason."""
+    """Return diameter, length and mass with covers, bearings and screws, and an empty text.
+
+    If the covers do not fit, return None and the reason.
+    """
     try:
-        built = drive_of(reducer)
-        sizes, reason = casing_or_none(built, motor)
+        manufactured = reducer_at_reference(reducer)
+        sizes, reason = casing_or_none(manufactured, motor)
         if not sizes:
             return None, reason
         low, high = sizes.ends
         return {
             "diameter_mm": 2.0 * MILLIMETRES * sizes.outer,
             "length_mm": MILLIMETRES * (high - low),
-            "mass_kg": assembly_mass(built, sizes),
+            "mass_kg": assembly_mass(manufactured, sizes),
         }, ""
     except CycloidError as error:
         return None, str(error)
 
 
-def _unmet(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
-    """Return the checks that are not passed as rows; the remedies of `KINDS` are requested by `remedies`."""
+def _failed_checks_json(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
+    """Convert the failed ones of some checks to JSON values.
+
+    Remedies of `KINDS` are left to `remedies`, as they take longer.
+    """
     return [
         {
             "name": _check_name(check.name),
@@ -211,39 +224,42 @@ def _unmet(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
             "what": sentence_in_words(f"{key_in_words(check.key)} is {check.got}, must be {check.limit}"),
             "why": sentence_in_words(check.why),
             "remedy": "" if check.name in KINDS else sentence_in_words(check.remedy),
-            "changes": [_change(reducer, change) for change in _resolving(reducer, check)],
+            "changes": [_remedy_json(reducer, change) for change in _resolving_changes(reducer, check)],
         }
         for check in failed
         if not check.passed
     ]
 
 
-def _resolving(reducer: Reducer, check: Check) -> list[Mapping[str, float]]:
-    """Return the changes of a check; those of an error that leave no other error, completed, the shortest first.
+def _resolving_changes(reducer: Reducer, check: Check) -> list[Mapping[str, float]]:
+    """Return the changes that resolve a failed check, the shortest first.
 
-    Where none does, all changes are returned as they are.
+    Changes for an error are completed so that no other error remains; if none can be completed, all are returned as
+    they are.
     """
     if check.severity != "error":
         return list(check.changes)
-    completed = [_completed(reducer, change, MAX_FOLLOWING) for change in check.changes]
+    completed = [_complete_change(reducer, change, MAX_FOLLOWING) for change in check.changes]
     return sorted((change for change in completed if change), key=len) or list(check.changes)
 
 
-def _completed(reducer: Reducer, change: Mapping[str, float], following: int) -> Mapping[str, float] | None:
-    """Return a change with up to so many others that resolve the errors it causes; None where they contradict it."""
+def _complete_change(reducer: Reducer, change: Mapping[str, float], max_additions: int) -> Mapping[str, float] | None:
+    """Add up to `max_additions` changes to a change that resolve the errors it causes; None if they contradict it."""
     error = next(_errors_after(reducer, change), None)
     if error is None:
         return change
-    further = (other for other in error.changes if following and not other.keys() & change.keys())
-    attempts = (_completed(reducer, {**change, **other}, following - 1) for other in further)
-    return next((attempt for attempt in attempts if attempt), None)
+    remaining_changes = (
+        addition for addition in error.changes if max_additions and not addition.keys() & change.keys()
+    )
+    completed = (_complete_change(reducer, {**change, **addition}, max_additions - 1) for addition in remaining_changes)
+    return next((attempt for attempt in completed if attempt), None)
 
 
 def _errors_after(reducer: Reducer, change: Mapping[str, float]) -> Iterator[Check]:
     """Yield the errors of a design after a change."""
     with suppress(CycloidError):
-        changed = Reducer(apply_changes(reducer.design, _values(reducer, change)))
-        yield from (check for check in soundness(changed) if check.severity == "error" and not check.passed)
+        changed_reducer = Reducer(apply_changes(reducer.design, _page_values(reducer, change)))
+        yield from (check for check in soundness(changed_reducer) if check.severity == "error" and not check.passed)
 
 
 def _check_name(name: str) -> str:
@@ -251,13 +267,13 @@ def _check_name(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _change(reducer: Reducer, change: Mapping[str, float]) -> dict[str, Any]:
+def _remedy_json(reducer: Reducer, change: Mapping[str, float]) -> dict[str, Any]:
     """Return a remedy as a button has it: values by key, the motor torque as output torque, and words."""
-    values = _values(reducer, change)
+    values = _page_values(reducer, change)
     return {"changes": values, "words": _change_in_words(reducer, values)}
 
 
-def _values(reducer: Reducer, change: Mapping[str, float]) -> dict[str, float]:
+def _page_values(reducer: Reducer, change: Mapping[str, float]) -> dict[str, float]:
     """Return the values of a change by key, the motor torque as output torque."""
     values = dict(change)
     if "drive.torque_nm" in values:
@@ -266,27 +282,27 @@ def _values(reducer: Reducer, change: Mapping[str, float]) -> dict[str, float]:
 
 
 def _change_in_words(reducer: Reducer, values: Mapping[str, float]) -> str:
-    """Describe new values of keys in words; keys with the same new value are listed together."""
+    """Describe new values of keys in words, "raise X, Y to 5 mm"; keys with the same new value are listed together."""
     groups: dict[tuple[str, str], list[str]] = {}
     for key, value in values.items():
-        sense = "raise" if value > value_of(reducer.design, key) else "lower"
-        groups.setdefault((sense, number_with_unit(key, value)), []).append(key_in_words(key))
-    parts = (f"{sense} {', '.join(names)} to {end}" for (sense, end), names in groups.items())
+        verb = "raise" if value > value_of(reducer.design, key) else "lower"
+        groups.setdefault((verb, number_with_unit(key, value)), []).append(key_in_words(key))
+    parts = (f"{verb} {', '.join(names)} to {target}" for (verb, target), names in groups.items())
     return "; ".join(parts).replace(f", {CLEARANCE}", ", ")
 
 
 def sentence_in_words(text: str) -> str:
     """Replace keys of the design file and units in a sentence by the words and symbols of the page."""
     text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda match: key_in_words(match[0]), text)
-    text = re.sub(r"\b(?:pin_gear|tooth|pin_socket|pin_sleeve|cam|output)(?: \+ \w+)+", _pairs, text)
+    text = re.sub(r"\b(?:pin_gear|tooth|pin_socket|pin_sleeve|cam|output)(?: \+ \w+)+", _name_pairs, text)
     return with_symbols(text)
 
 
-def _pairs(listed: re.Match[str]) -> str:
+def _name_pairs(listed: re.Match[str]) -> str:
     """Name the pairs of parts of a sum such as ``cam + output``."""
     return " + ".join(key_in_words(f"clearance.{kind}_um").removeprefix(CLEARANCE) for kind in listed[0].split(" + "))
 
 
-def _with_unit(quantity: Quantity) -> str:
+def _format_quantity(quantity: Quantity) -> str:
     """Format a quantity with four digits and its unit."""
     return "-" if math.isnan(quantity.value) else f"{quantity.value:.4g} {quantity.unit}"

@@ -35,10 +35,12 @@ SETTINGS = TurnSettings()
 
 
 def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
-    """Compute the forces on every disc over one crank turn in the frame of the ring, in JSON values.
+    """Compute the contact forces on every disc over one crank turn in static equilibrium, in the ring's frame, as JSON.
 
     Parameters
     ----------
+    reducer
+        The reducer, whose load is used.
     turn
         Number of the turn from 0; turns differ as output pins pass at another rate than teeth.
 
@@ -49,39 +51,43 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
         contacts, ...); ``cam`` [N], shape (angles, discs, 2); ``discs``, the displacements of each disc from its ideal
         pose (x, y [mm], rotation [rad]), by which clearances are drawn; ``output_turn`` [rad]; ``share`` of each disc.
     """
-    reducer, load = _with_load(reducer)
+    reducer, load = _set_load(reducer)
     design = reducer.design
-    shown = 2.0 * np.pi * (turn + np.arange(SETTINGS.crank_angles + 1) / SETTINGS.crank_angles)
-    crank = shown / float(reducer.member.against_ring(1.0))
+    angles_in_ring = 2.0 * np.pi * (turn + np.arange(SETTINGS.crank_angles + 1) / SETTINGS.crank_angles)
+    crank = angles_in_ring / float(reducer.member.against_ring(1.0))
     springs = springs_of(reducer, crank)
-    solved = loads(reducer, springs, load, follow=True)
+    result = loads(reducer, springs, load, follow=True)
     slope, radius = springs.contacts.slope, springs.contacts.radius
-    discs, lobes, departures = design.gear.discs, design.lobes, solved.departures
+    discs, lobes, departures = design.gear.discs, design.lobes, result.departures
     poses = departures[:, :-1].reshape(len(crank), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
-    of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)  # columns of x and y of the disc of each contact
-    direction = np.take_along_axis(slope, np.broadcast_to(of_disc, (len(crank), *of_disc.shape)), axis=2)
+    columns_of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(
+        2
+    )  # columns of x and y of the disc of each contact
+    direction = np.take_along_axis(
+        slope, np.broadcast_to(columns_of_disc, (len(crank), *columns_of_disc.shape)), axis=2
+    )
     rings, pins = ring_places(reducer), output_centres(reducer)
-    turned = np.stack([transform(np.array([0.0, 0.0, -angle / lobes]), pins) for angle in shown])
+    output_pins = np.stack([transform(np.array([0.0, 0.0, -angle / lobes]), pins) for angle in angles_in_ring])
     teeth = np.tile(rings, (len(crank), discs, 1)) + design.ring.pin_radius * direction[:, : springs.teeth]
-    output = np.tile(turned, (1, discs, 1)) + design.output.pin_radius * direction[:, springs.teeth :]
+    output = np.tile(output_pins, (1, discs, 1)) + design.output.pin_radius * direction[:, springs.teeth :]
     return {
         "turn": turn,
         "load_nm": abs(load),
-        "teeth": _contact_lists(solved.teeth, teeth, direction[:, : springs.teeth], discs),
-        "output": _contact_lists(solved.output, output, direction[:, springs.teeth :], discs),
-        "cam": np.round(solved.cam, 3).tolist(),
+        "teeth": _contact_lists(result.teeth, teeth, direction[:, : springs.teeth], discs),
+        "output": _contact_lists(result.output, output, direction[:, springs.teeth :], discs),
+        "cam": np.round(result.cam, 3).tolist(),
         "discs": np.round(poses, 7).tolist(),
         "output_turn": (departures[:, -1] / radius).tolist(),
-        "share": np.round(solved.share, 4).tolist(),
+        "share": np.round(result.share, 4).tolist(),
     }
 
 
 def error(reducer: Reducer) -> dict[str, Any]:
-    """Compute the transmission error over one crank turn at the load and at 1 % of it, and its orders at the load.
+    """Compute the transmission error over one crank turn at the load and at 1 % of it, and its orders, as JSON values.
 
     The orders are those of a full turn of the output: output pins pass at a fractional order of the crank.
     """
-    reducer, load = _with_load(reducer)
+    reducer, load = _set_load(reducer)
     design = reducer.design
     crank = np.linspace(0.0, reducer.mesh_turn, SETTINGS.angles_per_mesh * design.ring.teeth, endpoint=False)
     curves = []
@@ -92,14 +98,14 @@ def error(reducer: Reducer) -> dict[str, Any]:
     full_turn = np.linspace(0.0, design.lobes * reducer.mesh_turn, count, endpoint=False)
     deviation = _output_error(reducer, full_turn, load)
     spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, SETTINGS.max_order)
-    strong = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)
+    is_significant = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)
     mesh = float(reducer.mesh_periods)
     pins = design.output.pins * reducer.share * design.ring.teeth / design.lobes
     return {
         "crank_deg": np.round(np.degrees(crank), 3).tolist(),
         "curves": curves,
-        "orders": np.round(spectrum.order[strong], 4).tolist(),
-        "amplitudes": np.round(spectrum.amplitude[strong], 5).tolist(),
+        "orders": np.round(spectrum.order[is_significant], 4).tolist(),
+        "amplitudes": np.round(spectrum.amplitude[is_significant], 5).tolist(),
         "named": [[mesh, "mesh"], [2.0 * mesh, "2 x mesh"], [round(pins, 4), "output pins"]],
     }
 
@@ -111,7 +117,7 @@ def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
 
 
 def _contact_lists(force: Array, position: Array, direction: Array, discs: int) -> dict[str, Any]:
-    """Convert forces [N], positions [m] and directions to rounded lists, shape (angles, discs, contacts, ...)."""
+    """Convert forces [N], positions [m] and directions of contacts to rounded lists, a list for each angle and disc."""
     shape = (len(force), discs, -1)
     return {
         "force": np.round(force, 3).reshape(shape).tolist(),
@@ -120,7 +126,7 @@ def _contact_lists(force: Array, position: Array, direction: Array, discs: int) 
     }
 
 
-def _with_load(reducer: Reducer) -> tuple[Reducer, float]:
+def _set_load(reducer: Reducer) -> tuple[Reducer, float]:
     """Return a reducer under its load, and the torque [N m], positive in the direction of the crank speed."""
     design = reducer.design
     load, _ = load_of(reducer)

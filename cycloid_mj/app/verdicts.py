@@ -50,9 +50,9 @@ def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdict
     Parameters
     ----------
     required
-        Fields of the form; what is no positive number is no requirement.
+        Fields of the form; a value that is not a positive number is no requirement.
     figures
-        Figures by their keys; what is missing is not judged.
+        Figures by their keys; a requirement whose figure is missing is not judged.
 
     Returns
     -------
@@ -60,13 +60,13 @@ def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdict
         Field -> ``judgement``, and ``words`` for the requirement, such as "≤ 70 mm".
     """
     verdicts: Verdicts = {}
-    for field, limited in REQUIREMENTS.items():
+    for field, rule in REQUIREMENTS.items():
         limit = required.get(field) if isinstance(required, Mapping) else None
         if not isinstance(limit, int | float) or isinstance(limit, bool) or not 0.0 < limit < math.inf:
             continue
-        if limited.figure in figures:
-            margin = _margin(figures[limited.figure], float(limit), limited.sense) * (1.0 + limited.rtol)
-            verdicts[field] = verdict(judge(margin), f"{limited.sense}{limit:.6g} {limited.unit}".replace(" :", ":"))
+        if rule.figure in figures:
+            margin = _margin(figures[rule.figure], float(limit), rule.sense) * (1.0 + rule.rtol)
+            verdicts[field] = verdict(judge(margin), f"{rule.sense}{limit:.6g} {rule.unit}".replace(" :", ":"))
     return verdicts
 
 
@@ -74,8 +74,8 @@ def unmet_without_covers(required: Any) -> Verdicts:
     """Return the failed verdicts of the sizes that a drive without covers cannot meet: it cannot be built."""
     infinite = dict.fromkeys((REQUIREMENTS[field].figure for field in SIZES), math.inf)
     return {
-        field: verdict(Judgement.FAILED, f"{judged['words']} with covers, which do not fit")
-        for field, judged in requirement_verdicts(required, infinite).items()
+        field: verdict(Judgement.FAILED, f"{result['words']} with covers, which do not fit")
+        for field, result in requirement_verdicts(required, infinite).items()
     }
 
 
@@ -92,9 +92,9 @@ def _margin(value: float, limit: float, sense: str) -> float:
 
 
 def rated_item(item: RatedItem, life: float) -> dict[str, Any]:
-    """Return an item of a rating as a row with a bar, judged for a required life [h].
+    """Convert an item of a rating to a row with a bar as JSON values, judged for a required life [h].
 
-    The bar is full at `BAR_DECADES` decades more than required, and half where it is just enough.
+    The bar is full at `BAR_DECADES` decades more than required, and half full where the item is just sufficient.
     """
     margin = item.margin(life)
     decades = math.log10(max(margin, 1e-9)) / (2.0 * BAR_DECADES) if math.isfinite(margin) else 1.0

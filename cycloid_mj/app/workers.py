@@ -35,7 +35,7 @@ class Worker:
     """A process that runs one function after the other; it ends with this process, however that ends."""
 
     def __init__(self, warm_up: WarmUp = (), nice: bool = True) -> None:
-        """Start the process.
+        """Start the worker process.
 
         Parameters
         ----------
@@ -49,10 +49,12 @@ class Worker:
         self._start()
 
     def do(self, work: Work, *args: Any, on_progress: Progress | None = None) -> Any:
-        """Call a function in the process and return its result.
+        """Call a function with arguments in the process, and return its result.
 
         Parameters
         ----------
+        work, args
+            Function and its arguments.
         on_progress
             Called with each progress report; the function then gets a callback for these as its first argument.
 
@@ -93,10 +95,10 @@ class Worker:
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
-        self._pipe, other = context.Pipe()
-        self._process = context.Process(target=_serve, args=(other, self._warm_up, self._nice), daemon=False)
+        self._pipe, child_end = context.Pipe()
+        self._process = context.Process(target=_serve, args=(child_end, self._warm_up, self._nice), daemon=False)
         self._process.start()
-        other.close()
+        child_end.close()
 
 
 class Workers:
@@ -112,7 +114,10 @@ class Workers:
 
 
 def _serve(pipe: Connection, warm_up: WarmUp, nice: bool) -> None:
-    """Answer the calls of the page's process until it closes the pipe."""
+    """Run the functions that the page's process sends through a pipe, and return their results.
+
+    It ends when the page's process closes the pipe.
+    """
     serve_parent()
     if nice and hasattr(os, "nice"):  # not on Windows
         os.nice(NICENESS)
@@ -127,13 +132,13 @@ def _serve(pipe: Connection, warm_up: WarmUp, nice: bool) -> None:
         except EOFError:
             return
         try:
-            done = work(_reporter(pipe), *args) if reports else work(*args)
+            result = work(_reporter(pipe), *args) if reports else work(*args)
         except CycloidError as error:
             pipe.send(("failed", str(error)))
         except Exception as error:  # a failure with one design must not end the page
             pipe.send(("failed", f"{type(error).__name__}: {error}"))
         else:
-            pipe.send(("done", done))
+            pipe.send(("done", result))
 
 
 def _reporter(pipe: Connection) -> Progress:

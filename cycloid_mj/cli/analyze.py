@@ -11,7 +11,7 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import claim_destination, deliver
-from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, PointFlag, point
+from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, PointFlag, parse_point
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
@@ -38,18 +38,18 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
     from cycloid_mj.analysis import analyze as judged
     from cycloid_mj.log import read
 
-    point_q, place = point(q), claim_destination(delivery, f"{Path(log).stem}-analysis")
+    point_q, destination = parse_point(q), claim_destination(delivery, f"{Path(log).stem}-analysis")
     run = read(log)
     findings = judged(run, point_q, log=log)
     if not run.complete:
         # the log knows how many steps were planned, not how many were taken
         findings = replace(findings, steps=None)
     warn(findings.design, findings.warnings)
-    return deliver(outcome_of(findings), place, delivery)
+    return deliver(outcome_of(findings), destination, delivery)
 
 
 def outcome_of(findings: "Findings") -> Outcome:
-    """Turn the findings of a run into an outcome."""
+    """Convert the findings of a run to an `Outcome` for terminal, JSON, page and files."""
     from cycloid_mj.analysis import RETURNED, groups
     from cycloid_mj.base.frame import make_frame
 

@@ -5,6 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.animation import ANIMATION
 from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claim_page, deliver_files
@@ -14,8 +15,6 @@ from cycloid_mj.cli.ranges import RANGES
 EXAMPLES = """Examples:
   cycloid-mj animate runs/pin.mcap pin.gif
   cycloid-mj animate runs/pin.mcap pin.mp4 --magnify 200 --turns 3 --frames 600"""
-
-FRAMES, RATE, WIDTH = 90, 25, 640
 
 MovieName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Animation to write, .gif or .mp4.")]
 MagnifyFlag = Annotated[
@@ -28,7 +27,7 @@ FramesFlag = Annotated[
         metavar="N",
         converter=whole,
         validator=within(*RANGES.frames),
-        help=f"Maximum number of frames. Default: {FRAMES}.",
+        help=f"Maximum number of frames. Default: {ANIMATION.frames}.",
     ),
 ]
 TurnsFlag = Annotated[
@@ -45,8 +44,8 @@ RateFlag = Annotated[
         name="--fps",
         metavar="N",
         converter=whole,
-        validator=within(1, 50),
-        help=f"Frames per second, 1 to 50. Default: {RATE}.",
+        validator=within(*ANIMATION.rates),
+        help=f"Frames per second, 1 to 50. Default: {ANIMATION.rate}.",
     ),
 ]
 DiscFlag = Annotated[
@@ -64,8 +63,8 @@ WidthFlag = Annotated[
     Parameter(
         metavar="N",
         converter=whole,
-        validator=within(200, 4000),
-        help=f"Width [pixels], 200 to 4000. Default: {WIDTH}.",
+        validator=within(*ANIMATION.widths),
+        help=f"Width [pixels], 200 to 4000. Default: {ANIMATION.width}.",
     ),
 ]
 
@@ -76,10 +75,10 @@ def animate(
     out: MovieName,
     *,
     magnify: MagnifyFlag = 1.0,
-    frames: FramesFlag = FRAMES,
+    frames: FramesFlag = ANIMATION.frames,
     turns: TurnsFlag = 1.0,
-    fps: RateFlag = RATE,
-    width: WidthFlag = WIDTH,
+    fps: RateFlag = ANIMATION.rate,
+    width: WidthFlag = ANIMATION.width,
     disc: DiscFlag = 1,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
@@ -89,11 +88,11 @@ def animate(
     elastic approach. MP4 requires pip install 'cycloid-mj[video]'.
     """
     from cycloid_mj.log import read
-    from cycloid_mj.plots.animation import film, take
+    from cycloid_mj.plots.animation import draw_frames, select_samples
     from cycloid_mj.plots.movie import write_movie
 
-    scene = take(read(log), magnify, frames, turns, disc - 1)
+    scene = select_samples(read(log), magnify, frames, turns, disc - 1)
     claim(Path(out), force=delivery.force)
     page = claim_page(delivery, f"{Path(out).stem}-film")
-    write_movie(film(scene, width), out, fps)
+    write_movie(draw_frames(scene, width), out, fps)
     return deliver_files(f"film: {log}", [out], page, delivery)

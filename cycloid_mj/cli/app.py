@@ -20,8 +20,8 @@ from cycloid_mj.base.version import __version__
 from cycloid_mj.cli import page
 from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.contents import GROUPS, HERE, PAPER_AND_LOG
-from cycloid_mj.cli.terminal import log_to_stderr, tell, tell_error, warnings_kept
-from cycloid_mj.cli.validation_errors import describe_error, with_known_case
+from cycloid_mj.cli.terminal import collect_warnings, log_to_stderr, tell, tell_error
+from cycloid_mj.cli.validation_errors import correct_case, describe_error
 
 if TYPE_CHECKING:
     from cycloid_mj.papers import Paper
@@ -60,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = _expand_folded_command([_rename_flag(word) for word in (sys.argv[1:] if argv is None else argv)])
     try:
         quiet = "--quiet" in words
-        with command_scope(), warnings_kept(None if quiet else tell), log_to_stderr(quiet):
+        with command_scope(), collect_warnings(None if quiet else tell), log_to_stderr(quiet):
             app = application(words[:1])
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))
@@ -91,10 +91,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         return stop.code if isinstance(stop.code, int) else 1
 
 
-def application(wanted: Collection[str] | None = None) -> App:
-    """Build the command line: every command with its flags and help, or those of `wanted`, and the names of the rest.
+def application(names: Collection[str] | None = None) -> App:
+    """Build the command line with all commands, or only those of `names` with flags and help, the others by their name.
 
-    A name costs nothing; a command imports its modules.
+    A command that is listed by its name alone does not import its modules, so that help is fast.
     """
     app = CompletingApp(
         name="cycloid-mj",
@@ -109,14 +109,14 @@ def application(wanted: Collection[str] | None = None) -> App:
         suppress_keyboard_interrupt=False,
         console=page.console(),
     )
-    everything = wanted is None or COMPLETION in wanted
+    all_commands = names is None or COMPLETION in names
     for order, (title, commands) in enumerate(GROUPS.items()):
         group = Group(title, sort_key=order)
         if title == PAPER_AND_LOG:
-            _add_papers(app, group, everything or REPRODUCE in (wanted or ()))
-        for place, (name, command) in enumerate(commands.items(), start=1):
-            add = command.add_to if everything or name in (wanted or ()) else command.list_in
-            add(app, name, group, place)
+            _add_papers(app, group, all_commands or REPRODUCE in (names or ()))
+        for position, (name, command) in enumerate(commands.items(), start=1):
+            add = command.add_to if all_commands or name in (names or ()) else command.list_in
+            add(app, name, group, position)
         if title == HERE:
             for flag in (*app.help_flags, *app.version_flags):
                 app[flag].group = group
@@ -124,10 +124,13 @@ def application(wanted: Collection[str] | None = None) -> App:
     return app
 
 
-def _add_papers(app: App, group: Group, wanted: bool) -> None:
-    """Add ``reproduce``: the command of the one paper that is installed, or a group of several; else its name."""
+def _add_papers(app: App, group: Group, imported: bool) -> None:
+    """Add the command ``reproduce``: that of the one paper that is installed, or a group with a command for each paper.
+
+    Without `imported`, only the name is added, and no paper is imported.
+    """
     installed: Sequence[Paper] = ()
-    if wanted:
+    if imported:
         from cycloid_mj.papers import papers
 
         installed = [paper for paper in papers() if _has_command(paper)]
@@ -135,29 +138,37 @@ def _add_papers(app: App, group: Group, wanted: bool) -> None:
         command, examples = installed[0].command, installed[0].examples
         app.command(command, name=REPRODUCE, group=group, sort_key=0, help_epilogue=examples)
     else:
-        several = CompletingApp(name=REPRODUCE, help=ABOUT_PAPERS, group=group, sort_key=0)
+        papers_app = CompletingApp(name=REPRODUCE, help=ABOUT_PAPERS, group=group, sort_key=0)
         for paper in installed:
-            several.command(paper.command, name=paper.key, help_epilogue=paper.examples)
-        app.command(several)
-    if wanted:
+            papers_app.command(paper.command, name=paper.key, help_epilogue=paper.examples)
+        app.command(papers_app)
+    if imported:
         page.flow_help(app[REPRODUCE])
 
 
 def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArguments]:
-    """Parse a command line; a word of a fixed set, such as a solver's name, may be in capital or small letters."""
+    """Parse a command line; return the function of the command and its arguments.
+
+    Words of a fixed set, such as a solver's name, may be in capital or small letters.
+
+    Raises
+    ------
+    CycloptsError
+        The command line is not valid.
+    """
     while True:
         try:
             command, bound, _ = app.parse_args(words)
             return command, bound
         except CoercionError as error:
-            corrected = with_known_case(error, words)
+            corrected = correct_case(error, words)
             if corrected is None:
                 raise
             words = corrected
 
 
 def _has_command(paper: "Paper") -> bool:
-    """Return whether the function of a paper can be used as a command; warn if it cannot."""
+    """Return whether a paper's function can be used as a command with flags; warn if it cannot."""
     trial = App()
     try:
         trial.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
@@ -198,8 +209,8 @@ def _workers(bound: BoundArguments) -> int | None:
 
 def _group_alone(app: App, words: Sequence[str]) -> str:
     """Return the group of commands that is called without a command, such as ``measure``; else an empty text."""
-    chain, apps, rest = app.parse_commands(list(words))
-    return chain[-1] if chain and not rest and apps[-1].default_command is None else ""
+    names, apps, unparsed = app.parse_commands(list(words))
+    return names[-1] if names and not unparsed and apps[-1].default_command is None else ""
 
 
 def _report_failure(message: str, code: int) -> int:

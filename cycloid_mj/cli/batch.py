@@ -25,25 +25,42 @@ def run_all(
     force: bool,
     quiet: bool,
     solver: "Solver" = "mujoco",
-    shown: Container[Design] | None = None,
+    viewable: Container[Design] | None = None,
 ) -> None:
-    """Run designs into their logs, in parallel up to the number of workers.
+    """Simulate designs in parallel threads, each into its own log.
 
-    Those that are `shown`, by default all, have in their logs what viewers show, see `run_into_log`.
+    Parameters
+    ----------
+    jobs
+        Design -> path of its log.
+    force
+        Whether existing logs are replaced.
+    quiet
+        Whether to print no progress.
+    solver
+        Solver of the runs.
+    viewable
+        Designs whose logs have frames and model for viewers; by default all, see `run_into_log`.
 
     Raises
     ------
     RunError
-        A run went wrong, or Ctrl-C stopped them: every run has then ended, and each log that was begun is readable.
+        A run failed, or Ctrl-C stopped them: every run has then ended, and each log that was begun is readable.
     """
     workers = min(Engine(kind="threads").local_workers, len(jobs))
     total = sum(design.drive.ramp + design.drive.hold for design in jobs)
     with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
         progress.tell(f"{len(jobs)} simulations, {workers} at the same time")
-        whole = _Whole(progress)
+        total_progress = _TotalProgress(progress)
         runs = [
             pool.submit(
-                run_into_log, design, [path], force, _Part(whole), solver=solver, shown=shown is None or design in shown
+                run_into_log,
+                design,
+                [path],
+                force,
+                _PartProgress(total_progress),
+                solver=solver,
+                viewable=viewable is None or design in viewable,
             )
             for design, path in jobs.items()
         ]
@@ -53,14 +70,14 @@ def run_all(
             if failed is not None:
                 failed.result()
         except KeyboardInterrupt as stop:
-            whole.stop(signal_name(stop))
+            total_progress.stop(signal_name(stop))
             raise RunError(_stop_message(jobs, stop)) from stop
         finally:
-            whole.stop("the failure of another run")
+            total_progress.stop("the failure of another run")
             pool.shutdown(wait=False, cancel_futures=True)
 
 
-class _Whole:
+class _TotalProgress:
     """Simulated time of all runs together, and whether they are to stop."""
 
     def __init__(self, progress: Progress) -> None:
@@ -69,28 +86,28 @@ class _Whole:
         self._simulated = 0.0
         self._lock = threading.Lock()
 
-    def stop(self, why: str) -> None:
-        self.stopped_by = self.stopped_by or why
+    def stop(self, reason: str) -> None:
+        self.stopped_by = self.stopped_by or reason
 
-    def advance(self, by: float) -> None:
+    def advance(self, seconds: float) -> None:
         with self._lock:
-            self._simulated += by
+            self._simulated += seconds
             self._progress.report_time(self._simulated)
 
 
-class _Part(Progress):
+class _PartProgress(Progress):
     """Progress of one run; it stops the run like Ctrl-C when all runs are to stop."""
 
-    def __init__(self, whole: _Whole) -> None:
+    def __init__(self, total_progress: _TotalProgress) -> None:
         super().__init__(end=0.0, quiet=True)
-        self._whole = whole
-        self._before = 0.0
+        self._total_progress = total_progress
+        self._reported = 0.0
 
     def report_time(self, simulated: float) -> None:
-        if self._whole.stopped_by:
-            raise Stopped(self._whole.stopped_by)
-        self._whole.advance(simulated - self._before)
-        self._before = simulated
+        if self._total_progress.stopped_by:
+            raise Stopped(self._total_progress.stopped_by)
+        self._total_progress.advance(simulated - self._reported)
+        self._reported = simulated
 
 
 def _stop_message(jobs: Mapping[Design, Path], stop: KeyboardInterrupt) -> str:

@@ -131,7 +131,7 @@ def calibrate(
     """
     import math
 
-    from cycloid_mj.bench import calibrate as calibrated
+    from cycloid_mj.bench import calibrate as fit_model
     from cycloid_mj.bench.calibration import CalibrationStopped, calibrated_name
     from cycloid_mj.bench.parameters import DEFAULT, fit_parameters
     from cycloid_mj.cli.progress import count_progress
@@ -145,34 +145,33 @@ def calibrate(
     design = chosen.resolve_checked()
     fit_parameters(Reducer(design), keys, loops)  # raises for an unknown or repeated key
     name = calibrated_name(Reducer(design))
-    place = claim_destination(delivery, name, [f"{name}{rest}" for rest in FILES], OUT, paged=True)
-    silent = replace(delivery, quiet=True)
+    destination = claim_destination(delivery, name, [f"{name}{ending}" for ending in FILES], OUT, with_page=True)
+    silent, progress = replace(delivery, quiet=True), count_progress("calibrate", delivery.quiet)
     try:
-        calibration = calibrated(
-            design, loops, keys, held, math.radians(crank_deg), count_progress("calibrate", delivery.quiet)
-        )
+        calibration = fit_model(design, loops, keys, held, math.radians(crank_deg), progress)
     except CalibrationStopped as stop:
-        write(_calibration_outcome(stop.calibration, place), place, silent)
+        write(_calibration_outcome(stop.calibration, destination), destination, silent)
         raise RunError(
-            f"stopped by {signal_name(stop)}; the values fitted so far are in {place.folder}. Run the command again "
+            f"stopped by {signal_name(stop)}; the values fitted so far are in {destination.folder}. Run the command "
+            "again "
             "for the complete calibration"
         ) from stop
     if losses:
-        write(_calibration_outcome(calibration, place), place, silent)
-        calibration = _fit_loss_models(calibration, place, delivery)
+        write(_calibration_outcome(calibration, destination), destination, silent)
+        calibration = _fit_loss_models(calibration, destination, delivery)
     try:
         unusable = _find_defects(calibration, delivery.quiet)
     except KeyboardInterrupt as stop:
-        write(_calibration_outcome(calibration, place), place, silent)
+        write(_calibration_outcome(calibration, destination), destination, silent)
         raise RunError(
-            f"stopped by {signal_name(stop)}; the calibration is in {place.folder}, but its design was not tested. "
-            "Test it with `cycloid-mj design check`, `statics` and `reduce`"
+            f"stopped by {signal_name(stop)}; the calibration is in {destination.folder}, but its design was not "
+            "tested. Test it with `cycloid-mj design check`, `statics` and `reduce`"
         ) from stop
-    return deliver(_calibration_outcome(calibration, place, unusable), place, delivery)
+    return deliver(_calibration_outcome(calibration, destination, unusable), destination, delivery)
 
 
 def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
-    """Read measured loops; raise UsageError if two files have the same name."""
+    """Read measured loops from CSV files; raise UsageError if two files have the same name."""
     from cycloid_mj.bench import read_loop
 
     loops = [read_loop(path) for path in paths]
@@ -185,8 +184,16 @@ def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
     return loops
 
 
-def _fit_loss_models(calibration: "Calibration", place: Destination, delivery: CalibrationDelivery) -> "Calibration":
-    """Compare models of the losses, writing the calibration after each; Ctrl-C raises RunError."""
+def _fit_loss_models(
+    calibration: "Calibration", destination: Destination, delivery: CalibrationDelivery
+) -> "Calibration":
+    """Fit and compare the loss models of `compare_losses`, and write the calibration after each of them.
+
+    Raises
+    ------
+    RunError
+        Ctrl-C stopped the fit; the losses fitted so far are written.
+    """
     from cycloid_mj.bench import compare_losses
     from cycloid_mj.cli.progress import count_progress
 
@@ -195,44 +202,48 @@ def _fit_loss_models(calibration: "Calibration", place: Destination, delivery: C
         return compare_losses(
             calibration,
             count_progress("calibrate: losses", delivery.quiet),
-            lambda so_far: write(_calibration_outcome(so_far, place), place, silent),
+            lambda so_far: write(_calibration_outcome(so_far, destination), destination, silent),
         )
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {signal_name(stop)}; the calibration and the loss models fitted so far are in {place.folder}. "
-            "Run the command again to fit the other loss models"
+            f"stopped by {signal_name(stop)}; the calibration and the loss models fitted so far are in "
+            f"{destination.folder}. Run the command again to fit the other loss models"
         ) from stop
 
 
 def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
-    """Return the command that fails on the calibrated design and the values that cause it; empty if none fails."""
+    """Test the calibrated design with its checks, statics and reduction, and return a sentence on the first failure.
+
+    The sentence names each fitted parameter without which the design can be used, with its value of the drawn design.
+    The result is empty if no test fails.
+    """
     from cycloid_mj.cli.progress import show_activity
 
-    most = max(loop.most for loop in calibration.fitted.loops)
+    torque = max(loop.most for loop in calibration.fitted.loops)
     with show_activity("calibrate: testing the design with its checks, statics and reduce", quiet):
-        flaw = _first_defect(Reducer(calibration.design), most)
-    if flaw is None:
+        defect = _first_defect(Reducer(calibration.design), torque)
+    if defect is None:
         return ()
-    fitted, blamed = calibration.fitted, []
-    for number, one in enumerate(fitted.parameters, 1):
+    fitted, causes = calibration.fitted, []
+    for number, parameter in enumerate(fitted.parameters, 1):
         model = fitted.model
-        for other, value in zip(fitted.parameters, fitted.values.tolist(), strict=True):
-            model = model if other == one else other.apply(model, value)
+        for replaced, value in zip(fitted.parameters, fitted.values.tolist(), strict=True):
+            model = model if replaced == parameter else replaced.apply(model, value)
         with show_activity(
-            f"calibrate: testing it with the drawn {one.key}, {number} of {len(fitted.parameters)}", quiet
+            f"calibrate: testing it with the drawn {parameter.key}, {number} of {len(fitted.parameters)}", quiet
         ):
-            serves = _first_defect(model.reducer, most) is None
-        if serves:
-            blamed.append(one.key)
+            is_usable = _first_defect(model.reducer, torque) is None
+        if is_usable:
+            causes.append(parameter.key)
     estimates = calibration.estimates
     values = " or ".join(
         f"the drawn {key} instead of {estimates[key].value:.4g} {estimates[key].unit}".removesuffix(" 1")
-        for key in blamed
+        for key in causes
     )
-    softer = ", or fit structure_stiffness instead" if blamed == ["tooth_stiffness"] else ""
-    remedy = f"with {values} it can be used: omit that parameter from --fit{softer}"
-    why = remedy if blamed else "no fitted value alone is the cause; fit other parameters (--fit)"
-    return (f"the calibrated design cannot be used: {flaw}; {why}",)
+    alternative = ", or fit structure_stiffness instead" if causes == ["tooth_stiffness"] else ""
+    remedy = f"with {values} it can be used: omit that parameter from --fit{alternative}"
+    explanation = remedy if causes else "no fitted value alone is the cause; fit other parameters (--fit)"
+    return (f"the calibrated design cannot be used: {defect}; {explanation}",)
 
 
 def _first_defect(reducer: Reducer, torque: float) -> str | None:
@@ -241,23 +252,26 @@ def _first_defect(reducer: Reducer, torque: float) -> str | None:
     from cycloid_mj.robot import reduce
     from cycloid_mj.statics.sheet import sheet
 
-    steps: tuple[tuple[str, Callable[[], object]], ...] = (
+    tests: tuple[tuple[str, Callable[[], object]], ...] = (
         ("design check", lambda: require_sound(reducer)),
         (f"statics at {torque:.4g} N m", lambda: sheet(reducer, torque)),
         ("reduce", lambda: reduce(reducer.design)),
     )
-    for name, step in steps:
+    for name, run_test in tests:
         try:
-            step()
+            run_test()
         except CycloidError as error:
             return f"{name}: {error}"
     return None
 
 
 def _calibration_outcome(
-    calibration: "Calibration", place: Destination, unusable: tuple[str, ...] | None = None
+    calibration: "Calibration", destination: Destination, unusable: tuple[str, ...] | None = None
 ) -> Outcome:
-    """Collect the outcome of a calibration; `unusable` is None where its design was not tried."""
+    """Convert a calibration to an `Outcome` with tables, warnings, figure, page, design file and residuals.
+
+    `unusable` has sentences of `_find_defects`; it is None if the design was not tested.
+    """
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.base.units import DEGREE
     from cycloid_mj.design import dump
@@ -269,11 +283,11 @@ def _calibration_outcome(
     name, fitted = calibration.design.name, calibration.fitted
     figures = quantities(Reducer(calibration.design))
     rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
-    for loop, turn in zip(fitted.loops, fitted.turns, strict=True):
-        measured, model = loop.deflection / DEGREE, turn / DEGREE
+    for loop, model_angles in zip(fitted.loops, fitted.turns, strict=True):
+        measured, model = loop.deflection / DEGREE, model_angles / DEGREE
         rows += [
-            f"{loop.name},{torque!r},{one!r},{other!r},{one - other!r}"
-            for torque, one, other in zip(loop.torque.tolist(), measured.tolist(), model.tolist(), strict=True)
+            f"{loop.name},{torque!r},{value!r},{modelled!r},{value - modelled!r}"
+            for torque, value, modelled in zip(loop.torque.tolist(), measured.tolist(), model.tolist(), strict=True)
         ]
     draw = cache(partial(encode_figure, calibration_figure(calibration)))
     files = {
@@ -286,9 +300,9 @@ def _calibration_outcome(
         failures=unusable or (),
         warnings=[
             *(
-                f"the loop does not distinguish {one} and {other} (correlation {size:.3f}): fit one of them, or "
-                "measure another loop"
-                for one, other, size in calibration.indistinguishable
+                f"the loop does not distinguish {first} and {second} (correlation {correlation:.3f}): fit one of them, "
+                "or measure another loop"
+                for first, second, correlation in calibration.indistinguishable
             ),
             *(
                 [f"not determined by the loop: {', '.join(calibration.unidentified)}"]
@@ -305,24 +319,26 @@ def _calibration_outcome(
         files=files,
         result=calibration.as_json()
         | {"unusable": None if unusable is None else list(unusable), "figures": values_json(figures)}
-        | {"files": [*place.paths(names), str(place.page)]},
+        | {"files": [*destination.paths(names), str(destination.page)]},
         page=lambda: calibration_page(calibration, draw("svg").decode(), (UNTRIED,) if unusable is None else unusable),
         code=1 if unusable else 0,
     )
 
 
 def _headline(calibration: "Calibration") -> dict[str, str]:
-    """Return the figures of the headline: play, stiffness, friction and residual, then the fitted parameters."""
+    """Return the first figures to show: play, stiffness, friction, residual, then the fitted parameters."""
     from cycloid_mj.base.units import DEGREE
 
-    read, modelled = calibration.measured, calibration.modelled
+    measured_figures, model_figures = calibration.measured, calibration.modelled
     derived = {
         "play, from the loaded branches": _value_and_model(
-            read.play.value / DEGREE, modelled.play.value / DEGREE, "deg"
+            measured_figures.play.value / DEGREE, model_figures.play.value / DEGREE, "deg"
         ),
-        "play, at zero torque": _value_and_model(read.width.value / DEGREE, modelled.width.value / DEGREE, "deg"),
-        "stiffness": _value_and_model(read.stiffness.value, modelled.stiffness.value, "N m/rad"),
-        "Coulomb friction": _value_and_model(read.coulomb.value, modelled.coulomb.value, "N m"),
+        "play, at zero torque": _value_and_model(
+            measured_figures.width.value / DEGREE, model_figures.width.value / DEGREE, "deg"
+        ),
+        "stiffness": _value_and_model(measured_figures.stiffness.value, model_figures.stiffness.value, "N m/rad"),
+        "Coulomb friction": _value_and_model(measured_figures.coulomb.value, model_figures.coulomb.value, "N m"),
         "residual, rms": f"{calibration.rms / DEGREE:.3g} deg",
     }
     fitted = {
@@ -334,6 +350,7 @@ def _headline(calibration: "Calibration") -> dict[str, str]:
 
 
 def _value_and_model(measured: float, model: float, unit: str) -> str:
+    """Format a measured figure with its unit, followed by that of the fitted model."""
     return f"{measured:.4g} {unit} (fitted model {model:.4g})"
 
 
@@ -358,7 +375,7 @@ def compare_bench(
     measured = read_te(te)
     design = chosen.resolve_checked()
     stem = f"{design.name}-{measured.name}"
-    place = claim_destination(delivery, stem, [f"{stem}.png"], OUT_TE)
+    destination = claim_destination(delivery, stem, [f"{stem}.png"], OUT_TE)
     comparison = compared(design, measured, load_nm)
     outcome = Outcome(
         title=f"transmission error of {design.name}, compared with {te}",
@@ -369,4 +386,4 @@ def compare_bench(
         formats=("png",),
         result=comparison.as_json(),
     )
-    return deliver(outcome, place, delivery)
+    return deliver(outcome, destination, delivery)

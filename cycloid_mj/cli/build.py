@@ -12,7 +12,7 @@ from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, STEP, TIMESTEP, CommonFlags, DesignOptions, whole, within
-from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.terminal import note
 from cycloid_mj.reducer import Reducer
 
@@ -74,49 +74,49 @@ def build(
     from cycloid_mj.parts.convex import ConvexSettings
 
     reducer = Reducer(chosen.resolve_checked([(TIMESTEP, timestep_us)]))
-    _require_room(out)
+    _require_writable(out)
     claim(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-model")
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     note("decomposing the parts into convex pieces")
     files = model_files(reducer, settings)
-    into = folder(out, "the model", files, delivery.force)
-    write_folder(files, into)
+    directory = claim_folder(out, "the model", files, delivery.force)
+    write_folder(files, directory)
     figures = _surface_figures(files[MANIFEST])
     if plain_coacd:
-        figures |= _plain_figures(reducer, seed)
-    rows = tuple(_row(*item) for item in figures.items())
+        figures |= _measure_plain_coacd(reducer, seed)
+    rows = tuple(_tabulate_deviations(*item) for item in figures.items())
     outcome = Outcome(
         title=f"model: {reducer.design.name}",
-        text=[str(into / SCENE)],
+        text=[str(directory / SCENE)],
         tables=[Table("convex pieces against the true surfaces [um]", HEADER, rows)],
-        result={"scene": str(into / SCENE), "files": sorted(files), "quality": figures},
+        result={"scene": str(directory / SCENE), "files": sorted(files), "quality": figures},
     )
     return deliver(outcome, Destination("model", None, page), delivery)
 
 
-def _require_room(out: str) -> None:
-    """Raise CycloidError if the output folder cannot be created; do not create it."""
-    there = Path(out)
-    while not there.exists() and there != there.parent:
-        there = there.parent
-    if not there.is_dir() or not os.access(there, os.W_OK):
-        reason = "is not writable" if there.is_dir() else "is a file"
-        raise CycloidError(f"cannot write the model to {out}: {there} {reason}. Choose another folder with --out")
+def _require_writable(out: str) -> None:
+    """Raise CycloidError if the output folder cannot be created or written to; do not create it."""
+    existing = Path(out)
+    while not existing.exists() and existing != existing.parent:
+        existing = existing.parent
+    if not existing.is_dir() or not os.access(existing, os.W_OK):
+        reason = "is not writable" if existing.is_dir() else "is a file"
+        raise CycloidError(f"cannot write the model to {out}: {existing} {reason}. Choose another folder with --out")
 
 
 def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
-    """Collect the figures of the manifest by surface."""
+    """Read the deviations of the convex pieces from the manifest, by surface."""
     from json import loads
 
     content = loads(manifest)
-    rest = {f"{item['part']} rest {number}": item for number, item in enumerate(content["rest"], start=1)}
-    return {**content["surfaces"], **rest}
+    remaining_pieces = {f"{item['part']} rest {number}": item for number, item in enumerate(content["rest"], start=1)}
+    return {**content["surfaces"], **remaining_pieces}
 
 
-def _plain_figures(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
-    """Collect the figures of plain CoACD on the toothed parts."""
+def _measure_plain_coacd(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
+    """Decompose the toothed parts by CoACD without slices, and return their deviations by part and threshold."""
     from cycloid_mj.dynamics.mjcf.folder import quality_um
     from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring
 
@@ -124,14 +124,14 @@ def _plain_figures(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
     for threshold in (0.05, 0.02):
         settings = CoacdSettings(threshold=threshold, seed=seed)
         note(f"decomposing the parts by CoACD alone, for comparison (threshold {threshold:g})")
-        cut: list[Plain] = [plain_gear(reducer, settings)]
+        parts: list[Plain] = [plain_gear(reducer, settings)]
         if reducer.design.ring.kind == "nonpin":
-            cut.append(plain_ring(reducer, settings))
-        figures |= {f"{item.part}, plain CoACD {threshold:g}": quality_um(item.quality) for item in cut}
+            parts.append(plain_ring(reducer, settings))
+        figures |= {f"{item.part}, plain CoACD {threshold:g}": quality_um(item.quality) for item in parts}
     return figures
 
 
-def _row(name: str, figures: dict[str, Any]) -> tuple[str, ...]:
+def _tabulate_deviations(name: str, figures: dict[str, Any]) -> tuple[str, ...]:
     lengths = [f"{figures[key]:.3f}" for key in ("max_overfill_um", "rms_overfill_um")]
     lengths += [f"{figures[key]:.3f}" for key in ("max_underfill_um", "rms_underfill_um")]
     return (name, str(figures["parts"]), *lengths, f"{figures['volume_error']:.1e}")

@@ -29,11 +29,11 @@ from cycloid_mj.cli.flags import (
     TemperatureFlag,
     Values,
     load_design,
-    point,
-    require_distinct,
+    parse_point,
+    require_distinct_names,
 )
-from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.simulate import logs_folder, require_possible
+from cycloid_mj.cli.outfile import claim_folder
+from cycloid_mj.cli.simulate import logs_folder, require_runnable
 from cycloid_mj.cli.verdict import capacity_of, outcome_of, overload_words
 from cycloid_mj.design import Design
 from cycloid_mj.papers import RunsJudged, judged_runs
@@ -181,9 +181,9 @@ def compare(
     design. Signals are logged at 20 kHz (unless --set settings.log_rate_hz), so vibration is resolved up to 10 kHz.
     Logs of additional starts and of varied contacts contain samples and design only, no frames for viewers.
     """
-    from cycloid_mj.explore.compared import all_cases
+    from cycloid_mj.explore.compared import list_cases
 
-    q = point(options.q)
+    q = parse_point(options.q)
     designs = (*names, *design)
     logs = [name for name in designs if name.endswith(".mcap")]
     if logs and len(logs) < len(designs):
@@ -201,16 +201,16 @@ def compare(
         )
     if logs:
         usual = f"{logs[0].removesuffix('.mcap')}-compare"
-        place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
-        return deliver(_from_logs(logs, q, place), place, delivery)
+        destination = _claim(claim_folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
+        return deliver(_compare_logs(logs, q, destination), destination, delivery)
     first = load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
     loaded = [load_design(name, options.set_, (), options.at_c) for name in designs]
-    require_distinct(loaded)
-    plan = _plan_runs(all_cases(loaded, first, options.load_nm, options.solver, options.hold_given), options)
+    require_distinct_names(loaded)
+    plan = _plan_runs(list_cases(loaded, first, options.load_nm, options.solver, options.hold_given), options)
     warn_of_overloads(plan.starts)
     names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]
-    place = _place(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)
-    return deliver(_from_runs(plan, q, place, delivery), place, delivery)
+    destination = _claim(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)
+    return deliver(_compare_runs(plan, q, destination, delivery), destination, delivery)
 
 
 def warn_of_overloads(cases: Iterable[Design]) -> None:
@@ -221,27 +221,38 @@ def warn_of_overloads(cases: Iterable[Design]) -> None:
             warn(case.name, [f"{overload_words(load, capacity)}. Use --load-nm {0.99 * capacity:.3g} or less"])
 
 
-def _place(into: Path, wanted: Delivery) -> Destination:
-    return Destination(STEM, into, claim_page(wanted, STEM, into))
+def _claim(directory: Path, delivery: Delivery) -> Destination:
+    return Destination(STEM, directory, claim_page(delivery, STEM, directory))
 
 
 def _first_design(names: Sequence[str]) -> str:
     return next(name for name in names if not name.endswith(".mcap"))
 
 
-def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Destination) -> Outcome:
-    """Return the comparison of logged runs."""
+def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destination: Destination) -> Outcome:
+    """Compare logged runs, and return the `Outcome` of their comparison.
+
+    `q` is the point of the disc whose motion is compared [m]; None: the default point.
+    """
     from cycloid_mj.comparison import compare as compared
 
     trials = [_measure_trial(Path(name), q) for name in names]
     comparison = compared([trial for _, trial in trials])
     motions = {trial: motion for motion, trial in trials}
-    judged = judged_runs(comparison.trials, {})
-    return outcome_of(comparison, judged, _pictures(comparison, [motions[item] for item in comparison.trials]), place)
+    verdicts = judged_runs(comparison.trials, {})
+    return outcome_of(
+        comparison, verdicts, _draw_figures(comparison, [motions[trial] for trial in comparison.trials]), destination
+    )
 
 
 def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
-    """Plan the runs of all cases; raise UsageError or DesignError for one that is not possible."""
+    """Plan the runs of all cases with the flags of the command.
+
+    Raises
+    ------
+    UsageError, DesignError
+        A run is not possible.
+    """
     from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP
     from cycloid_mj.explore.compared import plan_runs
 
@@ -253,18 +264,23 @@ def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
         () if options.quick else ASSUMPTIONS,
     )
     for design in plan.names:
-        require_possible(design, options.solver)
+        require_runnable(design, options.solver)
     return plan
 
 
-def _from_runs(plan: "RunPlan", q: tuple[float, float] | None, place: Destination, wanted: Delivery) -> Outcome:
-    """Simulate the cases of a plan, and return their comparison."""
+def _compare_runs(
+    plan: "RunPlan", q: tuple[float, float] | None, destination: Destination, delivery: Delivery
+) -> Outcome:
+    """Simulate all runs of a plan into logs, and return the `Outcome` of their comparison.
+
+    `q` is the point of the disc whose motion is compared [m]; None: the default point.
+    """
     from cycloid_mj.cli.batch import run_all
 
     cases = list(plan.starts)
-    paths = map(Path, place.paths(f"{name}.mcap" for name in plan.names.values()))
+    paths = map(Path, destination.paths(f"{name}.mcap" for name in plan.names.values()))
     logs = dict(zip(plan.names, paths, strict=True))
-    run_all(logs, wanted.force, wanted.quiet, plan.solver, shown=plan.starts)
+    run_all(logs, delivery.force, delivery.quiet, plan.solver, viewable=plan.starts)
     motions, measured = {}, {}
     for design, log in logs.items():
         motion, trial = _measure_trial(log, q)
@@ -272,13 +288,15 @@ def _from_runs(plan: "RunPlan", q: tuple[float, float] | None, place: Destinatio
         if design in plan.starts:
             motions[design] = motion
     comparison = plan.compare(measured, motions)
-    judged = judged_runs(comparison.trials, {each: plan.trials(measured, cases, each) for each in plan.variations})
-    pictures = _pictures(comparison, [motions[design] for design in cases]) | _of_paper(judged)
-    return outcome_of(comparison, judged, pictures, place)
+    verdicts = judged_runs(
+        comparison.trials, {variation: plan.trials(measured, cases, variation) for variation in plan.variations}
+    )
+    pictures = _draw_figures(comparison, [motions[design] for design in cases]) | _draw_paper_figures(verdicts)
+    return outcome_of(comparison, verdicts, pictures, destination)
 
 
 def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
-    """Evaluate the runs of one design under one load."""
+    """Read a log, and return its settled motion and the run's measures; raise LogError if it is incomplete."""
     from cycloid_mj.comparison import Trial, measure_run, settle_run
     from cycloid_mj.log import read
 
@@ -292,19 +310,19 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
     return motion, Trial(motion.design, measure_run(motion, str(log)))
 
 
-def _pictures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
-    """Return the figures of a comparison by name."""
+def _draw_figures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
+    """Return functions that encode the figures of a comparison, by name."""
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure
     from cycloid_mj.plots.save import encode_figure
 
     figures = comparison_figures(motions)
-    first = comparison.at(comparison.loads[0])
-    figures["compare_curvature"] = curvature_figure([trial.design for trial in first])
+    unloaded = comparison.at(comparison.loads[0])
+    figures["compare_curvature"] = curvature_figure([trial.design for trial in unloaded])
     return {name: partial(encode_figure, figure) for name, figure in figures.items()}
 
 
-def _of_paper(judged: RunsJudged) -> dict[str, Picture]:
+def _draw_paper_figures(verdicts: RunsJudged) -> dict[str, Picture]:
     from cycloid_mj.plots.save import encode_figure
 
-    return {name: partial(encode_figure, draw()) for name, draw in judged.figures.items()}
+    return {name: partial(encode_figure, draw()) for name, draw in verdicts.figures.items()}

@@ -22,23 +22,23 @@ class Listed(NamedTuple):
     function: str
     examples: str = "EXAMPLES"
 
-    def add_to(self, app: App, name: str, group: Group, place: int) -> None:
-        """Import the command, and add it with its help."""
+    def add_to(self, app: App, name: str, group: Group, position: int) -> None:
+        """Import the command's function, and add it with flags and help to a group at a position in its list."""
         module_name, _, function_name = self.function.partition(":")
         module = import_module(f"cycloid_mj.cli.{module_name}")
         function = getattr(module, function_name)
         if function_name == "commands":
-            function = function(place)
+            function = function(position)
             function.group = group
             app.command(function)
         else:
             examples = getattr(module, self.examples)
-            app.command(function, name=name, group=group, sort_key=place, help_epilogue=examples)
+            app.command(function, name=name, group=group, sort_key=position, help_epilogue=examples)
         flow_help(app[name])
 
-    def list_in(self, app: App, name: str, group: Group, place: int) -> None:
+    def list_in(self, app: App, name: str, group: Group, position: int) -> None:
         """Add the command's name and line, which import nothing."""
-        app.command(f"cycloid_mj.cli.{self.function}", name=name, group=group, sort_key=place, help=self.line)
+        app.command(f"cycloid_mj.cli.{self.function}", name=name, group=group, sort_key=position, help=self.line)
 
 
 BEGIN = "Start with"

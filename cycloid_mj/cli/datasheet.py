@@ -55,34 +55,34 @@ def datasheet(
         )
     design = chosen.resolve_checked()
     stem = f"{design.name}-datasheet"
-    place = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)
+    destination = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, with_page=True)
     progress = count_progress("data sheet", delivery.quiet)
     sheet = computed(Reducer(design), life_h or 0.0, progress)
     inherited = chosen.inheritance()
     if inherited and inherited.note:
         sheet = replace(sheet, notes=(*sheet.notes, inherited.note))
-    return deliver(_outcome(sheet, place), place, delivery)
+    return deliver(_outcome(sheet, destination), destination, delivery)
 
 
-def _outcome(sheet: "Datasheet", place: Destination) -> Outcome:
-    """Build the outcome of a data sheet."""
+def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
+    """Convert a data sheet to an `Outcome`: headline, tables, PDF and page."""
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document
     from cycloid_mj.report.datasheet import datasheet_page
 
-    pdf = f"{place.stem}.pdf"
+    pdf = f"{destination.stem}.pdf"
     quantities = by_key(*sheet.groups.values())
-    written = [*place.paths([pdf]), str(place.page)]
+    paths = [*destination.paths([pdf]), str(destination.page)]
     return Outcome(
         title=f"data sheet: {sheet.design.name}",
         condition=f"rated for {sheet.life:g} h",
         headline=headline(quantities.values()),
-        summary=written,
+        summary=paths,
         tables=[quantity_table(heading, group) for heading, group in sheet.groups.items()],
         notes=sheet.notes,
         files={pdf: document(datasheet_pages(sheet))},
         frame=quantity_frame(quantities),
-        result=sheet.as_json() | {"files": written},
+        result=sheet.as_json() | {"files": paths},
         page=lambda: datasheet_page(sheet),
     )

@@ -13,24 +13,29 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim, require_ending
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.flags import CommonFlags, Delivery
-from cycloid_mj.cli.outfile import STDOUT, Columns, folder, write_csv
+from cycloid_mj.cli.outfile import STDOUT, Columns, claim_folder, write_csv
 from cycloid_mj.cli.terminal import json_text, note, say, say_json, show, tell, with_warnings
 from cycloid_mj.design import PRESETS
 
 RUNS = "runs"
 """Folder of a page without a name, where the command writes no other file."""
 
-MOST_LINES = 25
-"""Lines on the terminal, without ``--all``."""
 
-FRAME_LINES = 6
-"""Lines that a table needs in addition to its rows, with the hint at ``--all``."""
+@dataclass(frozen=True)
+class TextLimits:
+    """How much of an outcome is printed without ``--all``."""
 
-MOST_NAMED = 12
-"""Files that are named one by one."""
+    max_lines: int = 25
+    """Lines on the terminal."""
+    frame_lines: int = 6
+    """Lines that a table needs in addition to its rows, with the hint at ``--all``."""
+    max_named_files: int = 12
+    """Files that are named one by one; more are counted by folder."""
+    min_warnings: int = 3
+    """Warnings that are shown however long the rest is."""
 
-FEWEST_WARNINGS = 3
-"""Warnings that are shown however long the rest is."""
+
+TEXT = TextLimits()
 
 
 @dataclass(frozen=True)
@@ -57,52 +62,55 @@ class Destination:
 
 
 def claim_destination(
-    wanted: Delivery,
+    flags: Delivery,
     stem: str,
     names: Iterable[str] = (),
-    usual: str = "",
-    paged: bool = False,
+    default_folder: str = "",
+    with_page: bool = False,
     resumed: bool = False,
 ) -> Destination:
-    """Claim the output files of a command before its work.
+    """Claim the output files of a command before its work, so that no later command overwrites them.
 
     Parameters
     ----------
-    wanted
-        Files and format that the user requested.
+    flags
+        Output flags of the command.
     stem
         Name of the JSON file, the CSV file and the page, without the ending.
     names
-        Other files.
-    usual
-        The folder where ``--out`` names none; without it no files are written.
-    paged
-        Whether there is a page in the folder without ``--html``, too.
+        Names of other files.
+    default_folder
+        Folder without ``--out``; if it is empty, no files are written.
+    with_page
+        Whether the folder gets a page without ``--html``, too.
     resumed
-        True if an earlier run of the command is resumed: the files in its folder are then its own.
+        Whether an earlier run of the command is resumed, to which the files in the folder belong.
 
     Raises
     ------
     UsageError
-        ``--html`` names several files, or none that a page can have.
+        ``--html`` names several files, or a file that cannot be a page.
     TakenError
-        One of the files is there, and may not be replaced.
+        A file exists and must not be replaced.
     CycloidError
         The folder cannot be created.
     """
-    out = wanted.out or usual
+    out = flags.out or default_folder
     files = () if resumed else (f"{stem}.json", f"{stem}.csv", *names)
-    into = folder(out, "the results", files, wanted.force) if out else None
-    return Destination(stem, into, claim_page(wanted, stem, into, paged, resumed))
+    directory = claim_folder(out, "the results", files, flags.force) if out else None
+    return Destination(stem, directory, claim_page(flags, stem, directory, with_page, resumed))
 
 
 def claim_page(
-    wanted: CommonFlags, stem: str, into: Path | None = None, paged: bool = False, resumed: bool = False
+    flags: CommonFlags, stem: str, directory: Path | None = None, with_page: bool = False, resumed: bool = False
 ) -> Path | None:
-    """Claim the name of the page; None if there is none. Parameters and errors are those of `claim_destination`."""
-    if wanted.html is None and not paged:
+    """Claim the file name of the HTML page, and return it; None if no page is requested.
+
+    Parameters and errors are those of `claim_destination`; `directory` is the folder of a page without a name.
+    """
+    if flags.html is None and not with_page:
         return None
-    named = wanted.html or ()
+    named = flags.html or ()
     if len(named) > 1:
         raise UsageError(
             f"--html takes one file, but {len(named)} are given ({', '.join(named)}): give only one of them"
@@ -112,100 +120,110 @@ def claim_page(
             f"--html {named[0]} would name the page after a preset: name the page {named[0]}.html, or move the design "
             f"{named[0]} in front of the flags"
         )
-    path = Path(named[0]) if named else (into or folder(RUNS, "the page", (), wanted.force)) / f"{stem}.html"
+    path = Path(named[0]) if named else (directory or claim_folder(RUNS, "the page", (), flags.force)) / f"{stem}.html"
     require_ending(path, ".html")
     if not resumed:
-        claim(path, force=wanted.force)
+        claim(path, force=flags.force)
     return path
 
 
-def deliver(outcome: Outcome, place: Destination, wanted: CommonFlags) -> int:
-    """Write the files of an outcome, print it, and return its exit code."""
-    write(outcome, place, wanted)
-    if wanted.json:
-        say_json(_result(outcome))
+def deliver(outcome: Outcome, destination: Destination, flags: CommonFlags) -> int:
+    """Write the files of an outcome, print it as text or JSON, and return its exit code."""
+    write(outcome, destination, flags)
+    if flags.json:
+        say_json(_result_json(outcome))
     else:
-        show_outcome(outcome, wanted.all)
+        show_outcome(outcome, flags.all)
     return outcome.code
 
 
-def _result(outcome: Outcome) -> dict[str, Any]:
-    """Return the JSON object of an outcome, with its own warnings after those issued before."""
-    noted = with_warnings(dict(outcome.result))
-    seen = noted.get("warnings", [])
-    own = [item for item in outcome.warnings if item not in seen]
-    return noted | {"warnings": [*seen, *own]} if own else noted
+def _result_json(outcome: Outcome) -> dict[str, Any]:
+    """Return the JSON object of an outcome, including all warnings."""
+    content = with_warnings(dict(outcome.result))
+    issued = content.get("warnings", [])
+    added = [warning for warning in outcome.warnings if warning not in issued]
+    return content | {"warnings": [*issued, *added]} if added else content
 
 
-def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, wanted: CommonFlags) -> int:
+def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, flags: CommonFlags) -> int:
     """Print the paths of files that a command has written, one per line."""
     paths = list(map(str, files))
     outcome = Outcome(title=title, text=paths, result={"files": paths})
-    return deliver(outcome, Destination(title, None, page), wanted)
+    return deliver(outcome, Destination(title, None, page), flags)
 
 
-def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, wanted: CommonFlags) -> int:
-    """Write columns, shape (n,) each, to a CSV file or stdout; as JSON, their numbers where stdout is the file."""
-    place, files = Destination(title, None, page), [] if file == STDOUT else [file]
+def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, flags: CommonFlags) -> int:
+    """Write columns, shape (n,) each, as CSV to `file` or stdout, and return the exit code.
+
+    With ``--all`` or ``--json`` their ranges are printed; with ``--json``, a table for stdout is printed as JSON
+    instead.
+    """
+    destination, files = Destination(title, None, page), [] if file == STDOUT else [file]
     rows = len(next(iter(columns.values())))
-    if files or not wanted.json:
+    if files or not flags.json:
         write_csv(file, columns)
     if files:
         note(f"wrote {rows} rows of {len(columns)} columns to {file}")
     numbers = {name: column for name, column in columns.items() if column.dtype.kind == "f"}
     ranges = tuple((name, f"{column.min():.6g}", f"{column.max():.6g}") for name, column in numbers.items())
-    values = {name: column.tolist() for name, column in columns.items()} if wanted.json and not files else None
+    values = {name: column.tolist() for name, column in columns.items()} if flags.json and not files else None
     outcome = Outcome(
         title=title,
         tables=[Table(f"{rows} rows of {len(columns)} columns", ("column", "least", "most"), ranges)],
         result={"files": files, "rows": rows, "columns": list(columns)} | ({"values": values} if values else {}),
     )
-    if wanted.json or (wanted.all and files):
-        return deliver(outcome, place, wanted)
-    write(outcome, place, wanted)
+    if flags.json or (flags.all and files):
+        return deliver(outcome, destination, flags)
+    write(outcome, destination, flags)
     return 0
 
 
-def write(outcome: Outcome, place: Destination, wanted: CommonFlags) -> None:
-    """Write the files of an outcome, all of them or none, and name those that its text does not."""
-    files = dict(_files(outcome, place))
+def write(outcome: Outcome, destination: Destination, flags: CommonFlags) -> None:
+    """Write the files of an outcome, all or none, and print the names of files that its text does not name."""
+    files = dict(_encode_files(outcome, destination))
     if files:
         with defer_signals():
             write_files(files)
-        if not wanted.quiet and (unnamed := [path for path in files if str(path) not in (outcome.text or ())]):
+        if not flags.quiet and (unnamed := [path for path in files if str(path) not in (outcome.text or ())]):
             tell(f"wrote {_list_files(unnamed)}")
 
 
 def _list_files(files: Collection[Path]) -> str:
     """Name some files, and count many by their folders."""
-    if len(files) <= MOST_NAMED:
+    if len(files) <= TEXT.max_named_files:
         return ", ".join(map(str, files))
     folders = Counter(path.parent for path in files)
-    return ", ".join(f"{count} file{'s' if count > 1 else ''} in {folder}" for folder, count in folders.items())
+    return ", ".join(f"{count} file{'s' if count > 1 else ''} in {parent}" for parent, count in folders.items())
 
 
-def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]:
-    """Yield path and content of every file."""
-    if place.folder:
+def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[Path, bytes]]:
+    """Yield path and content of every file of an outcome: files, figures, JSON, CSV and page."""
+    if destination.folder:
         for name, content in outcome.files.items():
-            yield place.folder / name, content
+            yield destination.folder / name, content
         for name, draw in outcome.pictures.items():
             for form in outcome.formats:
-                yield place.folder / f"{name}.{form}", draw(form)
+                yield destination.folder / f"{name}.{form}", draw(form)
         if outcome.filed:
-            yield place.folder / f"{place.stem}.json", encodable_text(f"{json_text(_result(outcome))}\n").encode()
+            yield (
+                destination.folder / f"{destination.stem}.json",
+                encodable_text(f"{json_text(_result_json(outcome))}\n").encode(),
+            )
         if outcome.frame:
-            yield place.folder / f"{place.stem}.csv", encodable_text(outcome.frame.as_csv()).encode()
-    if place.page:
+            yield destination.folder / f"{destination.stem}.csv", encodable_text(outcome.frame.as_csv()).encode()
+    if destination.page:
         from cycloid_mj.report.results import outcome_page
 
-        yield place.page, encodable_text(outcome.page() if outcome.page else outcome_page(outcome)).encode()
+        yield destination.page, encodable_text(outcome.page() if outcome.page else outcome_page(outcome)).encode()
 
 
 def show_outcome(outcome: Outcome, everything: bool) -> None:
-    """Print headline, failures and warnings first; with ``--all`` the passes, and with it or if they fit all tables."""
+    """Print an outcome as text: headline, failures, warnings and summary; tables and notes if they fit into 25 lines.
+
+    With `everything` (``--all``), all tables, notes and passed checks are printed.
+    """
     passes = outcome.passes if everything else ()
-    everything = everything or _lines(outcome) <= MOST_LINES
+    everything = everything or _count_lines(outcome) <= TEXT.max_lines
     title = ", ".join(filter(None, (outcome.title, outcome.condition)))
     for line in [title] if outcome.text is None else outcome.text:
         say(line)
@@ -213,9 +231,11 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
         show(outcome.headline_table)
     for line in outcome.failures:
         say(f"FAIL  {line}")
-    taken = FRAME_LINES + sum(map(len, (outcome.headline, outcome.failures, outcome.summary)))
-    shown = outcome.warnings if everything else outcome.warnings[: max(FEWEST_WARNINGS, MOST_LINES - taken)]
-    for line in shown:
+    used_lines = TEXT.frame_lines + sum(map(len, (outcome.headline, outcome.failures, outcome.summary)))
+    shown_warnings = (
+        outcome.warnings if everything else outcome.warnings[: max(TEXT.min_warnings, TEXT.max_lines - used_lines)]
+    )
+    for line in shown_warnings:
         say(f"warn  {line}")
     for line in passes:
         say(f"ok    {line}")
@@ -225,19 +245,19 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
         for note in outcome.notes:
             say(note)
     hidden = {
-        "more warning": len(outcome.warnings) - len(shown),
+        "more warning": len(outcome.warnings) - len(shown_warnings),
         "passed check": len(outcome.passes) - len(passes),
         "table row": 0 if everything else sum(len(table.rows) for table in outcome.tables),
         "note": 0 if everything else len(outcome.notes),
     }
-    if left := ", ".join(f"{count} {what}{'s' if count > 1 else ''}" for what, count in hidden.items() if count):
-        say(f"--all also shows {left}")
+    if hidden_text := ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in hidden.items() if count):
+        say(f"--all also shows {hidden_text}")
     for line in outcome.summary:
         say(line)
 
 
-def _lines(outcome: Outcome) -> int:
+def _count_lines(outcome: Outcome) -> int:
     """Count the lines of an outcome when printed in full, without wrapped lines."""
     tables = [len(outcome.headline), *(len(table.rows) for table in outcome.tables)]
     lines = (outcome.failures, outcome.warnings, outcome.notes, outcome.summary)
-    return 1 + sum(map(len, lines)) + sum(rows + FRAME_LINES for rows in tables if rows)
+    return 1 + sum(map(len, lines)) + sum(rows + TEXT.frame_lines for rows in tables if rows)

@@ -42,8 +42,8 @@ def commands(sort_key: int) -> App:
     about = "Create, print and check design files."
     app = CompletingApp(name="design", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
     parts: tuple[Callable[..., int], ...] = (new, show, check)
-    for place, command in enumerate(parts):
-        app.command(command, sort_key=place)
+    for order, command in enumerate(parts):
+        app.command(command, sort_key=order)
     app.command(profile, help_epilogue=PROFILE_EXAMPLES, sort_key=len(parts))
     app.command(kinematics, help_epilogue=KINEMATICS_EXAMPLES, sort_key=len(parts) + 1)
     return app
@@ -57,14 +57,14 @@ def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery
     """
     design = chosen.resolve()
     text, file = dump(design, reasons(chosen.design, design)), f"{design.name}.toml"
-    place = claim_destination(delivery, f"{design.name}-design", [file])
+    destination = claim_destination(delivery, f"{design.name}-design", [file])
     outcome = Outcome(
         title=f"design: {design.name}",
         text=text.splitlines(),
         files={file: text.encode()},
         result=tomllib.loads(text),
     )
-    return deliver(outcome, place, delivery)
+    return deliver(outcome, destination, delivery)
 
 
 StrictFlag = Annotated[bool, Parameter(name="--strict", negative="", help="Exit with code 1 if there are warnings.")]
@@ -90,15 +90,15 @@ def check(
     from cycloid_mj.life.checks import check_design
 
     design = chosen.resolve()
-    place = claim_destination(delivery, f"{design.name}-check")
+    destination = claim_destination(delivery, f"{design.name}-check")
     checks, inherited = check_design(design), chosen.inheritance()
     reducer = reducer_of(design)
     if isinstance(reducer, RvReducer):
         outcome = replace(_outcome(design, checks, None, None, inherited), summary=_rv_lines(reducer, checks))
-        return deliver(_strictly(outcome, strict), place, delivery)
+        return deliver(_strictly(outcome, strict), destination, delivery)
     summed = None if checks.failures else _compute_summary(design)
     rating = _compute_rating(design) if summed else None
-    return deliver(_strictly(_outcome(design, checks, summed, rating, inherited), strict), place, delivery)
+    return deliver(_strictly(_outcome(design, checks, summed, rating, inherited), strict), destination, delivery)
 
 
 def _strictly(outcome: Outcome, strict: bool) -> Outcome:
@@ -107,7 +107,7 @@ def _strictly(outcome: Outcome, strict: bool) -> Outcome:
 
 
 def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
-    """Return the summary of an RV reducer as lines of text."""
+    """Return the summary of an RV reducer as lines of text: ratio, cranks, size, discs, and counts of the checks."""
     from cycloid_mj.geometry.rv import are_one_part, flip_clockings
     from cycloid_mj.parts.export.rv_assembly import rv_mass
 
@@ -123,50 +123,55 @@ def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
         lines.append(f"      mass {rv_mass(reducer):.4g} kg, without main bearings, screws and the shaft of the sun")
     if discs > 1:
         if are_one_part(ring.teeth, lobes, discs, reducer.cranks.count):
-            same = "one part, turned by a step of the crank bores"
+            identity = "one part, turned by a step of the crank bores"
         elif discs == 2:
-            clocked = " or ".join(map(str, flip_clockings(ring.teeth, lobes, reducer.cranks.count)))
-            same = f"different parts; they are one part, flipped, if a crank bore is {clocked} of a pitch off a lobe"
+            clockings = " or ".join(map(str, flip_clockings(ring.teeth, lobes, reducer.cranks.count)))
+            identity = (
+                f"different parts; they are one part, flipped, if a crank bore is {clockings} of a pitch off a lobe"
+            )
         else:
-            same = "different parts"
-        lines.append(f"      {discs} discs, {same}")
+            identity = "different parts"
+        lines.append(f"      {discs} discs, {identity}")
     return [*lines, f"{len(checks)} checks: {checks.counts}"]
 
 
 def _outcome(
     design: Design,
     checks: "Checks",
-    summed: "Summary | None",
+    summary: "Summary | None",
     rating: "Rating | None",
-    inherited: Inheritance | None,
+    inheritance: Inheritance | None,
 ) -> Outcome:
-    """Build the outcome of the checks of a design."""
-    numbers = _in_file_units(summed, rating) if summed else None
+    """Convert checks, summary and rating of a design to an `Outcome`; the last two are None if not available."""
+    summary_values = _summary_json(summary, rating) if summary else None
     return Outcome(
         title=f"checks: {design.name}",
-        condition=_defaults(design, inherited.motor if inherited else ()),
+        condition=_describe_defaults(design, inheritance.motor if inheritance else ()),
         failures=list(map(str, checks.failures)),
         warnings=list(map(str, checks.warnings)),
         passes=list(map(str, checks.passes)),
         summary=[
-            *(f"      {line}" for line in (_lines(design, summed, rating) if summed else [])),
+            *(f"      {line}" for line in (_summary_lines(design, summary, rating) if summary else [])),
             f"{len(checks)} checks: {checks.counts}",
-            *([inherited.note] if inherited and inherited.note else []),
+            *([inheritance.note] if inheritance and inheritance.note else []),
         ],
         frame=checks.frame,
         result={
             "design": design.name,
-            "inherited": list(inherited.values) if inherited else [],
+            "inherited": list(inheritance.values) if inheritance else [],
             "sound": not checks.failures,
             "checks": [check.as_json() for check in checks],
-            "summary": numbers,
+            "summary": summary_values,
         },
         code=1 if checks.failures else 0,
     )
 
 
-def _defaults(design: Design, motor: Sequence[str]) -> str:
-    """State the torque and speed that a design file leaves to the defaults; empty if it states both."""
+def _describe_defaults(design: Design, motor: Sequence[str]) -> str:
+    """Return a sentence on motor torque and speed that a design file leaves to the defaults; empty if it states both.
+
+    `motor` are the keys that the file leaves out.
+    """
     if not motor:
         return ""
     values = " and ".join(f"{key} = {value_of(design, key):.4g}" for key in motor)
@@ -179,7 +184,7 @@ def _defaults(design: Design, motor: Sequence[str]) -> str:
 
 
 def _compute_summary(design: Design) -> "Summary | None":
-    """Summarize a design; None if it has no static equilibrium, which a check reports."""
+    """Compute the summary of a design; None if it has no static equilibrium, which a check reports."""
     from cycloid_mj.checks import summary
 
     try:
@@ -189,7 +194,7 @@ def _compute_summary(design: Design) -> "Summary | None":
 
 
 def _compute_rating(design: Design) -> "Rating | None":
-    """Rate a design at its nominal torque and speed; None if its crank does not turn."""
+    """Rate the life of a design at nominal torque and speed; None if this fails, as for a crank at rest."""
     from cycloid_mj.life.items import rate_at_rated_load
 
     try:
@@ -198,38 +203,38 @@ def _compute_rating(design: Design) -> "Rating | None":
         return None
 
 
-def _in_file_units(summed: "Summary", rating: "Rating | None") -> dict[str, Any]:
-    """Return the summary of a design in the units of the design file."""
+def _summary_json(summary: "Summary", rating: "Rating | None") -> dict[str, Any]:
+    """Convert the summary of a design to JSON values in the units of the design file."""
     return {
-        "ratio": summed.ratio,
-        "outer_diameter_mm": 1e3 * summed.outer_diameter,
-        "mass_kg": summed.mass,
-        "nominal_torque_nm": summed.rated_torque,
-        "rated_torque_nm": summed.rated_torque,  # the former key of the nominal torque, for one release
-        "loaded_teeth": summed.loaded_teeth,
-        "loaded_teeth_per_disc": summed.loaded_teeth,
-        "pressure_angle_deg": degrees(summed.pressure_angle),
-        "backlash_arcmin": 60.0 * degrees(summed.backlash),
-        "capacity_nm": summed.capacity,
-        "weakest": summed.weakest,
-        "material_limits": list(summed.material_limits),
+        "ratio": summary.ratio,
+        "outer_diameter_mm": 1e3 * summary.outer_diameter,
+        "mass_kg": summary.mass,
+        "nominal_torque_nm": summary.rated_torque,
+        "rated_torque_nm": summary.rated_torque,  # the former key of the nominal torque, for one release
+        "loaded_teeth": summary.loaded_teeth,
+        "loaded_teeth_per_disc": summary.loaded_teeth,
+        "pressure_angle_deg": degrees(summary.pressure_angle),
+        "backlash_arcmin": 60.0 * degrees(summary.backlash),
+        "capacity_nm": summary.capacity,
+        "weakest": summary.weakest,
+        "material_limits": list(summary.material_limits),
         "weakest_item": None if rating is None else {"key": rating.weakest.key, **rating.weakest.as_json()},
     }
 
 
-def _lines(design: Design, summed: "Summary", rating: "Rating | None") -> list[str]:
-    """Return the summary of a design as lines of text."""
+def _summary_lines(design: Design, summary: "Summary", rating: "Rating | None") -> list[str]:
+    """Return the summary of a design as lines of text, with its weakest item if it was rated."""
     from cycloid_mj.geometry.measured import part_notes
 
-    angle, play = degrees(summed.pressure_angle), 60.0 * degrees(summed.backlash)
-    of = " of each disc" if summed.discs > 1 else ""
-    part = "identical parts" if summed.one_part else "different parts"
+    angle, play = degrees(summary.pressure_angle), 60.0 * degrees(summary.backlash)
+    per_disc = " of each disc" if summary.discs > 1 else ""
+    part = "identical parts" if summary.one_part else "different parts"
     return [
-        *([f"{summed.discs} discs, {part}"] if summed.discs > 1 else []),
-        f"ratio {summed.ratio}:1, outer diameter {1e3 * summed.outer_diameter:.4g} mm, mass {summed.mass:.3g} kg",
-        f"at the nominal torque of {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth{of} "
+        *([f"{summary.discs} discs, {part}"] if summary.discs > 1 else []),
+        f"ratio {summary.ratio}:1, outer diameter {1e3 * summary.outer_diameter:.4g} mm, mass {summary.mass:.3g} kg",
+        f"at the nominal torque of {summary.rated_torque:.4g} N m: {summary.loaded_teeth:.1f} teeth{per_disc} "
         f"carry load on average, mean pressure angle {angle:.1f} deg",
-        f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m (first yield at {summed.weakest})",
+        f"backlash {play:.3g} arcmin; capacity {summary.capacity:.3g} N m (first yield at {summary.weakest})",
         *([f"weakest: {rating.weakest_line()}"] if rating else []),
         *part_notes(design),
     ]

@@ -55,12 +55,12 @@ def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """
     from cycloid_mj.base.frame import make_frame
 
-    place = claim_destination(delivery, "doctor")
+    destination = claim_destination(delivery, "doctor")
     trials = (
-        _run_test("self-test of MuJoCo", True, _self_tested),
+        _run_test("self-test of MuJoCo", True, _test_contact),
         _run_test("contact and simulation", True, _simulate_self_test),
     )
-    findings = [*_versions(), *_cache(), *trials, *_rendering(), *_extras()]
+    findings = [*_check_packages(), *_check_cache(), *trials, *_test_rendering(), *_check_extras()]
     rows = [finding._asdict() for finding in findings]
     title = f"cycloid-mj {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}"
     outcome = Outcome(
@@ -70,11 +70,11 @@ def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
         result={"version": __version__, "findings": rows},
         code=0 if all(finding.well for finding in findings if finding.needed) else 1,
     )
-    return deliver(outcome, place, delivery)
+    return deliver(outcome, destination, delivery)
 
 
-def _versions() -> Iterator[Finding]:
-    """Yield whether each required package is installed, with its version."""
+def _check_packages() -> Iterator[Finding]:
+    """Yield a finding for each required package: whether it is installed, and its version."""
     if find_spec("mujoco"):  # of the package mujoco or, from release 4 on, of mujoco-core alone
         import mujoco
 
@@ -88,13 +88,13 @@ def _versions() -> Iterator[Finding]:
             yield Finding(name, False, True, f"not installed: pip install {name}")
 
 
-def _cache() -> Iterator[Finding]:
+def _check_cache() -> Iterator[Finding]:
     from cycloid_mj.base.compiling import cacheable
 
-    kept = (
+    detail = (
         "compiled code is cached" if cacheable() else "no folder is writable: set NUMBA_CACHE_DIR to a folder that is"
     )
-    yield Finding("compile cache", cacheable(), False, kept)
+    yield Finding("compile cache", cacheable(), False, detail)
 
 
 def _run_test(name: str, needed: bool, work: Callable[[], str]) -> Finding:
@@ -104,8 +104,14 @@ def _run_test(name: str, needed: bool, work: Callable[[], str]) -> Finding:
         return Finding(name, False, needed, str(error))
 
 
-def _self_tested() -> str:
-    """Have the contact tried on the release that is installed, if it has not passed before."""
+def _test_contact() -> str:
+    """Install the contact functions in MuJoCo, which tests them once for each release; return a sentence on success.
+
+    Raises
+    ------
+    CycloidError
+        Memory layout, gaps or forces differ from those expected.
+    """
     import mujoco
 
     from cycloid_mj.dynamics.contact import collider, each_step
@@ -115,7 +121,13 @@ def _self_tested() -> str:
 
 
 def _simulate_self_test() -> str:
-    """Simulate a millisecond of a reducer with pressed-in pins, and compare its disc with the closed form."""
+    """Simulate a millisecond of a reducer with fixed pins, and compare the disc's angle with the closed form.
+
+    Raises
+    ------
+    CycloidError
+        The difference is too large.
+    """
     from cycloid_mj.design import PRESETS, override
     from cycloid_mj.dynamics.run import simulate
 
@@ -131,20 +143,25 @@ def _simulate_self_test() -> str:
     return f"{len(run.time)} samples, disc angle within {error:.1g} rad of the closed form"
 
 
-def _rendering() -> Iterator[Finding]:
-    """Try OpenGL in a process of its own: a driver that fails may end it."""
+def _test_rendering() -> Iterator[Finding]:
+    """Yield a finding whether OpenGL renders off-screen.
+
+    It is tried in its own process, because a driver that fails may end it.
+    """
     code = (
         "import mujoco; from cycloid_mj.scene.opengl import opengl\n"
         "model = mujoco.MjModel.from_xml_string('<mujoco/>')\n"
         "with opengl(model, 64, 64): pass"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    last = done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "the graphics driver ended the process"
-    well = done.returncode == 0
-    yield Finding("rendering (render, animate, view)", well, False, "off-screen OpenGL works" if well else last)
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    reason = (
+        result.stderr.strip().splitlines()[-1] if result.stderr.strip() else "the graphics driver ended the process"
+    )
+    works = result.returncode == 0
+    yield Finding("rendering (render, animate, view)", works, False, "off-screen OpenGL works" if works else reason)
 
 
-def _extras() -> Iterator[Finding]:
+def _check_extras() -> Iterator[Finding]:
     for extra, modules in EXTRAS.items():
         missing = [module for module in modules if find_spec(module) is None]
         extras = f"missing {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"

@@ -27,7 +27,7 @@ DutyFlag = Annotated[
 def duty_cycle(
     design: Design, load_nm: float | None, speed_rpm: float | None, duty: Path | None, peak_nm: float | None = None
 ) -> "Duty":
-    """Return the duty cycle of the flags: torque and speed, or the rows of a file.
+    """Return the duty cycle of a command's flags: one torque and speed, by default nominal, or the rows of a file.
 
     Raises
     ------

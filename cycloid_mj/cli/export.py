@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -13,13 +14,14 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, whole, within
-from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.ranges import RANGES
+from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.reducer.sockets import require_one_ring
 
 if TYPE_CHECKING:
-    from cycloid_mj.parts.export import Casing, Export, Motor, PrintPlate
+    from cycloid_mj.parts.export import Casing, Export, Format, Motor, PrintPlate
     from cycloid_mj.parts.export.print_files import PrintSettings
 
 EXAMPLES = """Examples:
@@ -147,8 +149,10 @@ DrawingsFlag = Annotated[
 ]
 
 
-def _motor_flag(what: str) -> Parameter:
-    return Parameter(metavar="X", validator=within(*RANGES.motor_mm), help=f"{what} [mm]. Default: that of --motor.")
+def _motor_flag(dimension: str) -> Parameter:
+    return Parameter(
+        metavar="X", validator=within(*RANGES.motor_mm), help=f"{dimension} [mm]. Default: that of --motor."
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,7 +176,7 @@ class MotorInterface:
     ] = None
 
     def chosen(self) -> "Motor":
-        """Return the name of the motor, or its interface with other dimensions.
+        """Return the name of the motor or, if dimensions are set, its interface with these dimensions.
 
         Raises
         ------
@@ -190,8 +194,8 @@ class MotorInterface:
             changes["screws"] = self.motor_screws
         if not changes:
             return self.motor
-        own = MotorFlange("own bolt circle", 0.6 * changes.get("circle", 0.0), 0.0, 0.0)
-        motor = replace(MOTORS.get(self.motor, own), **changes)
+        custom = MotorFlange("own bolt circle", 0.6 * changes.get("circle", 0.0), 0.0, 0.0)
+        motor = replace(MOTORS.get(self.motor, custom), **changes)
         if not (motor.circle and motor.thread):
             raise UsageError(
                 "a motor of another size needs both --motor-circle-mm and --motor-thread-mm: give both, or choose a "
@@ -209,22 +213,82 @@ class MotorInterface:
 MOTOR = MotorInterface()
 
 
+@dataclass(frozen=True, kw_only=True)
+class ExportFlags:
+    """What is exported, and how exactly."""
+
+    polylines: PolylinesFlag = False
+    chord_error_um: ChordFlag = 1.0
+    plate: PlateFlag = False
+    assembly: AssemblyFlag = False
+    offset_um: OffsetFlag = 0.0
+    interface: Annotated[MotorInterface, FLAT] = MOTOR
+    cam_bearing_bore_mm: CamFlag = None
+    bed: BedFlag = None
+    cover_material: CoverMaterialFlag = "auto"
+    arcs: ArcsFlag = None
+    drawings: DrawingsFlag = False
+
+    @property
+    def offset(self) -> float:
+        """Increase of every clearance [m]."""
+        return 1e-6 * self.offset_um
+
+    @property
+    def chord_error(self) -> float:
+        """Largest distance between straight edges and the outline [m]."""
+        return 1e-6 * self.chord_error_um
+
+    @property
+    def arc_error(self) -> float | None:
+        """Largest distance between arcs and the outline [m]; None for splines."""
+        return None if self.arcs is None else 1e-6 * self.arcs
+
+    @property
+    def has_casing(self) -> bool:
+        """Whether files of the whole drive are requested, with covers and flanges."""
+        return self.plate or self.assembly or self.drawings
+
+    def require_consistent(self, file_format: str) -> None:
+        """Raise UsageError for a flag that has no effect with the other flags and the file format."""
+        if self.cam_bearing_bore_mm is not None and not self.plate:
+            raise UsageError(
+                "--cam-bearing-bore-mm applies to --plate only: add --plate, or remove --cam-bearing-bore-mm"
+            )
+        if self.bed is not None and not self.plate:
+            raise UsageError("--bed applies to --plate only: add --plate, or remove --bed")
+        if (self.polylines or self.arcs is not None) and file_format != "dxf":
+            name = "--polylines" if self.polylines else "--arcs"
+            raise UsageError(
+                f"{name} applies to --format dxf only, not to {file_format}: remove {name}, or use --format dxf"
+            )
+        if self.polylines and self.arcs is not None:
+            raise UsageError("--polylines and --arcs cannot be used together: remove one of the two")
+
+    def require_supported(self, reducer: Reducer) -> None:
+        """Raise UsageError for a flag that does not support the layout of the reducer."""
+        if isinstance(reducer, RvReducer) and (self.plate or self.drawings):
+            name = "--plate" if self.plate else "--drawings"
+            raise UsageError(f'{name} does not support layout = "rv" ({reducer.design.name}): remove it')
+
+    def print_settings(self, reducer: Reducer) -> "PrintSettings":
+        """Return accuracy, offset, seat of the cam bearing and bed size of a print plate [m]."""
+        from cycloid_mj.parts.export.print_files import PrintSettings, stock_cam_seat
+
+        bore = self.cam_bearing_bore_mm
+        seat = round(0.5e-3 * bore, 9) if bore else stock_cam_seat(reducer)
+        return PrintSettings(self.chord_error, self.offset, seat, _bed_size(self.bed))
+
+
+EXPORT = ExportFlags()
+
+
 def export(
     chosen: Annotated[DesignOptions, FLAT],
     *,
     format_: FormatFlag = "stl",
     out: OutFlag = None,
-    polylines: PolylinesFlag = False,
-    chord_error_um: ChordFlag = 1.0,
-    plate: PlateFlag = False,
-    assembly: AssemblyFlag = False,
-    offset_um: OffsetFlag = 0.0,
-    interface: Annotated[MotorInterface, FLAT] = MOTOR,
-    cam_bearing_bore_mm: CamFlag = None,
-    bed: BedFlag = None,
-    cover_material: CoverMaterialFlag = "auto",
-    arcs: ArcsFlag = None,
-    drawings: DrawingsFlag = False,
+    flags: Annotated[ExportFlags, FLAT] = EXPORT,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the parts of a design for CAD or 3-D printing.
@@ -249,86 +313,93 @@ def export(
     parts: name -> count), plates (the same of each), bom (item, count, size, material, made_or_bought, designation,
     fit, mass_kg) and consumables.
     """
-    from cycloid_mj.parts.export import drive_files, widen_clearances
-    from cycloid_mj.parts.export import export as exported
-    from cycloid_mj.parts.export.print_files import PrintSettings, stock_cam_seat
-
-    _require_flags(format_, polylines=polylines, arcs=arcs, plate=plate, bore=cam_bearing_bore_mm, bed=bed)
-    bed_size = _bed_size(bed)
-    design, offset, chord_error = chosen.resolve_checked().at_reference, offset_um * 1e-6, chord_error_um * 1e-6
-    reducer, motor = reducer_of(design), interface.chosen()
-    _require_layout(reducer, plate=plate, drawings=drawings)
-    drive = plate or assembly or drawings
-    if drive:
+    flags.require_consistent(format_)
+    design, motor = chosen.resolve_checked().at_reference, flags.interface.chosen()
+    reducer = reducer_of(design)
+    flags.require_supported(reducer)
+    if flags.has_casing:
         require_one_ring(reducer, "print plates, assemblies and drawings")
-    seat = round(0.5e-3 * cam_bearing_bore_mm, 9) if cam_bearing_bore_mm else stock_cam_seat(reducer)
-    arc_error = None if arcs is None else arcs * 1e-6
-    outlines = exported(
-        design,
-        format_,
-        chord_error,
-        offset,
-        motor,
-        polylines=polylines,
-        cover_material=cover_material,
-        arcs=arc_error,
-    )
-    sizes = _casing(reducer, motor, cover_material) if drive else None
-    parts = dict(outlines.files)
-    if sizes:
-        wide = widen_clearances(reducer, offset)
-        parts |= drive_files(wide, format_, sizes, chord_error, seat, polylines=polylines, arcs=arc_error)
-    settings = PrintSettings(chord_error, offset, seat, bed_size)
-    printed = _plate(reducer, sizes, settings) if plate else None
-    if printed:
-        parts |= printed.files
-    if assembly:
-        parts |= _assembly(reducer, sizes)
-    if drawings and sizes:
-        parts |= _drawings(reducer, sizes)
-    into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, delivery.force)
+    settings = flags.print_settings(reducer)
+    outlines = _export_outlines(design, format_, motor, flags)
+    sizes = _casing_sizes(reducer, motor, flags.cover_material) if flags.has_casing else None
+    plates = _lay_out_plates(reducer, sizes, settings) if flags.plate else None
+    files = {**outlines.files, **_drive_files(reducer, format_, sizes, settings, flags)}
+    if plates:
+        files |= plates.files
+    if flags.assembly:
+        files |= _assembly_files(reducer, sizes)
+    if flags.drawings and sizes:
+        files |= _drawing_files(reducer, sizes)
+    directory = claim_folder(f"{design.name}-{format_}" if out is None else out, "the parts", files, delivery.force)
     stem = f"{design.name}-parts"
-    place = Destination(stem, into, claim_page(delivery, stem, into))
+    destination = Destination(stem, directory, claim_page(delivery, stem, directory))
+    return deliver(_outcome(design.name, outlines, plates, files, flags.offset, destination), destination, delivery)
+
+
+def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flags: ExportFlags) -> "Export":
+    """Return the files of the mechanism's parts, with the clearances measured in their outlines."""
+    from cycloid_mj.parts.export import export
+
+    return export(
+        design,
+        file_format,
+        flags.chord_error,
+        flags.offset,
+        motor,
+        polylines=flags.polylines,
+        cover_material=flags.cover_material,
+        arcs=flags.arc_error,
+    )
+
+
+def _drive_files(
+    reducer: Reducer, file_format: "Format", sizes: "Casing | None", settings: "PrintSettings", flags: ExportFlags
+) -> Mapping[str, bytes]:
+    """Return the files of covers, flanges and the parts that are joined to them; none without a casing."""
+    from cycloid_mj.parts.export import drive_files, widen_clearances
+
+    if sizes is None:
+        return {}
+    widened = widen_clearances(reducer, flags.offset)
+    return drive_files(
+        widened,
+        file_format,
+        sizes,
+        flags.chord_error,
+        settings.cam_seat,
+        polylines=flags.polylines,
+        arcs=flags.arc_error,
+    )
+
+
+def _outcome(
+    name: str,
+    outlines: "Export",
+    plates: "_Plates | None",
+    files: Mapping[str, bytes],
+    offset: float,
+    destination: Destination,
+) -> Outcome:
+    """Convert exported parts to an `Outcome`: files, clearances, plates and bill of materials.
+
+    `name` is that of the design, `offset` the increase of its clearances [m].
+    """
+    paths = destination.paths(files)
     clearances = [asdict(clearance) for clearance in outlines.clearances]
-    result = {"files": place.paths(parts), "clearances": clearances, "offset": offset}
-    outcome = Outcome(
-        title=f"parts: {design.name}",
-        text=place.paths(parts),
-        tables=[_clearance_table(outlines, offset), *(printed.tables if printed else ())],
-        summary=printed.notes if printed else [],
-        files=parts,
-        result=result | (printed.result(into) if printed else {}),
+    result = {"files": paths, "clearances": clearances, "offset": offset}
+    return Outcome(
+        title=f"parts: {name}",
+        text=paths,
+        tables=[_clearance_table(outlines, offset), *(plates.tables if plates else ())],
+        summary=plates.notes if plates else [],
+        files=files,
+        result=result | (plates.result(destination.folder or Path()) if plates else {}),
         filed=False,
     )
-    return deliver(outcome, place, delivery)
-
-
-def _require_flags(
-    file_format: str, *, polylines: bool, arcs: float | None, plate: bool, bore: float | None, bed: str | None
-) -> None:
-    """Raise an error of usage for options that the others rule out."""
-    if bore is not None and not plate:
-        raise UsageError("--cam-bearing-bore-mm applies to --plate only: add --plate, or remove --cam-bearing-bore-mm")
-    if bed is not None and not plate:
-        raise UsageError("--bed applies to --plate only: add --plate, or remove --bed")
-    if (polylines or arcs is not None) and file_format != "dxf":
-        name = "--polylines" if polylines else "--arcs"
-        raise UsageError(
-            f"{name} applies to --format dxf only, not to {file_format}: remove {name}, or use --format dxf"
-        )
-    if polylines and arcs is not None:
-        raise UsageError("--polylines and --arcs cannot be used together: remove one of the two")
-
-
-def _require_layout(reducer: Reducer, *, plate: bool, drawings: bool) -> None:
-    """Raise an error of usage for options that the layout of the reducer does not support."""
-    if isinstance(reducer, RvReducer) and (plate or drawings):
-        name = "--plate" if plate else "--drawings"
-        raise UsageError(f'{name} does not support layout = "rv" ({reducer.design.name}): remove it')
 
 
 def _bed_size(text: str | None) -> tuple[float, float] | None:
-    """Return length and width of a bed [m].
+    """Parse length and width of a printer's bed [m] from a text ``LxW`` in mm; None without a text.
 
     Raises
     ------
@@ -349,6 +420,7 @@ def _bed_size(text: str | None) -> tuple[float, float] | None:
 
 
 def _clearance_table(outlines: "Export", offset: float) -> Table:
+    """Tabulate the clearances in the outlines by pair of parts [um]: required, offset, smallest and largest."""
     rows = tuple(
         (
             clearance.pair,
@@ -360,7 +432,7 @@ def _clearance_table(outlines: "Export", offset: float) -> Table:
 
 
 @dataclass(frozen=True)
-class _Printed:
+class _Plates:
     """What --plate adds: plates by file, files, notes, tables and entries of the JSON object."""
 
     plates: "dict[str, PrintPlate]"
@@ -369,36 +441,40 @@ class _Printed:
     tables: tuple[Table, ...]
     entries: dict[str, Any]
 
-    def result(self, into: Path) -> dict[str, Any]:
+    def result(self, directory: Path) -> dict[str, Any]:
         """Return the entries of the JSON object for files in a folder."""
-        each = [
-            {"file": str(into / file), "size": item.size, "parts": item.counts} for file, item in self.plates.items()
+        plates = [
+            {"file": str(directory / file), "size": item.size, "parts": item.counts}
+            for file, item in self.plates.items()
         ]
-        return {"plate": each[0], "plates": each, **self.entries}
+        return {"plate": plates[0], "plates": plates, **self.entries}
 
 
-def _plate(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Printed:
-    """Lay out the plates and the bill; warn of what is not in stock and of what a printer cannot make."""
+def _lay_out_plates(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Plates:
+    """Arrange the printed parts on plates, and list the bill of materials; warn of what cannot be bought or printed.
+
+    `sizes` are those of the casing, None for the mechanism alone.
+    """
     from cycloid_mj.life.joints import tightening_torques
     from cycloid_mj.parts.export.print_files import print_files
 
-    printed = print_files(reducer, sizes, settings, tightening_torques(reducer) if sizes else None)
-    warn(reducer.design.name, printed.warnings)
-    counts: Counter[str] = sum((Counter(one.counts) for one in printed.plates.values()), Counter())
+    result = print_files(reducer, sizes, settings, tightening_torques(reducer) if sizes else None)
+    warn(reducer.design.name, result.warnings)
+    counts: Counter[str] = sum((Counter(plate.counts) for plate in result.plates.values()), Counter())
     columns = ("item", "count", "size", "material", "made or bought", "designation")
-    parts = (item for item in printed.bill if item.made_or_bought != "consumable")  # these are notes
-    lines = tuple(tuple(str(value) for value in asdict(item).values())[:-2] for item in parts)
+    parts = (item for item in result.bill if item.made_or_bought != "consumable")  # these are notes
+    rows = tuple(tuple(str(value) for value in asdict(item).values())[:-2] for item in parts)
     tables = (
         Table("parts on the plate", ("part", "count"), tuple((part, str(count)) for part, count in counts.items())),
-        Table("bill of materials", columns, lines, words=(2, 3, 4, 5)),
+        Table("bill of materials", columns, rows, words=(2, 3, 4, 5)),
     )
-    entries = {"bom": [asdict(item) for item in printed.bill], "consumables": list(printed.consumables)}
-    by_file = {f"{stem}.stl": one for stem, one in printed.plates.items()}
-    return _Printed(by_file, dict(printed.files), list(printed.notes), tables, entries)
+    entries = {"bom": [asdict(item) for item in result.bill], "consumables": list(result.consumables)}
+    plate_by_file = {f"{stem}.stl": plate for stem, plate in result.plates.items()}
+    return _Plates(plate_by_file, dict(result.files), list(result.notes), tables, entries)
 
 
-def _casing(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
-    """Return the sizes of covers and flanges; warn if they do not fit, and of what their joints do not allow.
+def _casing_sizes(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
+    """Return the sizes of covers and flanges, or None if they do not fit; warn of the reason and of weak joints.
 
     An RV reducer has none.
     """
@@ -415,15 +491,15 @@ def _casing(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | 
     return sizes
 
 
-def _drawings(reducer: Reducer, sizes: "Casing") -> dict[str, bytes]:
-    """Draw all manufactured parts: one PDF, and a DXF of each."""
+def _drawing_files(reducer: Reducer, sizes: "Casing") -> dict[str, bytes]:
+    """Draw all manufactured parts: one PDF, and a DXF of each part."""
     from cycloid_mj.plots.drawings import drawing_files
 
     return drawing_files(reducer, sizes)
 
 
-def _assembly(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:
-    """Encode the assembly, and where there are covers its picture and the order of its steps."""
+def _assembly_files(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:
+    """Return the assembly as STEP, and with covers also its exploded view and the assembly instructions."""
     from cycloid_mj.plots.exploded import assembly_files
 
     return assembly_files(reducer, sizes)

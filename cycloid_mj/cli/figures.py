@@ -38,7 +38,7 @@ def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELI
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import FIGURES
 
-    place = claim_destination(delivery, "figures")
+    destination = claim_destination(delivery, "figures")
     rows = [row for row in FIGURES.values() if need is None or row.need == need]
     cells = tuple(map(_cells, rows))
     outcome = Outcome(
@@ -48,7 +48,7 @@ def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELI
         result={"figures": {row.key: row.as_json() for row in rows}},
     )
     # the list is the requested result, however long
-    return deliver(outcome, place, replace(delivery, all=True))
+    return deliver(outcome, destination, replace(delivery, all=True))
 
 
 def _cells(row: "Figure") -> tuple[str, ...]:

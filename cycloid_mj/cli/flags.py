@@ -136,7 +136,7 @@ def _nearest(text: str) -> str:
 
 
 def within(low: float, high: float) -> Callable[[Any, Any], None]:
-    """Return a validator: the value must lie from `low` to `high`, both allowed."""
+    """Return a validator of a flag that raises ValueError for a value outside `low` to `high`, both allowed."""
 
     def require(_: Any, value: float | None) -> None:
         if value is not None and not low <= value <= high:
@@ -194,18 +194,18 @@ class DesignValue:
         return " and ".join(words) + (", not 0" if self.nonzero else "")
 
     def require(self, value: float | None) -> None:
-        """Raise ValueError with the limits unless a value [file's unit] keeps them."""
+        """Raise ValueError with the limits if a value [file's unit] is out of range; None is accepted."""
         if value is None:
             return
         si = self.unit.to_si(value)
-        kept = all(getattr(operator, side)(si, bound) for side, bound in self._bounds.items())
-        if not (kept and math.isfinite(si) and (si or not self.nonzero)):
+        in_range = all(getattr(operator, side)(si, bound) for side, bound in self._bounds.items())
+        if not (in_range and math.isfinite(si) and (si or not self.nonzero)):
             raise ValueError(f"must be {self.range} [{self.symbol}]")
 
-    def flag(self, text: str, rest: str = "") -> Parameter:
-        """Declare the flag: `text` is its meaning, `rest` follows its limits (default: the value of the design)."""
+    def flag(self, text: str, ending: str = "") -> Parameter:
+        """Declare the flag: `text` is its meaning, `ending` follows its limits (default: the value of the design)."""
         default = f". Default: {self.key} of the design ({self.unit.from_si(self.field.default):g} for pin)."
-        help_text = f"{text} [{self.symbol}], {self.range}{rest or default}"
+        help_text = f"{text} [{self.symbol}], {self.range}{ending or default}"
         return Parameter(metavar="X", help=help_text, validator=self.require)
 
     @property
@@ -237,14 +237,15 @@ Values = Sequence[tuple[DesignValue, float | None]]
 
 
 def load_design(name_or_file: str, changes: Sequence[str], values: Values, temperature: float | None = None) -> Design:
-    """Return the design of a command line: file or preset, then ``--set``, then other flags; a preload as an angle.
+    """Return the design of a command line: a file or preset, changed by ``--set``, then by other flags.
 
-    A `temperature` [°C] is that of all parts, before ``--set`` changes single ones.
+    A preload that is given as a torque is converted to an angle by statics. `temperature` [°C] is that of all parts,
+    before ``--set`` changes single parts.
 
     Raises
     ------
     UsageError
-        No such design, or a change that it does not take.
+        There is no such design, or it does not accept a change.
     DesignError
         The file is not a valid design.
     """
@@ -277,7 +278,7 @@ class DesignOptions:
         return load_design(self.design, self.set_, values, self.at_c)
 
     def resolve_checked(self, values: Values = ()) -> Design:
-        """Return the same; raise DesignError if it fails a check."""
+        """Return the design, with `values` of other flags, after its checks; raise DesignError if one fails."""
         from cycloid_mj.checks import require_sound
 
         design = self.resolve(values)
@@ -290,7 +291,7 @@ class DesignOptions:
         return inheritance(self.design, self.set_)
 
     def warn_of_inherited_motor(self, design: Design) -> None:
-        """Warn if the torque of the motor is that of a preset, which the design file does not state."""
+        """Warn if the design file states no motor torque, so that that of its preset applies."""
         inherited = self.inheritance()
         if inherited and MOTOR_TORQUE in inherited.motor:
             warn(
@@ -358,7 +359,13 @@ class ClusterDelivery(Delivery):
     ] = None
 
     def engine(self, kind: Literal["processes", "threads"] = "processes") -> Engine:
-        """Choose the engine; `kind` is that of workers here. Raise UsageError for workers both here and elsewhere."""
+        """Return the engine that does the work: workers of this machine, of `kind`, or a Dask cluster.
+
+        Raises
+        ------
+        UsageError
+            ``--workers`` and ``--scheduler`` are both set.
+        """
         if self.workers and self.scheduler is not None:
             raise UsageError(
                 "--scheduler and --workers cannot be used together, because a cluster has its own workers: remove one "
@@ -367,18 +374,25 @@ class ClusterDelivery(Delivery):
         return Engine(self.workers or 0, kind, self.scheduler or "")
 
 
-def require_distinct(designs: Iterable[Design]) -> None:
-    """Raise UsageError where two designs have the same name, and would overwrite each other's files."""
+def require_distinct_names(designs: Iterable[Design]) -> None:
+    """Raise UsageError if two designs have the same name and would overwrite each other's files."""
     names = [design.name for design in designs]
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    if repeated := next((name for name in names if names.count(name) > 1), None):
         raise UsageError(
-            f"two designs have the name {twice!r}, so they would overwrite each other's files: change the key `name` "
+            f"two designs have the name {repeated!r}, so they would overwrite each other's files: change the key "
+            "`name` "
             "in one of the design files"
         )
 
 
-def point(text: str | None) -> tuple[float, float] | None:
-    """Parse q [m] from ``X,Y`` in mm, None from None; raise UsageError if it is no such point."""
+def parse_point(text: str | None) -> tuple[float, float] | None:
+    """Parse the point q of the disc [m] from ``X,Y`` in mm; return None for None.
+
+    Raises
+    ------
+    UsageError
+        The text is not two numbers in range.
+    """
     if text is None:
         return None
     try:

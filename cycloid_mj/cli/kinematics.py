@@ -15,7 +15,7 @@ from cycloid_mj.cli.flags import (
     CommonFlags,
     DesignOptions,
     PointFlag,
-    point,
+    parse_point,
     within,
 )
 from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
@@ -73,14 +73,18 @@ def kinematics(
     with all digits.
     """
     design = chosen.resolve([(RAMP, ramp_s), (SPEED, speed_rpm)])
-    columns = _motion(design, point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
+    columns = _compute_motion(design, parse_point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{design.name}-kinematics")
     return deliver_columns(f"ideal motion: {design.name}", columns, csv, page, delivery)
 
 
-def _motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:
-    """Return the columns of the motion of a point at the sample times."""
+def _compute_motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:
+    """Compute time, crank angle, position, velocity and acceleration of a disc's point as columns.
+
+    `q` is the point [m], `until` the end and `step` the interval of the samples [s]; None: defaults of the flags. Each
+    column has the shape (n,).
+    """
     import numpy as np
 
     from cycloid_mj.analysis.series import point_path
@@ -89,8 +93,8 @@ def _motion(design: Design, q: tuple[float, float], until: float | None, step: f
 
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     until = design.drive.ramp + design.drive.hold if until is None else until
-    step = _step(design, step)
-    t = step * np.arange(_rows(until, step))
+    step = _choose_step(design, step)
+    t = step * np.arange(_count_samples(until, step))
     crank = law.angle_at(t)
     path = point_path(Reducer(design), np.array(q), 0, crank, law.speed_at(t), law.acceleration_at(t))
     (x, y), (vx, vy), (ax, ay) = (1e3 * v.T for v in (path.position, path.velocity, path.acceleration))
@@ -98,8 +102,8 @@ def _motion(design: Design, q: tuple[float, float], until: float | None, step: f
     return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))
 
 
-def _step(design: Design, step: float | None) -> float:
-    """Return the time step [s]: that of the flag, or one degree of crank at full speed."""
+def _choose_step(design: Design, step: float | None) -> float:
+    """Return the interval of samples [s]: that of the flag, or the time of one degree of crank at full speed."""
     if step is not None:
         return step
     if design.drive.speed == 0.0:
@@ -110,8 +114,14 @@ def _step(design: Design, step: float | None) -> float:
     return math.radians(1.0) / abs(design.drive.speed)
 
 
-def _rows(until: float, step: float) -> int:
-    """Return the number of samples; raise UsageError if there are too many."""
+def _count_samples(until: float, step: float) -> int:
+    """Return the number of samples from 0 to `until` at intervals of `step` [s].
+
+    Raises
+    ------
+    UsageError
+        There are too many samples.
+    """
     rows = math.floor(until / step + ROUNDING) + 1
     if rows > RANGES.rows[1]:
         raise UsageError(

@@ -56,12 +56,12 @@ SceneFlag = Annotated[
 
 
 def commands(sort_key: int) -> App:
-    """Build the commands about logs; `sort_key` is their place in the help."""
+    """Build the group of commands `log`; `sort_key` is its position in the help."""
     about = "Inspect, convert and repair logs."
     app = CompletingApp(name="log", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
     subcommands: tuple[Callable[..., int], ...] = (info, columns, csv, parquet, repair, rerun, layout)
-    for place, command in enumerate(subcommands):
-        app.command(command, sort_key=place)
+    for order, command in enumerate(subcommands):
+        app.command(command, sort_key=order)
     app.command(plot, help_epilogue=PLOT_EXAMPLES, sort_key=len(subcommands))
     return app
 
@@ -74,7 +74,7 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
     from cycloid_mj.log import load
 
     contents = load(log)
-    place = claim_destination(delivery, f"{Path(log).stem}-info")
+    destination = claim_destination(delivery, f"{Path(log).stem}-info")
     run = contents.run
     state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
     span = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} per second"
@@ -93,7 +93,7 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
         result={"log": log, **_describe_contents(contents)},
     )
     # the tables are the requested result, however long
-    return deliver(outcome, place, replace(delivery, all=True))
+    return deliver(outcome, destination, replace(delivery, all=True))
 
 
 def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
@@ -102,7 +102,7 @@ def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) 
     from cycloid_mj.log import load
 
     groups = load(log).run.groups
-    place = claim_destination(delivery, f"{Path(log).stem}-columns")
+    destination = claim_destination(delivery, f"{Path(log).stem}-columns")
     rows = [
         {"topic": topic, "column": name, "unit": unit}
         for topic, units in groups.items()
@@ -114,7 +114,7 @@ def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) 
         frame=make_frame(rows, ("topic", "column", "unit"), {}),
         result={"columns": rows},
     )
-    return deliver(outcome, place, delivery)
+    return deliver(outcome, destination, delivery)
 
 
 def csv(
@@ -179,7 +179,7 @@ def repair(
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
     claim(path, force=delivery.force)
     page = claim_page(delivery, path.stem)
-    write(contents.run, path, _scene(contents, scene_hz), force=delivery.force)
+    write(contents.run, path, _build_scene(contents, scene_hz), force=delivery.force)
     note(contents.run.note or f"wrote all {len(contents.run)} samples")
     return deliver_files(f"repaired: {log}", [path], page, delivery)
 
@@ -215,9 +215,9 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
     from cycloid_mj.scene.layout import viewer_layout as arranged
 
     arrangement = arranged(Reducer(design_of(_read(log))))
-    place = claim_destination(delivery, f"{Path(log).stem}-layout")
+    destination = claim_destination(delivery, f"{Path(log).stem}-layout")
     text = json.dumps(arrangement, indent=2).splitlines()
-    return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), place, delivery)
+    return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), destination, delivery)
 
 
 def _claim_output(log: str, out: str | None, ending: str, wanted: CommonFlags) -> tuple[Path, Path | None]:
@@ -241,8 +241,8 @@ def _names(columns: str | None) -> list[str] | None:
     return None if columns is None else [name.strip() for name in columns.split(",") if name.strip()]
 
 
-def _scene(log: "Log", rate: float | None) -> "Scene | None":
-    """Build the 3-D scene of a log with a design, at the requested frame rate or that of the log."""
+def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
+    """Return the 3-D scene of a logged design, or None without a design; `rate` [Hz] defaults to that of the log."""
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene
 
@@ -257,7 +257,7 @@ def _scene(log: "Log", rate: float | None) -> "Scene | None":
 
 
 def _describe_contents(log: "Log") -> dict[str, Any]:
-    """Return run, topics and attachments of a log as JSON values."""
+    """Return conditions, topics and attachments of a log as JSON values."""
     run = log.run
     return {
         "bytes": log.size,

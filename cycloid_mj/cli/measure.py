@@ -35,7 +35,7 @@ from cycloid_mj.cli.flags import (
     TemperatureFlag,
     Values,
     out_flag,
-    require_distinct,
+    require_distinct_names,
     whole,
     within,
 )
@@ -97,7 +97,10 @@ def _in_si(name: str, value: Any) -> Any:
 
 
 def several(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
-    """Declare a flag for one or more positive values within the limits of a quantity."""
+    """Declare a flag for one or more positive values within the limits of a design value, for example speeds.
+
+    `text` is its help, `default` its default in words.
+    """
 
     def require(_: Any, values: tuple[float, ...] | None) -> None:
         """Raise ValueError for a value that is not positive or out of range."""
@@ -338,18 +341,21 @@ WORDS = {"te": "transmission error", "lost-motion": "lost motion"}
 
 
 def commands(sort_key: int) -> App:
-    """Build the measures; `sort_key` is their place in the help."""
+    """Build the group of commands `measure`, one for each measure; `sort_key` is its position in the help."""
     app = CompletingApp(name="measure", help=ABOUT, help_epilogue=EXAMPLES, sort_key=sort_key)
-    for place, (name, options) in enumerate(COMMANDS.items()):
-        app.command(_command(name, options), name=name, sort_key=place, help_epilogue=options.EXAMPLES)
+    for order, (name, options) in enumerate(COMMANDS.items()):
+        app.command(_create_command(name, options), name=name, sort_key=order, help_epilogue=options.EXAMPLES)
     return app
 
 
-def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
-    """Create the command of a measure: its design, its options and the flags that all measures share."""
+def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
+    """Return the function of a measure's command, with the flags of `options` and the flags that all measures share.
+
+    Cyclopts reads flags and help from the signature and docstring of this function.
+    """
 
     def measure_design(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery) -> int:
-        return _measure(name, [chosen.resolve_checked(options.values())], options, delivered)
+        return _measure_designs(name, [chosen.resolve_checked(options.values())], options, delivered)
 
     def measure_designs(
         *designs: Annotated[
@@ -361,40 +367,40 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
         options: MeasureOptions,
         delivered: MeasureDelivery,
     ) -> int:
-        """Measure several designs."""
+        """Measure several designs, by default pin and nonpin; return the exit code."""
         chosen = [DesignOptions(name, set_=set_, at_c=at_c) for name in (*designs, *design) or BOTH]
         resolved = [options_of.resolve_checked(options.values()) for options_of in chosen]
-        return _measure(name, resolved, options, delivered)
+        return _measure_designs(name, resolved, options, delivered)
 
     command: Any = measure_designs if options is TorqueOptions else measure_design
-    shared: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": MeasureDelivery}
-    flat = {word: Annotated[kind, FLAT] for word, kind in shared.items() if word in command.__annotations__}
+    option_types: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": MeasureDelivery}
+    flat_types = {word: Annotated[kind, FLAT] for word, kind in option_types.items() if word in command.__annotations__}
     command.__doc__ = options.__doc__
-    command.__annotations__ |= flat
+    command.__annotations__ |= flat_types
     command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "delivered": MeasureDelivery()}
     typed_command: Callable[..., int] = command
     return typed_command
 
 
-def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, delivered: MeasureDelivery) -> int:
-    """Measure designs, and print and write the results."""
+def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptions, delivery: MeasureDelivery) -> int:
+    """Measure designs one after another, print and write the results, and return the exit code."""
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques
 
-    require_distinct(designs)
+    require_distinct_names(designs)
     stems = [f"{name}-{design.name}" for design in designs]
-    drawn = [f".{form}" for form in Outcome.formats] if _is_drawn(delivered) else []
-    places = [claim_destination(delivered, stem, [stem + ending for ending in drawn], OUT) for stem in stems]
+    endings = [f".{form}" for form in Outcome.formats] if _is_drawn(delivery) else []
+    destinations = [claim_destination(delivery, stem, [stem + ending for ending in endings], OUT) for stem in stems]
     measurements = []
     for design in designs:
-        words = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
-        progress = count_progress(words, delivered.quiet)
+        name_in_progress = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
+        progress = count_progress(name_in_progress, delivery.quiet)
         published = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
         measurements.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
-    for measurement, place in zip(measurements, places, strict=True):
-        _deliver(measurement, place, delivered)
-    if delivered.json:
+    for measurement, destination in zip(measurements, destinations, strict=True):
+        _deliver_measurement(measurement, destination, delivery)
+    if delivery.json:
         say_json(
             measurements[0].as_json()
             if len(measurements) == 1
@@ -403,26 +409,26 @@ def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, deli
     return 0
 
 
-def _is_drawn(delivered: MeasureDelivery) -> bool:
+def _is_drawn(delivery: MeasureDelivery) -> bool:
     """Return whether the figure is requested, as a file or in the page."""
-    return delivered.figure or delivered.html is not None
+    return delivery.figure or delivery.html is not None
 
 
-def _deliver(measurement: "Measurement", place: Destination, delivered: MeasureDelivery) -> None:
-    """Write a measurement with the logs of its runs, and print it unless JSON is requested."""
+def _deliver_measurement(measurement: "Measurement", destination: Destination, delivery: MeasureDelivery) -> None:
+    """Write a measurement and the logs of its runs, and print it unless JSON is requested."""
     from cycloid_mj.log import write as write_log
 
-    outcome = _outcome(measurement, _pictures(measurement, place.stem) if _is_drawn(delivered) else {})
+    outcome = _outcome(measurement, _draw_figure(measurement, destination.stem) if _is_drawn(delivery) else {})
     with defer_signals():
-        write(outcome, place, delivered)
-        if place.folder and not delivered.no_log:
+        write(outcome, destination, delivery)
+        if destination.folder and not delivery.no_log:
             for run_name, run in measurement.runs.items():
-                write_log(run, place.folder / f"{place.stem}-{run_name}.mcap", force=delivered.force)
-    if not delivered.json:
-        show_outcome(outcome, delivered.all)
+                write_log(run, destination.folder / f"{destination.stem}-{run_name}.mcap", force=delivery.force)
+    if not delivery.json:
+        show_outcome(outcome, delivery.all)
 
 
-def _pictures(measurement: "Measurement", stem: str) -> dict[str, Picture]:
+def _draw_figure(measurement: "Measurement", stem: str) -> dict[str, Picture]:
     from cycloid_mj.plots.measure import measurement_figure
     from cycloid_mj.plots.save import encode_figure
 
@@ -430,7 +436,7 @@ def _pictures(measurement: "Measurement", stem: str) -> dict[str, Picture]:
 
 
 def _outcome(measurement: "Measurement", pictures: Mapping[str, Picture]) -> Outcome:
-    """Build the outcome of a measurement."""
+    """Convert a measurement to an `Outcome`: figures, tables, notes and pictures."""
     quantities = measurement.quantities.values()
     title = f"{measurement.measure}: {measurement.design.name}"
     return Outcome(

@@ -15,7 +15,7 @@ from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, load_design, out_flag, whole, whole_number
-from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.progress import show_activity
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import PRESETS, dump, reasons
@@ -157,30 +157,97 @@ COLUMNS = {
 """Figures of a shortlist -> headings of its table."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class SizeFlags:
+    """Requirements that a new drive is sized for."""
+
+    ratio: RatioFlag = None
+    ratio_range: RatioRangeFlag = ""
+    diameter_mm: DiameterFlag = None
+    length_mm: LengthFlag = None
+    torque_nm: TorqueFlag = None
+    life_h: LifeFlag = None
+    speed_rpm: SpeedFlag = None
+    output_rpm: OutputSpeedFlag = None
+    duty: DutyFlag = ""
+    cooling: CoolingFlag = "still"
+    ambient_c: AmbientFlag = 20.0
+    motor: MotorFlag = ""
+    backlash_arcmin: BacklashFlag = None
+    process: ProcessFlag = "steel"
+    material: MaterialFlag = ""
+    clearance_um: ClearanceFlag = None
+    fit: FitFlag = ""
+    custom: CustomFlag = False
+    discs: DiscsFlag = ""
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Required flags that are absent: all three of them if a design is copied."""
+        values = {
+            "--ratio": self.ratio or self.ratio_range or None,
+            "--diameter-mm": self.diameter_mm,
+            "--torque-nm": self.torque_nm,
+        }
+        return tuple(flag for flag, value in values.items() if value is None)
+
+    def requirement(self, changes: tuple[str, ...]) -> "Requirement":
+        """Return the requirement, with the best ratio of a range; `changes` are those of ``--set``.
+
+        Raises
+        ------
+        UsageError
+            A required flag is missing, or flags contradict each other.
+        """
+        from cycloid_mj.sizing.answer import best_ratio
+        from cycloid_mj.sizing.requirement import required
+
+        if self.missing or self.diameter_mm is None or self.torque_nm is None:
+            raise UsageError(
+                f"{' and '.join(self.missing)} {'are' if len(self.missing) > 1 else 'is'} missing: to size a new "
+                "drive, "
+                "give --ratio, --diameter-mm and --torque-nm together"
+            )
+        if self.ratio is not None and self.ratio_range:
+            raise UsageError(
+                f"--ratio {self.ratio} and --ratio-range {self.ratio_range} cannot be used together: remove one of the "
+                "two"
+            )
+        low, high = _parse_ratio_range(self.ratio_range) if self.ratio_range else (self.ratio or 0, self.ratio or 0)
+        requirement = required(
+            ratio=low,
+            diameter_mm=self.diameter_mm,
+            torque_nm=self.torque_nm,
+            life_h=self.life_h,
+            speed_rpm=_motor_speed(self.motor, self.torque_nm / low, self.process) if self.motor else self.speed_rpm,
+            output_rpm=self.output_rpm,
+            duty=self.duty or None,
+            cooling=self.cooling,
+            ambient_c=self.ambient_c,
+            changes=changes,
+            process=self.process,
+            discs=_parse_discs(self.discs),
+            length_mm=self.length_mm,
+            backlash_arcmin=self.backlash_arcmin,
+            material=self.material,
+            clearance_um=self.clearance_um,
+            fit=self.fit,
+            custom=self.custom,
+        )
+        if self.motor and (self.speed_rpm is not None or self.output_rpm is not None):
+            raise UsageError("--motor determines the speed: remove --speed-rpm and --output-rpm, or remove --motor")
+        return best_ratio(requirement, low, high) if self.ratio_range else requirement
+
+
+SIZE = SizeFlags()
+
+
 def new(
     name: NewName,
     /,
     *,
     source: FromFlag = "",
-    ratio: RatioFlag = None,
-    ratio_range: RatioRangeFlag = "",
-    diameter_mm: DiameterFlag = None,
-    length_mm: LengthFlag = None,
-    torque_nm: TorqueFlag = None,
-    life_h: LifeFlag = None,
-    speed_rpm: SpeedFlag = None,
-    output_rpm: OutputSpeedFlag = None,
-    duty: DutyFlag = "",
-    cooling: CoolingFlag = "still",
-    ambient_c: AmbientFlag = 20.0,
-    motor: MotorFlag = "",
-    backlash_arcmin: BacklashFlag = None,
-    process: ProcessFlag = "steel",
-    material: MaterialFlag = "",
-    clearance_um: ClearanceFlag = None,
-    fit: FitFlag = "",
-    custom: CustomFlag = False,
-    discs: DiscsFlag = "",
+    size: Annotated[SizeFlags, FLAT] = SIZE,
     set_: SetFlag = (),
     delivery: Annotated[NewDelivery, FLAT] = DELIVERED,
 ) -> int:
@@ -200,216 +267,212 @@ def new(
     RV reducer with a planetary stage, copy rv80e (--from rv80e). Tooth differences of 2 or more, and hypocycloid
     drives with the pins on the disc are not supported.
     """
+    stem = _file_stem(name)
+    if len(size.missing) == 3:
+        return _copy_design(stem, source or "pin", size.discs, set_, delivery)
+    if source and not size.missing:
+        raise UsageError(f"--from {source} copies a design, but --ratio sizes a new one: remove one of the two")
+    from cycloid_mj.sizing.drives import size_drive
+
+    requirement = size.requirement(set_)
+    destination = _claim_files(stem, delivery)
+    with show_activity("searching for a drive", delivery.quiet):
+        answer = size_drive(requirement, lambda found: None if delivery.quiet else tell(_best_so_far(found)))
+    if answer.drives:
+        return _deliver_drives(stem, answer, destination, delivery)
+    if delivery.json:
+        refusal = _refusal_json(answer, requirement, bool(size.ratio_range))
+        outcome = Outcome(title=f"no drive: {stem}", failures=[answer.refusal], result=refusal, filed=False, code=1)
+        return deliver(outcome, destination, delivery)
+    best = f"of the ratios {size.ratio_range}, {requirement.ratio} allows the highest torque: "
+    raise DesignError((best if size.ratio_range else "") + answer.refusal)
+
+
+def _file_stem(name: str) -> str:
+    """Return the name of a new design without ``.toml``; raise UsageError if it cannot be a file or is a preset."""
     stem = name.removesuffix(".toml")
     if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
         raise UsageError(f"NAME {name!r} is not allowed: use at most 64 letters, digits, spaces and . _ -, e.g. my")
     if stem in PRESETS:
         raise UsageError(f"NAME {name!r} is the name of a preset: choose another name, e.g. my-{stem}")
-    asked = {"--ratio": ratio or ratio_range or None, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
-    if all(value is None for value in asked.values()):
-        if discs:
-            raise UsageError(
-                f"--discs {discs} applies only when a new drive is sized: to change a copied design, use --set "
-                f"gear.discs={discs}"
-            )
-        started = load_design(source or "pin", set_, ()).but(name=stem)
-        files = {f"{stem}.toml": dump(started, reasons(source or "pin", started)).encode()}
-        copied = {"figures": {}, "why": f"a copy of {source or 'pin'}"}
-        return _write_designs(files, [copied], _claim_files(stem, delivery), delivery)
-    if (ratio is None and not ratio_range) or diameter_mm is None or torque_nm is None:
-        missing = " and ".join(flag for flag, value in asked.items() if value is None)
-        verb = "are" if " and " in missing else "is"
-        raise UsageError(
-            f"{missing} {verb} missing: to size a new drive, give --ratio, --diameter-mm and --torque-nm together"
-        )
-    if source:
-        raise UsageError(f"--from {source} copies a design, but --ratio sizes a new one: remove one of the two")
-    if ratio is not None and ratio_range:
-        raise UsageError(
-            f"--ratio {ratio} and --ratio-range {ratio_range} cannot be used together: remove one of the two"
-        )
-    from cycloid_mj.sizing.answer import best_ratio
-    from cycloid_mj.sizing.drives import size_drive
-    from cycloid_mj.sizing.requirement import required
+    return stem
 
-    low, high = _range(ratio_range) if ratio_range else (ratio or 0, ratio or 0)
-    wanted = required(
-        ratio=low,
-        diameter_mm=diameter_mm,
-        torque_nm=torque_nm,
-        life_h=life_h,
-        speed_rpm=_motor_speed(motor, torque_nm / low, process) if motor else speed_rpm,
-        output_rpm=output_rpm,
-        duty=duty or None,
-        cooling=cooling,
-        ambient_c=ambient_c,
-        changes=set_,
-        process=process,
-        discs=_discs(discs),
-        length_mm=length_mm,
-        backlash_arcmin=backlash_arcmin,
-        material=material,
-        clearance_um=clearance_um,
-        fit=fit,
-        custom=custom,
+
+def _copy_design(stem: str, source: str, discs: str, changes: tuple[str, ...], delivery: NewDelivery) -> int:
+    """Write a copy of a preset or a file, with the changes of ``--set``; raise UsageError if ``--discs`` is set."""
+    if discs:
+        raise UsageError(
+            f"--discs {discs} applies only when a new drive is sized: to change a copied design, use --set "
+            f"gear.discs={discs}"
+        )
+    design = load_design(source, changes, ()).but(name=stem)
+    files = {f"{stem}.toml": dump(design, reasons(source, design)).encode()}
+    return _write_designs(
+        files, [{"figures": {}, "why": f"a copy of {source}"}], _claim_files(stem, delivery), delivery
     )
-    if motor and (speed_rpm is not None or output_rpm is not None):
-        raise UsageError("--motor determines the speed: remove --speed-rpm and --output-rpm, or remove --motor")
-    if ratio_range:
-        wanted = best_ratio(wanted, low, high)
-    place = _claim_files(stem, delivery)
-    with show_activity("searching for a drive", delivery.quiet):
-        answer = size_drive(wanted, lambda found: None if delivery.quiet else tell(_best_so_far(found)))
+
+
+def _best_so_far(answer: "Answer") -> str:
+    """Return a line on the state of a search: its first drive, its last remedy, or the largest torque so far."""
     if answer.drives:
-        return _sized_outcome(stem, answer, place, delivery)
-    if delivery.json:
-        refusal = _refusal(answer, wanted, bool(ratio_range))
-        outcome = Outcome(title=f"no drive: {stem}", failures=[answer.refusal], result=refusal, filed=False, code=1)
-        return deliver(outcome, place, delivery)
-    best = f"of the ratios {ratio_range}, {wanted.ratio} allows the highest torque: " if ratio_range else ""
-    raise DesignError(best + answer.refusal)
+        return f"found: {answer.line}"
+    if answer.remedies:
+        return f"feasible with {answer.remedies[-1].words}"
+    return f"largest torque found: {answer.most:g} N m ({answer.limit}); searching for changes that are feasible"
 
 
-def _best_so_far(found: "Answer") -> str:
-    """Return the first drive, the last remedy, or the largest torque of an unfinished search."""
-    if found.drives:
-        return f"found: {found.line}"
-    if found.remedies:
-        return f"feasible with {found.remedies[-1].words}"
-    return f"largest torque found: {found.most:g} N m ({found.limit}); searching for changes that are feasible"
+def _claim_files(stem: str, delivery: NewDelivery) -> Destination:
+    """Claim the files of the design and of the page before the work; raise TakenError if one exists."""
+    directory = claim_folder(delivery.out or ".", "the designs", [f"{stem}.toml"], delivery.force)
+    return Destination(stem, directory, claim_page(delivery, stem, directory))
 
 
-def _claim_files(stem: str, wanted: NewDelivery) -> Destination:
-    """Claim the file of the design and the page, before the work."""
-    into = folder(wanted.out or ".", "the designs", [f"{stem}.toml"], wanted.force)
-    return Destination(stem, into, claim_page(wanted, stem, into))
+def _deliver_drives(stem: str, answer: "Answer", destination: Destination, delivery: NewDelivery) -> int:
+    """Write the design files of the drives of a search, print them in a table, and return the exit code.
 
-
-def _sized_outcome(stem: str, answer: "Answer", place: Destination, wanted: NewDelivery) -> int:
-    """Write the design files of the drives of an answer, and print them."""
+    The first drive is `stem`.toml, each other drive has its title after the stem.
+    """
     files: dict[str, bytes] = {}
-    for number, drive in enumerate(answer.drives):
-        title = f"{stem}-{drive.title.replace(' ', '-')}" if number else stem
+    for index, drive in enumerate(answer.drives):
+        title = f"{stem}-{drive.title.replace(' ', '-')}" if index else stem
         files[f"{title}.toml"] = dump(drive.design.but(name=title), drive.reasons).encode()
-    about = [
+    descriptions = [
         {"title": drive.title, "figures": dict(drive.figures), "why": drive.why, "reasons": drive.reasons}
         for drive in answer.drives
     ]
     heading = f"{answer.drives[0].figures['ratio']:.0f}:1, {answer.requirement.torque:g} N m"
-    table = Table(heading, ("drive", *COLUMNS.values()), tuple(map(_row, answer.drives)))
-    notes = [
-        f"  {drive.title}{'' if number else ' (to be taken)'}: {drive.why}"
-        for number, drive in enumerate(answer.drives)
+    table = Table(heading, ("drive", *COLUMNS.values()), tuple(map(_tabulate_drive, answer.drives)))
+    reasons_for_choice = [
+        f"  {drive.title}{'' if index else ' (to be taken)'}: {drive.why}" for index, drive in enumerate(answer.drives)
     ]
-    return _write_designs(files, about, place, wanted, [table], notes)
+    return _write_designs(files, descriptions, destination, delivery, [table], reasons_for_choice)
 
 
 def _write_designs(
     files: Mapping[str, bytes],
-    about: Sequence[Mapping[str, Any]],
-    place: Destination,
-    wanted: NewDelivery,
+    descriptions: Sequence[Mapping[str, Any]],
+    destination: Destination,
+    delivery: NewDelivery,
     tables: Sequence[Table] = (),
     summary: Sequence[str] = (),
 ) -> int:
-    """Write design files, and print their paths."""
-    paths = place.paths(files)
-    claim(*map(Path, paths), force=wanted.force)
+    """Write design files, print their paths with tables and summary, and return the exit code.
+
+    `descriptions` are the entries of the files in the JSON result.
+    """
+    paths = destination.paths(files)
+    claim(*map(Path, paths), force=delivery.force)
     outcome = Outcome(
-        title=f"new design: {place.stem}",
+        title=f"new design: {destination.stem}",
         text=paths,
         tables=tables,
         summary=summary,
         files=files,
-        result={"designs": [{"file": path} | dict(item) for path, item in zip(paths, about, strict=True)]},
+        result={"designs": [{"file": path} | dict(item) for path, item in zip(paths, descriptions, strict=True)]},
         filed=False,
     )
-    return deliver(outcome, place, wanted)
+    return deliver(outcome, destination, delivery)
 
 
-def _row(drive: "SizedDrive") -> tuple[str, ...]:
+def _tabulate_drive(drive: "SizedDrive") -> tuple[str, ...]:
+    """Format title and figures of a drive for the columns of `COLUMNS`."""
     from cycloid_mj.life.duration import format_life
 
     cells = {key: f"{drive.figures[key]:.3g}" for key in COLUMNS}
     return drive.title, *(cells | {"life_h": format_life(drive.figures["life_h"])}).values()
 
 
-def _refusal(answer: "Answer", asked: "Requirement", ranged: bool) -> dict[str, Any]:
-    ways = [{"words": way.words, "flags": _flags(way, asked, ranged)} for way in answer.remedies]
-    return {"most": answer.most, "limit": answer.limit, "ways": ways, "why": answer.refusal}
+def _refusal_json(answer: "Answer", requirement: "Requirement", is_range: bool) -> dict[str, Any]:
+    """Convert a search without a drive to JSON values: the largest torque, its limit, and the remedies with flags."""
+    remedies = [
+        {"words": remedy.words, "flags": _list_flags(remedy, requirement, is_range)} for remedy in answer.remedies
+    ]
+    return {"most": answer.most, "limit": answer.limit, "ways": remedies, "why": answer.refusal}
 
 
-def _flags(way: "FeasibleChange", asked: "Requirement", ranged: bool) -> list[str]:
-    """Return the flags that request an alternative instead of the user's."""
+def _list_flags(remedy: "FeasibleChange", original: "Requirement", is_range: bool) -> list[str]:
+    """Return the flags that request a remedy: those whose value differs between remedy and `original` requirement.
+
+    With `is_range`, the ratio that was chosen from a range is set as well.
+    """
     from cycloid_mj.base.units import RPM
 
     flags = {
-        "diameter": ("--diameter-mm", 1e3 * way.requirement.diameter),
-        "length": ("--length-mm", 1e3 * way.requirement.length),
-        "life": ("--life-h", way.requirement.life),
-        "duty_share": ("--duty", way.requirement.duty_share),
-        "speed": ("--speed-rpm", way.requirement.speed / RPM),
-        "film": ("--cooling", way.requirement.film),
-        "clearance": ("--clearance-um", 1e6 * way.requirement.clearance),
-        "fit": ("--fit", way.requirement.fit),
-        "backlash": ("--backlash-arcmin", way.requirement.backlash),
-        "discs": ("--discs", way.requirement.discs),
-        "process": ("--process", way.requirement.process),
-        "material": ("--material", way.requirement.material),
+        "diameter": ("--diameter-mm", 1e3 * remedy.requirement.diameter),
+        "length": ("--length-mm", 1e3 * remedy.requirement.length),
+        "life": ("--life-h", remedy.requirement.life),
+        "duty_share": ("--duty", remedy.requirement.duty_share),
+        "speed": ("--speed-rpm", remedy.requirement.speed / RPM),
+        "film": ("--cooling", remedy.requirement.film),
+        "clearance": ("--clearance-um", 1e6 * remedy.requirement.clearance),
+        "fit": ("--fit", remedy.requirement.fit),
+        "backlash": ("--backlash-arcmin", remedy.requirement.backlash),
+        "discs": ("--discs", remedy.requirement.discs),
+        "process": ("--process", remedy.requirement.process),
+        "material": ("--material", remedy.requirement.material),
     }
-    changed = [flags[key] for key in flags if getattr(way.requirement, key) != getattr(asked, key)]
-    words = [word for flag, value in changed for word in (flag, value if isinstance(value, str) else f"{value:.10g}")]
-    words += ["--ratio-range", f"{asked.ratio}:{asked.ratio}"] if ranged else []
-    return [*words, "--custom"] if way.requirement.custom and not asked.custom else words
+    changes = [flags[key] for key in flags if getattr(remedy.requirement, key) != getattr(original, key)]
+    words = [word for flag, value in changes for word in (flag, value if isinstance(value, str) else f"{value:.10g}")]
+    words += ["--ratio-range", f"{original.ratio}:{original.ratio}"] if is_range else []
+    return [*words, "--custom"] if remedy.requirement.custom and not original.custom else words
 
 
-def _motor_speed(path: str, torque: float, process: "Process") -> float:
-    """Return the largest speed [rpm] at which a motor, a frame or a curve in a CSV file, delivers a torque [N m]."""
+def _motor_speed(motor: str, torque: float, process: "Process") -> float:
+    """Return the largest speed [rpm] at which a motor delivers a torque [N m].
+
+    `motor` is the name of a frame, or a CSV file with the motor's curve, which is interpolated linearly.
+
+    Raises
+    ------
+    UsageError
+        The file cannot be read, or the motor is too weak.
+    """
     import csv
 
     from cycloid_mj.base.units import RPM
     from cycloid_mj.parts.export.motors import MOTORS
     from cycloid_mj.sizing.process import PROCESSES
 
-    if (frame := MOTORS.get(path)) and frame.torque:
+    if (frame := MOTORS.get(motor)) and frame.torque:
         if torque > frame.torque:
             raise UsageError(
-                f"--motor {path}: the crank needs {torque:.4g} N m, but usual motors of this frame size have at most "
+                f"--motor {motor}: the crank needs {torque:.4g} N m, but usual motors of this frame size have at most "
                 f"{frame.torque:g} N m. Choose a larger frame, a larger ratio or less torque"
             )
         return min(PROCESSES[process].speed_rpm, frame.power / torque / RPM)
     try:
-        with Path(path).open(newline="", encoding="utf-8-sig") as file:
-            points = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))
+        with Path(motor).open(newline="", encoding="utf-8-sig") as file:
+            curve = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))
     except (OSError, ValueError, KeyError, TypeError) as error:
         problem = reason(error) if isinstance(error, OSError) else "its rows are not pairs of speed and torque"
+        frames = ", ".join(key for key, frame in MOTORS.items() if frame.torque)
         raise UsageError(
-            f"--motor {path}: {problem}. Choose one of {', '.join(key for key, one in MOTORS.items() if one.torque)}, "
-            "or a CSV file with the columns speed_rpm and torque_nm"
+            f"--motor {motor}: {problem}. Choose one of {frames}, or a CSV file with the columns speed_rpm and "
+            "torque_nm"
         ) from error
-    speeds = [speed for speed, delivered in points if delivered >= torque and speed > 0.0]
-    for (low, more), (high, less) in itertools.pairwise(points):
-        if less < torque <= more and more > less:
-            speeds.append(low + (high - low) * (more - torque) / (more - less))
+    speeds = [speed for speed, available in curve if available >= torque and speed > 0.0]
+    for (speed, before), (next_speed, after) in itertools.pairwise(curve):
+        if after < torque <= before:
+            speeds.append(speed + (next_speed - speed) * (before - torque) / (before - after))
     if not speeds:
-        most = max((delivered for _, delivered in points), default=0.0)
+        largest = max((available for _, available in curve), default=0.0)
         raise UsageError(
-            f"--motor {path}: the motor cannot deliver the {torque:.4g} N m that the crank needs at any speed (its "
-            f"maximum is {most:.4g} N m). Choose a stronger motor, a larger ratio or less torque"
+            f"--motor {motor}: the motor cannot deliver the {torque:.4g} N m that the crank needs at any speed (its "
+            f"maximum is {largest:.4g} N m). Choose a stronger motor, a larger ratio or less torque"
         )
     return max(speeds)
 
 
-def _range(text: str) -> tuple[int, int]:
-    """Read a range of ratios."""
+def _parse_ratio_range(text: str) -> tuple[int, int]:
+    """Parse a range of ratios, ``LOW:HIGH``; raise UsageError for any other text."""
     match = re.fullmatch(r"(\d+):(\d+)", text)
     if not match:
         raise UsageError(f"--ratio-range {text!r} is not a range: give LOW:HIGH, two integers, e.g. 18:22")
     return int(match[1]), int(match[2])
 
 
-def _discs(text: str) -> int:
-    """Read a number of discs; 0 for auto."""
+def _parse_discs(text: str) -> int:
+    """Parse a number of discs, by default 1; ``auto`` is 0. Raise UsageError for any other text."""
     if text == "auto":
         return 0
     if not text:

@@ -138,33 +138,39 @@ def optimize(
     code is 1 if no point satisfies all checks and limits.
     """
     from cycloid_mj.cli.progress import count_progress
+    from cycloid_mj.design import dump
     from cycloid_mj.explore.journal import has_study, remove_study
-    from cycloid_mj.explore.optimizer import BEST, HISTORY, PARQUET, STUDY, check_best, run_search
+    from cycloid_mj.explore.optimizer import BEST, HISTORY, PARQUET, STUDY, add_checks_of_best, run_search
     from cycloid_mj.explore.problem import define_problem
 
     engine = delivery.engine()
-    task = define_problem(Reducer(chosen.resolve()), _ranges(vary), minimize, maximize, limit, strict, follow)
+    task = define_problem(Reducer(chosen.resolve()), _parse_ranges(vary), minimize, maximize, limit, strict, follow)
     resumed = has_study(Path(delivery.out or OUT), STUDY)
-    place = claim_destination(delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, paged=True, resumed=resumed)
-    into = place.folder or Path(OUT)
+    destination = claim_destination(
+        delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, with_page=True, resumed=resumed
+    )
+    directory = destination.folder or Path(OUT)
     if delivery.force:
-        remove_study(into, STUDY)
+        remove_study(directory, STUDY)
     try:
-        optimum = run_search(task, evaluations, starts, seed, into, engine, count_progress("optimize", delivery.quiet))
+        optimum = run_search(
+            task, evaluations, starts, seed, directory, engine, count_progress("optimize", delivery.quiet)
+        )
         if optimum.best is None:
-            raise DesignError(f"{optimum.infeasible_words} (all points are in {into})")
-        write_files({into / BEST: _best(optimum)})
-        optimum = optimum if quick else check_best(optimum, solver)
+            raise DesignError(f"{optimum.infeasible_words} (all points are in {directory})")
+        write_files({directory / BEST: dump(optimum.design()).encode()})
+        optimum = optimum if quick else add_checks_of_best(optimum, solver)
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {signal_name(stop)}; the points evaluated so far are in {into}. Run the same command again to "
+            f"stopped by {signal_name(stop)}; the points evaluated so far are in {directory}. Run the same command "
+            "again to "
             "resume"
         ) from stop
-    return deliver(_outcome(optimum, into / BEST), place, delivery)
+    return deliver(_outcome(optimum, directory / BEST), destination, delivery)
 
 
-def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
-    """Collect keys and ranges as they were written, once each."""
+def _parse_ranges(vary: tuple[str, ...]) -> dict[str, str]:
+    """Split the texts of ``--vary`` into key -> range; raise UsageError for a wrong form or a repeated key."""
     ranges: dict[str, str] = {}
     for text in vary:
         key, equals, wanted = text.partition("=")
@@ -179,14 +185,8 @@ def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
     return ranges
 
 
-def _best(optimum: "Optimum") -> bytes:
-    from cycloid_mj.design import dump
-
-    return dump(optimum.design()).encode()
-
-
 def _outcome(optimum: "Optimum", best: Path) -> Outcome:
-    """Build the outcome of an optimisation."""
+    """Convert an optimisation to an `Outcome`: tables, figure and notes; `best` is the file of the best design."""
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
     from cycloid_mj.plots.save import encode_figure

@@ -32,12 +32,12 @@ Columns = Mapping[str, "npt.NDArray[Any]"]
 
 
 def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
-    """Claim the name of a table, the value of `flag`, before the work; stdout and devices need no claim.
+    """Claim the file of a table before the work, the value of the flag `flag`; stdout and devices are always accepted.
 
     Raises
     ------
     UsageError
-        It is another flag, or has the ending of another kind of file.
+        The value is another flag, or has the ending of another kind of file.
     TakenError
         The file exists, and `force` is not set.
     """
@@ -50,24 +50,26 @@ def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
 
 
 def write_csv(file: str, columns: Columns) -> None:
-    """Write columns, shape (n,) each, with every digit of every number.
+    """Write columns, shape (n,) each, as CSV with all digits, to a file or stdout.
 
     Raises
     ------
     CycloidError
-        The file cannot be written; one that was there before is as it was.
+        The file cannot be written; an existing file is unchanged.
     """
     from cycloid_mj.base.frame import write_rows  # which takes NumPy, that no help page needs
 
     if file == STDOUT:
         write_rows(columns, sys.stdout, "nan")
         return
-    with _written(file) as stream:
+    with _open_output(file) as stream:
         write_rows(columns, stream, "nan")
 
 
-def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
-    """Return the folder `name`, created if it does not exist, for `files` that are written after the work.
+def claim_folder(name: str, contents: str, files: Iterable[str], force: bool) -> Path:
+    """Create a folder unless it exists, claim files in it before the work, and return its path.
+
+    `contents` names the files in messages, for example "the logs".
 
     Raises
     ------
@@ -77,39 +79,45 @@ def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
         One of the files exists, and the command reads it, or `force` is not set.
     """
     path = Path(name)
-    if new_folder(name, what) is None and not path.is_dir():
-        raise CycloidError(f"cannot write {what} to {name}: it is a file, not a folder. Choose a folder with --out")
+    if create_folder(name, contents) is None and not path.is_dir():
+        raise CycloidError(f"cannot write {contents} to {name}: it is a file, not a folder. Choose a folder with --out")
     if not os.access(path, os.W_OK | os.X_OK):
-        raise CycloidError(f"cannot write {what} to {name}: permission denied. Choose another folder with --out")
+        raise CycloidError(f"cannot write {contents} to {name}: permission denied. Choose another folder with --out")
     claim(*(path / file for file in files), force=force)
     if force:
         claim(path, force=True)
     return path
 
 
-def new_folder(name: str, what: str) -> Path | None:
-    """Create the folder `name` and return it; None if the name exists. Raise CycloidError if it cannot be created."""
+def create_folder(name: str, contents: str) -> Path | None:
+    """Create a folder and return its path; return None if the name exists.
+
+    Raises
+    ------
+    CycloidError
+        It cannot be created; `contents` names its files in the message.
+    """
     path = Path(name)
     try:
         if path.exists() or not make_folder(path):
             return None
     except OSError as problem:
         raise CycloidError(
-            f"cannot create the folder {name} for {what}: {reason(problem)}. Choose another folder with --out"
+            f"cannot create the folder {name} for {contents}: {reason(problem)}. Choose another folder with --out"
         ) from problem
     return path
 
 
 @contextmanager
-def _written(file: str) -> Iterator[TextIO]:
-    """Open a file that gets its name when it is complete; a device is written directly."""
+def _open_output(file: str) -> Iterator[TextIO]:
+    """Open a file for text that gets its name when it is complete; a device is written directly."""
     path = Path(file)
     try:
         if path.exists() and not path.is_file() and not path.is_dir():
             with path.open("w", encoding="utf-8", newline="\n") as stream:
                 yield stream
             return
-        with atomic_file(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as stream:
+        with atomic_file(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
             yield stream
     except (OSError, ValueError) as problem:
         raise CycloidError(

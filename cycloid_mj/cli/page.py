@@ -27,7 +27,7 @@ def console(stderr: bool = False) -> "Console":
 
 
 def flow_help(app: App) -> App:
-    """Set the help of an app and of all its commands: lines break where the page ends, and no flag has a negative."""
+    """Set the help format of an app and its commands: lines break at the page width, flags have no negative form."""
     # its own, too: the command reference and completion look at a command without the defaults of the app around it
     app.default_parameter = FLAGS
     app.help = paragraphs(app.help)
@@ -38,7 +38,7 @@ def flow_help(app: App) -> App:
 
 
 def fold_line(line: str) -> str:
-    """Break a command that is wider than a page between its flags, with shell continuations."""
+    """Break a command line that is wider than a page between its flags, with backslashes of a shell."""
     if len(line) <= WIDEST:
         return line
     first, *flags = re.split(r" (?=--|&& )", line)

@@ -10,8 +10,8 @@ from cycloid_mj.base.errors import warn
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
-from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, point
-from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, parse_point
+from cycloid_mj.cli.outfile import claim_folder
 
 EXAMPLES = """Examples:
   cycloid-mj log plot runs/pin.mcap
@@ -43,7 +43,7 @@ def plot(
     2014, Figs 5-9, and the transmission error. The file names are printed, one per line. Only the log is read; a log
     that ends in its ramp is drawn up to its end.
     """
-    point_q = point(q)
+    point_q = parse_point(q)
     from cycloid_mj.analysis import judge, series
     from cycloid_mj.log import read
     from cycloid_mj.plots import figures
@@ -53,15 +53,15 @@ def plot(
     warn(motion.design.name, judge(motion).warnings)
     shown = figures(motion)
     names = [f"{name}.{format_}" for name in shown]
-    into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, delivery.force)
+    into = claim_folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, delivery.force)
     stem = f"{Path(log).stem}-figures"
-    place = Destination(stem, into, claim_page(delivery, stem, into))
+    destination = Destination(stem, into, claim_page(delivery, stem, into))
     outcome = Outcome(
         title=f"figures: {log}",
-        text=place.paths(names),
+        text=destination.paths(names),
         pictures={name: partial(encode_figure, figure) for name, figure in shown.items()},
         formats=(format_,),
-        result={"files": place.paths(names)},
+        result={"files": destination.paths(names)},
         filed=False,
     )
-    return deliver(outcome, place, delivery)
+    return deliver(outcome, destination, delivery)

@@ -67,9 +67,9 @@ def first_start(words: Sequence[str]) -> bool:
 
 
 def replace_unencodable(*streams: TextIO) -> None:
-    """Make streams write substitutes for characters that their encoding lacks, such as "deg" for a degree sign.
+    """Set streams to replace characters that their encoding lacks, such as a degree sign by "deg".
 
-    Without it, output to a stream with the encoding ASCII ends in a UnicodeEncodeError.
+    Without this, output to a stream with the encoding ASCII ends in a UnicodeEncodeError.
     """
     codecs.register_error(SUBSTITUTING, substitutes)
     for stream in streams:
@@ -87,12 +87,12 @@ def substitutes(error: UnicodeError) -> tuple[str, int]:
 
 def _substitute(sign: str) -> str:
     """Return the substitute of a character: of the table, its letter without accents, or its escape sequence."""
-    bare = unicodedata.normalize("NFKD", sign)[0]
-    return SUBSTITUTES.get(sign) or (bare if bare.isascii() else ascii(sign)[1:-1])
+    base_letter = unicodedata.normalize("NFKD", sign)[0]
+    return SUBSTITUTES.get(sign) or (base_letter if base_letter.isascii() else ascii(sign)[1:-1])
 
 
 def run() -> None:
-    """Run the command of ``sys.argv`` and end the process with its exit code."""
+    """Run the command of ``sys.argv``, and end the process with its exit code; errors are printed on stderr."""
     # a stream that was closed before the start is None
     sys.stdout = sys.stdout or StringIO()
     sys.stderr = sys.stderr or StringIO()

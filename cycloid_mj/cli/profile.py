@@ -70,7 +70,7 @@ def profile(
     of the teeth at the nominal torque: working_force.*_n and contact.working_force_n, or ideal sharing).
     """
     reducer = Reducer(chosen.resolve())
-    columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](reducer, points)
+    columns = {"gear": _gear, "ring": _ring_columns, "curvature": _curvature_columns}[part](reducer, points)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-{part}")
     return deliver_columns(f"{part} of {reducer.design.name}", columns, csv, page, delivery)
@@ -83,8 +83,8 @@ def _gear(reducer: Reducer, points: int | None) -> Columns:
     return _columns(outline.points, outline.normals, outline.curvature)
 
 
-def _ring(reducer: Reducer, points: int | None) -> Columns:
-    """Return the columns of the outline of an internal gear."""
+def _ring_columns(reducer: Reducer, points: int | None) -> Columns:
+    """Return the outline of an internal gear as columns, shape (n,) each: points, normals, curvature and part."""
     from cycloid_mj.geometry.envelope import sample_ring
 
     design = reducer.design
@@ -97,8 +97,8 @@ def _ring(reducer: Reducer, points: int | None) -> Columns:
     return {**_columns(outline.points, outline.normals, outline.curvature), "part": outline.part}
 
 
-def _curvature(reducer: Reducer, crank_angles: int | None) -> Columns:
-    """Return the columns of the relative curvature of the contact lines."""
+def _curvature_columns(reducer: Reducer, crank_angles: int | None) -> Columns:
+    """Return the relative curvature and the Hertz pressure of all contact lines over a mesh period, as columns."""
     import numpy as np
 
     from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, pressure

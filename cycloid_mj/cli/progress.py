@@ -17,24 +17,24 @@ SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 
 @contextmanager
-def show_activity(words: str, quiet: bool = False) -> Iterator[None]:
-    """Print the current activity, and from time to time that it continues; nothing if `quiet`."""
+def show_activity(activity: str, quiet: bool = False) -> Iterator[None]:
+    """Print an activity on stderr, and every few seconds that it continues, for as long as the context is open."""
     if quiet:
         yield
         return
-    over = Event()
-    tell(words)
-    Thread(target=_goes_on, args=(words, over), daemon=True).start()
+    finished = Event()
+    tell(activity)
+    Thread(target=_repeat_activity, args=(activity, finished), daemon=True).start()
     try:
         yield
     finally:
-        over.set()
+        finished.set()
 
 
-def _goes_on(words: str, over: Event) -> None:
+def _repeat_activity(activity: str, finished: Event) -> None:
     start = monotonic()
-    while not over.wait(SECONDS_BETWEEN_COUNTS):
-        tell(f"{words}: {monotonic() - start:.0f} s so far")
+    while not finished.wait(SECONDS_BETWEEN_COUNTS):
+        tell(f"{activity}: {monotonic() - start:.0f} s so far")
 
 
 class Progress:
@@ -71,14 +71,14 @@ class Progress:
             tell(text)
 
     def report_time(self, simulated: float) -> None:
-        """Show that the run has come to `simulated` [s]."""
+        """Show on stderr that the simulation has reached the time `simulated` [s]."""
         self._waiting.close()
         if self._quiet:
             return
         if self._first is None:
             self._first = monotonic(), simulated
         if sys.stderr.isatty():
-            self._bar = self._bar or _bar(self._end)
+            self._bar = self._bar or _start_bar(self._end)
             self._bar.update(self._bar.task_ids[0], completed=simulated)
         elif monotonic() - self._told > SECONDS_BETWEEN_LINES:
             self._told = monotonic()
@@ -92,7 +92,7 @@ class Progress:
         self._waiting.enter_context(show_activity(JUDGING, self._quiet))
 
     def _line(self, simulated: float) -> str:
-        """Return the progress and the estimated time left, from the pace since the first sample."""
+        """Return a line with the finished share and the time left, estimated from the speed since the first sample."""
         line = f"{simulated / self._end:4.0%}  {simulated:.3f} of {self._end:g} s simulated"
         start, first = self._first or (0.0, simulated)
         if simulated <= first:
@@ -106,23 +106,26 @@ def seconds_left(start: float, share: float) -> float:
     return (monotonic() - start) * (1.0 / share - 1.0) if share > 0.0 else float("inf")
 
 
-def count_progress(what: str, quiet: bool) -> Callable[[int, int], None]:
-    """Return a callback that prints how many items are done and the time left, at most every few seconds."""
+def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
+    """Return a callback that prints an activity with the numbers of finished and of all items, and the time left.
+
+    It prints every few seconds at most, and nothing if `quiet`.
+    """
     start = monotonic()
     last = [start]
 
-    def progress(done: int, whole: int) -> None:
-        now = monotonic()
-        if quiet or (now - last[0] < SECONDS_BETWEEN_COUNTS and done < whole):
+    def progress(done: int, total: int) -> None:
+        time = monotonic()
+        if quiet or (time - last[0] < SECONDS_BETWEEN_COUNTS and done < total):
             return
-        last[0] = now
-        tell(f"{what}: {done} of {whole}, about {seconds_left(start, done / whole):.0f} s left")
+        last[0] = time
+        tell(f"{activity}: {done} of {total}, about {seconds_left(start, done / total):.0f} s left")
 
     return progress
 
 
-def _bar(end: float) -> Any:
-    """Start a progress bar of a run of `end` simulated seconds."""
+def _start_bar(end: float) -> Any:
+    """Start a progress bar on stderr for a run of `end` simulated seconds, and return it."""
     from rich.console import Console
     from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
@@ -136,8 +139,8 @@ def _bar(end: float) -> Any:
         TimeRemainingColumn(),
         TextColumn("left"),
     )
-    shown = columns if console.width >= MIN_BAR_WIDTH else (TaskProgressColumn(),)
-    bar = Bar(*shown, console=console, transient=True)
+    visible = columns if console.width >= MIN_BAR_WIDTH else (TaskProgressColumn(),)
+    bar = Bar(*visible, console=console, transient=True)
     bar.add_task("", total=end)
     bar.start()
     return bar

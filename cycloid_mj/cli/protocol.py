@@ -109,17 +109,17 @@ def protocol(
         tuple(read_loop(path) for path in loop), read_te(te) if te else None, starting, running, back_driving
     )
     design = chosen.resolve_checked()
-    place = claim_destination(
+    destination = claim_destination(
         delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")]
     )
     sheet = computed(
         Reducer(design), files, rated_nm or design.rated_torque, angles, count_progress("protocol", delivery.quiet)
     )
-    return deliver(_outcome(sheet), place, delivery)
+    return deliver(_outcome(sheet), destination, delivery)
 
 
 def _outcome(sheet: "Protocol") -> Outcome:
-    """Build the outcome of a test protocol."""
+    """Convert a test protocol to an `Outcome`: figures of model and bench, definitions and page."""
     from cycloid_mj.base.result import plain
     from cycloid_mj.bench.protocol import LINES
     from cycloid_mj.plots.bench import protocol_figure

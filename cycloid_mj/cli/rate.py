@@ -84,15 +84,15 @@ def rate(
     design = chosen.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
-    place = claim_destination(delivery, f"{design.name}-rating")
+    destination = claim_destination(delivery, f"{design.name}-rating")
     chosen_parts = parts or ("toleranced" if has_tolerances(design) else "perfect")
     rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True, parts=chosen_parts)
-    outcome = _outcome(rating, place)
-    return deliver(replace(outcome, code=1) if check and rating.failing else outcome, place, delivery)
+    outcome = _outcome(rating, destination)
+    return deliver(replace(outcome, code=1) if check and rating.failing else outcome, destination, delivery)
 
 
-def _outcome(rating: "Rating", place: Destination) -> Outcome:
-    """Build the outcome of a rating."""
+def _outcome(rating: "Rating", destination: Destination) -> Outcome:
+    """Convert a rating to an `Outcome`: items by safety or life, the weakest first, and the assumptions."""
     from cycloid_mj.report.rating import rating_page
 
     weakest, failing = rating.weakest, rating.failing
@@ -106,7 +106,7 @@ def _outcome(rating: "Rating", place: Destination) -> Outcome:
         },
         failures=[rating.line_of(item) for item in failing],
         warnings=[rating.line_of(item) for item in rating.warnings],
-        summary=[f"weakest: {rating.weakest_line()}", *([str(place.page)] if place.page else [])],
+        summary=[f"weakest: {rating.weakest_line()}", *([str(destination.page)] if destination.page else [])],
         tables=[rating.table(), *([rating.cam_compliance.table()] if rating.cam_compliance else [])],
         notes=[f"assumed: {sentence}" for sentence in rating.assumptions],
         frame=rating.frame,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from cycloid_mj.robot import ReducedJoint
     from cycloid_mj.robot.comparison import ModelComparison
+    from cycloid_mj.robot.description import Format
     from cycloid_mj.robot.population import Population
     from cycloid_mj.robot.stability import StepTrial
 
@@ -131,40 +132,56 @@ def reduce(
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.robot.comparison import compare_with_full_model
-    from cycloid_mj.robot.description import description_files, description_names
-    from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES, choose_scenes, joint_files, without_slip
-    from cycloid_mj.robot.identification import reduce as measured
+    from cycloid_mj.robot.files import choose_scenes, without_slip
+    from cycloid_mj.robot.identification import reduce as identify
     from cycloid_mj.robot.population import draw_population
-    from cycloid_mj.robot.randomization import FILES, randomization_files
     from cycloid_mj.robot.stability import study_time_steps
 
     _require_scene_values(timestep_ms, load_inertia_kgm2)
     samples, seed = _choose_samples(spread, samples, seed)
     design = chosen.resolve_checked()
-    model = (*BASE_FILES, *SPRING_FILES) if format_ == "mjcf" else description_names(design.name, format_)
-    drawn_files = (SAMPLES, *FILES[format_]) if spread else ()
-    place = claim_destination(delivery, STEM, (*model, *drawn_files), OUT, paged=True)
-    reduced = measured(design, level, count_progress("reduce", delivery.quiet))
-    spread_progress = count_progress("spread", delivery.quiet)
-    drives = draw_population(Reducer(design), samples, seed, spread_progress) if spread else None
+    destination = claim_destination(delivery, STEM, _list_files(design.name, format_, spread), OUT, with_page=True)
+    reduced = identify(design, level, count_progress("reduce", delivery.quiet))
+    reducer, on_drive = Reducer(design), count_progress("spread", delivery.quiet)
+    drives = draw_population(reducer, samples, seed, on_drive) if spread else None
     free = without_slip(reduced)
-    comparison, steps = compare_with_full_model(Reducer(design), free), study_time_steps(free)
+    comparison, steps = compare_with_full_model(reducer, free), study_time_steps(free)
     timestep = None if timestep_ms is None else 1e-3 * timestep_ms
-    asked, lossy = choose_scenes(reduced, load_inertia_kgm2, timestep, integrator)
-    warn(
-        design.name,
-        [
-            *inaccurate(asked, timestep_ms, integrator),
-            *(f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds),
-        ],
-    )
-    if format_ == "mjcf":
-        files = joint_files(reduced, asked, lossy)
-    else:
-        files = description_files(reduced, Reducer(design), format_)
-    if drives:
-        files = {**files, **randomization_files(reduced, drives, format_)}
-    return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives, files), place, delivery)
+    scene, lossy = choose_scenes(reduced, load_inertia_kgm2, timestep, integrator)
+    differing = [f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds]
+    warn(design.name, [*describe_inaccuracy(scene, timestep_ms, integrator), *differing])
+    files = _encode_files(reducer, reduced, format_, (scene, lossy), drives)
+    return deliver(_outcome(reduced, comparison, steps, scene, lossy, drives, files), destination, delivery)
+
+
+def _list_files(name: str, file_format: "Format", spread: bool) -> list[str]:
+    """Return the names of files that a joint may get in a format; with `spread`, also those for randomization."""
+    from cycloid_mj.robot.description import list_description_files
+    from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES
+    from cycloid_mj.robot.randomization import FILES
+
+    model = (*BASE_FILES, *SPRING_FILES) if file_format == "mjcf" else list_description_files(name, file_format)
+    return [*model, *((SAMPLES, *FILES[file_format]) if spread else ())]
+
+
+def _encode_files(
+    reducer: Reducer,
+    reduced: "ReducedJoint",
+    file_format: "Format",
+    scenes: "tuple[StepTrial, StepTrial | None]",
+    drives: "Population | None",
+) -> "Mapping[str, bytes]":
+    """Return the files of a joint in a format, and with `drives` those for domain randomization: name -> content.
+
+    `scenes` are the time steps of scene.xml and lossy_scene.xml, which the format ``mjcf`` has.
+    """
+    from cycloid_mj.robot.description import write_descriptions
+    from cycloid_mj.robot.files import joint_files
+    from cycloid_mj.robot.randomization import randomization_files
+
+    mjcf = file_format == "mjcf"
+    files = joint_files(reduced, *scenes) if mjcf else write_descriptions(reduced, reducer, file_format)
+    return files | (randomization_files(reduced, drives, file_format) if drives else {})
 
 
 def _require_scene_values(timestep_ms: float | None, load_inertia: float | None) -> None:
@@ -178,7 +195,13 @@ def _require_scene_values(timestep_ms: float | None, load_inertia: float | None)
 
 
 def _choose_samples(spread: bool, samples: int | None, seed: int | None) -> tuple[int, int]:
-    """Return number and seed of the samples; raise UsageError for those out of range, or without --spread."""
+    """Return number and seed of the samples, with defaults.
+
+    Raises
+    ------
+    UsageError
+        One is out of range, or set without ``--spread``.
+    """
     if not spread and (samples, seed) != (None, None):
         flag = "--seed" if samples is None else "--samples"
         raise UsageError(f"{flag} applies to --spread only: add --spread, or remove {flag}")
@@ -195,28 +218,28 @@ def _outcome(
     reduced: "ReducedJoint",
     comparison: "ModelComparison",
     steps: "tuple[StepTrial, ...]",
-    asked: "StepTrial",
+    scene: "StepTrial",
     lossy: "StepTrial | None",
     drives: "Population | None",
     files: "Mapping[str, bytes]",
 ) -> Outcome:
-    """Build the outcome of the reduction to a joint."""
+    """Convert a reduced joint to an `Outcome`: figures, comparison with the full model, time steps, files and page."""
     from cycloid_mj.base.result import plain, quantity_frame, quantity_table
     from cycloid_mj.report.joint import joint_page
-    from cycloid_mj.robot.bam import bam
+    from cycloid_mj.robot.bam import fit_bam_models
     from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_table
     from cycloid_mj.robot.stability import recommend_time_steps, recommended_table, trials_table
 
     quantities = reduced.quantities
     efficiencies = lossy_efficiencies(reduced) if lossy else []
-    drawn = {SAMPLES: drives.frame.as_csv().encode()} if drives else {}
+    sample_files = {SAMPLES: drives.frame.as_csv().encode()} if drives else {}
     return Outcome(
         title=f"reduce: {reduced.name}",
         condition=f"level {reduced.level}",
         headline=headline(quantities.values()),
         summary=[
-            f"scene: {asked.integrator}, {1e3 * asked.timestep:g} ms, {asked.inertia:.4g} kg m2 on the output: "
-            f"{asked.sentence}"
+            f"scene: {scene.integrator}, {1e3 * scene.timestep:g} ms, {scene.inertia:.4g} kg m2 on the output: "
+            f"{scene.sentence}"
         ],
         tables=[
             quantity_table(f"reduce: {reduced.name}, level {reduced.level}", quantities.values()),
@@ -231,12 +254,12 @@ def _outcome(
             *(drives.notes if drives else ()),
         ],
         frame=quantity_frame(quantities),
-        files={**files, **drawn},
-        page=partial(joint_page, reduced, comparison, steps, asked, bam(reduced), drives),
+        files={**files, **sample_files},
+        page=partial(joint_page, reduced, comparison, steps, scene, fit_bam_models(reduced), drives),
         result=plain(
             {
                 **reduced.as_json(),
-                "scene": asked.as_json(),
+                "scene": scene.as_json(),
                 "comparison": comparison.as_json(),
                 "stock_efficiency": [item._asdict() for item in efficiencies],
                 "te_holds_to_rpm": comparison.highest_speed_rpm,
@@ -248,14 +271,14 @@ def _outcome(
     )
 
 
-def inaccurate(asked: "StepTrial", timestep_ms: float | None, integrator: str | None) -> list[str]:
-    """Return a message on the error of a scene and its remedy: the flags to omit or change."""
-    if asked.accurate:
+def describe_inaccuracy(scene: "StepTrial", timestep_ms: float | None, integrator: str | None) -> list[str]:
+    """Return a sentence on the error of a scene and its remedy, flags to omit or change; [] if it is accurate."""
+    if scene.accurate:
         return []
-    given = {"--timestep-ms": timestep_ms, "--integrator": integrator}
-    left_out = " and ".join(flag for flag, value in given.items() if value is not None)
-    ways = [f"leave out {left_out}"] * bool(left_out) + ["use a larger --load-inertia-kgm2"]
+    flags = {"--timestep-ms": timestep_ms, "--integrator": integrator}
+    omitted = " and ".join(flag for flag, value in flags.items() if value is not None)
+    remedies = [f"leave out {omitted}"] * bool(omitted) + ["use a larger --load-inertia-kgm2"]
     return [
-        f"{asked.integrator} at {1e3 * asked.timestep:g} ms with {asked.inertia:.4g} kg m2 on the output: "
-        f"{asked.sentence}; {', or '.join(ways)}"
+        f"{scene.integrator} at {1e3 * scene.timestep:g} ms with {scene.inertia:.4g} kg m2 on the output: "
+        f"{scene.sentence}; {', or '.join(remedies)}"
     ]

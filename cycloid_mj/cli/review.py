@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
-from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, point
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, parse_point
 from cycloid_mj.cli.terminal import printable
 
 EXAMPLES = """Examples:
@@ -37,7 +37,7 @@ def report(
     from cycloid_mj.log import read
     from cycloid_mj.report import report as reviewed
 
-    point_q = point(q)
+    point_q = parse_point(q)
     if not logs:
         raise UsageError("no log is given: name at least one log, e.g. cycloid-mj report runs/pin.mcap")
     if repeated := next((log for index, log in enumerate(logs) if log in logs[:index]), None):
@@ -46,7 +46,7 @@ def report(
     runs = {printable(log): read(log) for log in logs}
     named = tuple(dict.fromkeys((*([out] if out else ()), *(delivery.html or ()))))
     named = named or (str(Path(logs[0]).with_suffix(".html")),)
-    place = Destination("report", None, claim_page(replace(delivery, html=named), "report"))
+    destination = Destination("report", None, claim_page(replace(delivery, html=named), "report"))
     review = reviewed(runs, point_q)
     outcome = Outcome(title="review", text=named, result={"files": list(named)}, page=lambda: review)
-    return deliver(outcome, place, delivery)
+    return deliver(outcome, destination, delivery)

@@ -20,7 +20,7 @@ from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import outcome_of
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, STEP, TIMESTEP, Delivery, DesignOptions
-from cycloid_mj.cli.outfile import folder, new_folder
+from cycloid_mj.cli.outfile import claim_folder, create_folder
 from cycloid_mj.cli.progress import Progress, show_activity
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
@@ -28,7 +28,7 @@ from cycloid_mj.reducer import Reducer
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
     from cycloid_mj.base.record import Run
-    from cycloid_mj.dynamics.run import Contact, SampleBlock, Schedule, Solver
+    from cycloid_mj.dynamics.run import Contact, Model, SampleBlock, Schedule, Solver
     from cycloid_mj.log import LogWriter
 
 EXAMPLES = """Examples:
@@ -125,13 +125,13 @@ def simulate(
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
     design = chosen.resolve(values)
     chosen.warn_of_inherited_motor(design)
-    require_possible(design, solver)
+    require_runnable(design, solver)
     force = delivery.force
-    into = folder(delivery.out or RUNS, "the log", (), force)
+    into = claim_folder(delivery.out or RUNS, "the log", (), force)
     page = claim_page(delivery, design.name, into)
     names: Iterable[Path] = [into / f"{design.name}.mcap"]
     if delivery.out is None and not force:
-        names = _free_names(into, design.name)
+        names = _unused_logs(into, design.name)
     else:
         claim(*names, *(review_of(log) for log in names if page is None and not delivery.json), force=force)
     with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
@@ -153,7 +153,7 @@ def review_of(log: Path) -> Path:
 def _with_explanations(
     outcome: Outcome, findings: "Findings", ran: "Ran", page: Path | None, chosen: DesignOptions, quiet: bool
 ) -> Outcome:
-    """Return an outcome with explanations of its figures in place of the headline, and with commands to continue."""
+    """Replace the headline of an outcome by an explanation of its figures, and add commands to continue with."""
     from cycloid_mj.analysis import explain
 
     log = ran.log
@@ -166,14 +166,14 @@ def _with_explanations(
             *explain(findings),
             *([] if findings.condition.load else _explain_unloaded_run(chosen.resolve())),
             written,
-            *(f"next: {words}" for words in _next(findings, chosen)),
+            *(f"next: {words}" for words in _suggest_commands(findings, chosen)),
         ],
         page=lambda: _draw_page(ran, quiet),
     )
 
 
 def _explain_unloaded_run(design: Design) -> Iterator[str]:
-    """Explain an unloaded run, and yield figures of the loaded drive next to it, by statics."""
+    """Yield lines that explain a run without load, with figures of the loaded drive by statics."""
     yield (
         "no load: the output drives nothing (load.torque_nm = 0), so the parts rattle within their clearances; the "
         "transmission error and the contact forces above differ from run to run and do not describe the loaded drive"
@@ -194,8 +194,8 @@ def _draw_page(ran: "Ran", quiet: bool) -> str:
         return review_page(ran.log, ran.run)
 
 
-def _next(findings: "Findings", chosen: DesignOptions) -> Iterator[str]:
-    """Yield commands to continue with: the same run under load, or the life; and one for each kind of user."""
+def _suggest_commands(findings: "Findings", chosen: DesignOptions) -> Iterator[str]:
+    """Yield commands to continue with: the run under load or its rating, then one for each kind of user."""
     design = [chosen.design, *(word for change in chosen.set_ for word in ("--set", change))]
     if findings.condition.load:
         yield _command(["rate", *design], "life, and the weakest part")
@@ -237,7 +237,7 @@ class Ran:
     run: "Run | None" = None
 
     def require_findings(self) -> "Findings":
-        """Return the findings of the run; raise LogError if it cannot be judged."""
+        """Return the findings of the run; raise LogError if it cannot be evaluated."""
         if isinstance(self.findings, CycloidError):
             raise LogError(
                 f"the run is logged in {self.log}, but cannot be evaluated: {self.findings}. Correct the cause and "
@@ -246,8 +246,11 @@ class Ran:
         return replace(self.findings, steps=self.steps, wall_s=self.wall)
 
 
-def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
-    """Raise UsageError for a run that is too long or does not turn, DesignError for an unsound design."""
+def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
+    """Raise UsageError or DesignError if a design cannot be simulated.
+
+    Its run would be too long, its crank does not turn, or its checks fail.
+    """
     reducer = Reducer(design)
     if design.drive.speed == 0.0:
         raise UsageError(
@@ -266,28 +269,28 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
         )
 
 
-def logs_folder(usual: str, out: str | None, names: Sequence[str], force: bool) -> Path:
-    """Return the folder of the files `names`: the requested one, or the first unused of `usual`, `usual`-2, ...
+def logs_folder(default_folder: str, out: str | None, names: Sequence[str], force: bool) -> Path:
+    """Return the folder for files `names`: the requested folder, or the first unused of `default_folder`, `-2`, ...
 
-    Making the folder claims it: of two commands at once each gets its own.
+    The folder is created, which claims it: two commands at the same time get different folders.
 
     Raises
     ------
     CycloidError
         The folder cannot be created.
     TakenError
-        The requested folder contains one of the files, and `--force` is absent.
+        The requested folder contains one of the files, and `force` is not set.
     """
     if out is None and not force:
-        numbered = (f"{usual}-{number}" for number in count(2))
-        return next(path for name in chain([usual], numbered) if (path := new_folder(name, "the logs")))
-    return folder(usual if out is None else out, "the logs", names, force)
+        numbered = (f"{default_folder}-{number}" for number in count(2))
+        return next(path for name in chain([default_folder], numbered) if (path := create_folder(name, "the logs")))
+    return claim_folder(default_folder if out is None else out, "the logs", names, force)
 
 
-def _free_names(into: Path, name: str) -> Iterator[Path]:
+def _unused_logs(directory: Path, name: str) -> Iterator[Path]:
     """Yield the names that the usual folder has for a design's runs and that are free, one after the other."""
-    numbered = (into / f"{name}-{number}.mcap" for number in count(2))
-    logs = chain([into / f"{name}.mcap"], numbered)
+    numbered = (directory / f"{name}-{number}.mcap" for number in count(2))
+    logs = chain([directory / f"{name}.mcap"], numbered)
     yield from (log for log in logs if not log.exists() and not review_of(log).exists())
 
 
@@ -298,70 +301,97 @@ def run_into_log(
     progress: Progress,
     contact: "Contact" = "profile",
     solver: "Solver" = "mujoco",
-    shown: bool = True,
+    viewable: bool = True,
     keep_run: bool = False,
 ) -> Ran:
-    """Run a design into the first log of `names` that no other run has taken.
+    """Simulate a design into the first log of `names` that does not exist, evaluate the run, and return its summary.
 
-    One that is not to be `shown` has its samples and the design alone: no frames, no model, no findings.
+    Parameters
+    ----------
+    design
+        The design.
+    names
+        Paths of the log, the preferred one first.
+    force
+        Whether an existing log is replaced.
+    progress
+        Reporter of the progress.
+    contact, solver
+        Contact model, and solver.
+    viewable
+        Whether the log gets frames and model for viewers, and findings; else samples and design only.
+    keep_run
+        Whether the result has the run in memory, without its forces.
+
+    Raises
+    ------
+    RunError
+        The run failed or was stopped; the log has the samples up to then.
     """
     reducer = Reducer(design)
-    from cycloid_mj.analysis.series import DESIGN_FILE
-    from cycloid_mj.dynamics.run import (
-        attachments,
-        blocks,
-        log_columns,
-        model_for,
-        provenance,
-        run_warnings,
-        schedule,
-        warnings_entry,
-    )
-    from cycloid_mj.log import LogWriter
-    from cycloid_mj.scene import Scene, frame_rate
+    from cycloid_mj.dynamics.run import blocks, model_for, provenance, schedule
 
     compiled = model_for(solver, reducer, contact)
     plan = schedule(reducer, compiled.timestep)
     _require_held_samples(design, plan)
-    groups = {topic: list(units.items()) for topic, units in log_columns(compiled, reducer).items()}
-    entries = provenance(reducer, contact, plan.timestep, solver) | {"steps": str(plan.steps)}
-    entries |= warnings_entry(run_warnings(compiled, reducer))
-    progress.tell(f"time step {entries['timestep']}, for {entries['timestep_for']}")
+    identity = provenance(reducer, contact, plan.timestep, solver)
+    open_log = _log_opener(compiled, reducer, identity | {"steps": str(plan.steps)}, force, viewable)
+    progress.tell(f"time step {identity['timestep']}, for {identity['timestep_for']}")
     start = time.perf_counter()
-    scene: Scene | None = Scene(design, frame_rate(reducer))
-    files = attachments(compiled, reducer)
-    if not shown:
-        scene, files = None, {DESIGN_FILE: files[DESIGN_FILE]}
-    with _first(names, lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)) as log:
-        note = "; ".join(_record(blocks(compiled, reducer), log, progress))
+    with _open_unused_log(names, open_log) as log:
+        note = "; ".join(_record_samples(blocks(compiled, reducer), log, progress))
         wall = time.perf_counter() - start
         progress.judging()
         log.flush()
-        unjudged = LogError(f"the run in {log.name} has not been evaluated: evaluate it with `cycloid-mj analyze`")
-        findings, run = _judgement(log, note) if shown else (unjudged, None)
-        attached = {} if isinstance(findings, CycloidError) else _findings_attachment(findings)
-        log.close(note, attachments=attached)
-    kept = replace(run, attachments={**run.attachments, **attached}) if run and keep_run else None
-    return Ran(log.path, plan.steps, wall, findings, kept)
+        not_evaluated = LogError(f"the run in {log.name} has not been evaluated: evaluate it with `cycloid-mj analyze`")
+        findings, run = _evaluate(log, note) if viewable else (not_evaluated, None)
+        findings_file = {} if isinstance(findings, CycloidError) else _findings_attachment(findings)
+        log.close(note, attachments=findings_file)
+    kept_run = replace(run, attachments={**run.attachments, **findings_file}) if run and keep_run else None
+    return Ran(log.path, plan.steps, wall, findings, kept_run)
 
 
-def _first(names: Iterable[Path], opened: Callable[[Path], "LogWriter"]) -> "LogWriter":
-    """Open the first unused log of `names`; raise LogTakenError if all are taken."""
+def _log_opener(
+    compiled: "Model", reducer: Reducer, provenance: dict[str, str], force: bool, viewable: bool
+) -> "Callable[[Path], LogWriter]":
+    """Return a function that opens a path as the log of a run, with its columns, provenance and files for viewers."""
+    from cycloid_mj.analysis.series import DESIGN_FILE
+    from cycloid_mj.dynamics.run import attachments, log_columns, run_warnings, warnings_entry
+    from cycloid_mj.log import LogWriter
+    from cycloid_mj.scene import Scene, frame_rate
+
+    groups = {topic: list(units.items()) for topic, units in log_columns(compiled, reducer).items()}
+    entries = provenance | warnings_entry(run_warnings(compiled, reducer))
+    files = attachments(compiled, reducer)
+    scene = Scene(reducer.design, frame_rate(reducer)) if viewable else None
+    if not viewable:
+        files = {DESIGN_FILE: files[DESIGN_FILE]}
+    return lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)
+
+
+def _open_unused_log(names: Iterable[Path], open_log: Callable[[Path], "LogWriter"]) -> "LogWriter":
+    """Open the first log of `names` that does not exist; raise LogTakenError if all exist.
+
+    `open_log` opens a path for writing.
+    """
     from cycloid_mj.log import LogTakenError
 
-    taken: LogError = LogError(
+    last_error: LogError = LogError(
         "there is no free file name left for the log in the output folder: choose another folder with --out"
     )
     for path in names:
         try:
-            return opened(path)
+            return open_log(path)
         except LogTakenError as problem:
-            taken = problem
-    raise taken
+            last_error = problem
+    raise last_error
 
 
-def _judgement(log: "LogWriter", note: str) -> "tuple[Findings | CycloidError, Run | None]":
-    """Judge a log that lacks only its end, and return its run without forces; it may get its name when it is closed."""
+def _evaluate(log: "LogWriter", note: str) -> "tuple[Findings | CycloidError, Run | None]":
+    """Evaluate a log that is written but not closed; return its findings, or an error, and the run without forces.
+
+    The run is None if it cannot be evaluated.
+    """
     from cycloid_mj.analysis import analyze
     from cycloid_mj.log import read
 
@@ -386,34 +416,37 @@ def _require_held_samples(design: Design, plan: "Schedule") -> None:
         )
 
 
-def _record(
+def _record_samples(
     samples: "Generator[SampleBlock, None, tuple[str, ...]]", log: "LogWriter", progress: Progress
 ) -> tuple[str, ...]:
-    """Write blocks of samples as they come; close the log as incomplete if the run fails or is stopped.
+    """Write blocks of samples to a log while they are simulated; return the warnings that are known at the end only.
 
-    Returns the warnings of the run that are known at its end alone.
+    Raises
+    ------
+    RunError
+        The run failed or was stopped; the log is closed as incomplete.
     """
-    late: tuple[str, ...] = ()
+    final_warnings: tuple[str, ...] = ()
 
     def simulate_blocks() -> "Iterator[SampleBlock]":
-        nonlocal late
-        late = yield from samples
+        nonlocal final_warnings
+        final_warnings = yield from samples
 
     try:
         for block in simulate_blocks():
             with defer_signals():
                 log.write(block.time, block.values)
             progress.report_time(float(block.time[-1]))
-        return late
+        return final_warnings
     except KeyboardInterrupt as stop:
         raise _close_incomplete_log(log, f"stopped by {signal_name(stop)}") from stop
     except RunError as error:
         raise _close_incomplete_log(log, str(error)) from error
 
 
-def _close_incomplete_log(log: "LogWriter", why: str) -> RunError:
-    """Close the log of a run that did not reach its end, and return the error that says where its samples are."""
-    log.close(note=why, complete=False)
-    kept = f"the {log.samples} samples up to then are in {log.path}" if log.samples else "nothing was logged"
+def _close_incomplete_log(log: "LogWriter", reason: str) -> RunError:
+    """Close the log of a run that did not reach its end, and return an error that states where its samples are."""
+    log.close(note=reason, complete=False)
+    samples_text = f"the {log.samples} samples up to then are in {log.path}" if log.samples else "nothing was logged"
     old = f"; the previous log {log.name} is unchanged" if log.path != log.name else ""
-    return RunError(f"{why}; {kept}{old}")
+    return RunError(f"{reason}; {samples_text}{old}")

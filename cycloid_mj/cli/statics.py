@@ -84,12 +84,12 @@ def statics(
     from cycloid_mj.statics.sheet import sheet
 
     design = chosen.resolve_checked()
-    place = claim_destination(delivery, f"{design.name}-statics")
+    destination = claim_destination(delivery, f"{design.name}-statics")
     loaded = design if load_nm is None else design.but(load={"torque": load_nm})
     static = sheet(reducer_of(design), load_nm)
     points = compute_film_map(reducer_of(design.at_reference)) if map_ else ()
     outcome = _outcome(static, quantities(reducer_of(loaded)), chosen.inheritance(), points)
-    return deliver(outcome, place, delivery)
+    return deliver(outcome, destination, delivery)
 
 
 def _outcome(
@@ -98,7 +98,7 @@ def _outcome(
     inherited: Inheritance | None,
     points: Sequence["MapPoint"],
 ) -> Outcome:
-    """Build the outcome of the statics of a design."""
+    """Convert the statics of a design to an `Outcome`: figures, and the efficiency map if it was computed."""
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json
     from cycloid_mj.figures.film_map import map_tables

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from cyclopts import Parameter
 
@@ -24,11 +24,11 @@ from cycloid_mj.cli.flags import (
     SeveralFlag,
     TemperatureFlag,
     load_design,
-    require_distinct,
+    require_distinct_names,
     within,
 )
-from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.simulate import logs_folder, require_possible
+from cycloid_mj.cli.outfile import claim_folder
+from cycloid_mj.cli.simulate import logs_folder, require_runnable
 from cycloid_mj.cli.stressfiles import FIGURES, FILES, STEM, Drawn, outcome_of
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
@@ -38,7 +38,6 @@ from cycloid_mj.reducer import Reducer
 if TYPE_CHECKING:
     from cycloid_mj.base.record import Run
     from cycloid_mj.stress.grid import Grid
-    from cycloid_mj.stress.mounts import Mounts
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
 EXAMPLES = """Examples:
@@ -191,68 +190,123 @@ def stress(
     Without --log, each design is simulated first: no ramp, and one turn after the load has settled. Requires the
     extra `fem`: gmsh, scikit-fem.
     """
-    asked = (*designs, *design)
-    if not asked and not log:
-        raise UsageError("no design or log is given: name one, e.g. cycloid-mj stress --design pin")
-    if log and (set_ or load_nm is not None):
-        raise UsageError("--set and --load-nm have no effect on logs: remove them, or remove --log")
-    if log and asked and len(log) != len(asked):
-        raise UsageError(
-            f"the number of designs ({len(asked)}) and of logs ({len(log)}) differ: name one design per --log, in the "
-            "same order, or name no design"
-        )
+    names = (*designs, *design)
+    _require_consistent(names, log, changed=bool(set_ or load_nm is not None))
     from cycloid_mj.base.memory import keep_freed
-    from cycloid_mj.stress.figures import for_one_turn
     from cycloid_mj.stress.packages import import_package
     from cycloid_mj.stress.study import QUICK, StudySettings
 
-    for name in ("gmsh", "skfem"):
-        import_package(name)
+    for module in ("gmsh", "skfem"):
+        import_package(module)
     keep_freed()
-    if mounts is not None and not springs:
-        raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
-    if springs:
-        if log or part or figure or solid or angle_deg is not None:
-            raise UsageError(
-                "--springs always covers all parts of the designs and cannot be combined with --log, --part, --figure, "
-                "--solid or --angle-deg: remove those flags"
-            )
-        from cycloid_mj.stress.mounts import read_mounts
-
-        told = None if mounts is None else read_mounts(Path(mounts))
-        return _springs([Reducer(load_design(name, set_, (), at_c)) for name in asked], load_nm, told, delivery)
-    settings = replace(
-        QUICK if quick else StudySettings(),
-        solid=solid,
-        map_angle=None if angle_deg is None else math.radians(angle_deg),
-    )
+    if springs or mounts is not None:
+        _require_springs(springs, selected=bool(log or part or figure or solid or angle_deg is not None))
+        loaded = [load_design(name, set_, (), at_c) for name in names]
+        return _write_springs(loaded, load_nm, mounts, delivery)
+    angle = None if angle_deg is None else math.radians(angle_deg)
+    settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=angle)
     if log:
-        runs = _read(log, asked)
-        planned = _plan_cost([ran for ran, _, _ in runs], part, settings, delivery.quiet)
-        usual = f"{log[0].removesuffix('.mcap')}-stress"
-        place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
+        job = _read_logs(log, names, part, settings, delivery)
     else:
-        loaded = [for_one_turn(load_design(name, set_, (), at_c), load_nm) for name in asked]
-        _require_apart(loaded)
-        planned = _plan_cost(loaded, part, settings, delivery.quiet)
-        names = (*(f"{item.name}.mcap" for item in loaded), *FILES)
-        into = logs_folder(RUNS, delivery.out, names, delivery.force)
-        place = _place(into, delivery)
-        runs = _run(loaded, into, delivery)
-    studies = _study_parts(runs, planned, settings, delivery.quiet)
-    return deliver(outcome_of(studies, place, _figures(figure, place)), place, delivery)
+        job = _simulate([load_design(name, set_, (), at_c) for name in names], load_nm, part, settings, delivery)
+    studies = _study_parts(job.runs, job.grids, settings, delivery.quiet)
+    figures = _choose_figures(figure, job.destination)
+    return deliver(outcome_of(studies, job.destination, figures), job.destination, delivery)
 
 
-def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | None", delivery: StressDelivery) -> int:
-    """Write designs with the springs that their parts are, under a load [N m]."""
+def _require_consistent(designs: Sequence[str], logs: Sequence[str], changed: bool) -> None:
+    """Raise UsageError unless there are designs or logs; `changed`: whether flags change the designs."""
+    if not designs and not logs:
+        raise UsageError("no design or log is given: name one, e.g. cycloid-mj stress --design pin")
+    if logs and changed:
+        raise UsageError("--set and --load-nm have no effect on logs: remove them, or remove --log")
+    if logs and designs and len(logs) != len(designs):
+        raise UsageError(
+            f"the number of designs ({len(designs)}) and of logs ({len(logs)}) differ: name one design per --log, in "
+            "the same order, or name no design"
+        )
+
+
+def _require_springs(springs: bool, selected: bool) -> None:
+    """Raise UsageError if ``--mounts`` lacks ``--springs``, or flags have selected parts, logs or figures."""
+    if not springs:
+        raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
+    if selected:
+        raise UsageError(
+            "--springs always covers all parts of the designs and cannot be combined with --log, --part, --figure, "
+            "--solid or --angle-deg: remove those flags"
+        )
+
+
+Logged = tuple[Design, "Run", Path]
+"""A design, its run, and the log of the run."""
+Grids = dict[str, "Grid"]
+"""Part -> its finite-element grid."""
+
+
+class _Job(NamedTuple):
+    """Runs whose parts are studied, the grids of the parts of each run, and the destination of the results."""
+
+    runs: list[Logged]
+    grids: list[Grids]
+    destination: Destination
+
+
+def _read_logs(
+    logs: Sequence[str],
+    designs: Sequence[str],
+    parts: Sequence[str],
+    settings: "StudySettings",
+    delivery: StressDelivery,
+) -> _Job:
+    """Read the logs to study, mesh the requested parts, and claim the files of the results."""
+    runs = [_read_log(Path(log), designs[index] if designs else "") for index, log in enumerate(logs)]
+    grids = _plan_cost([design for design, _, _ in runs], parts, settings, delivery.quiet)
+    usual = f"{logs[0].removesuffix('.mcap')}-stress"
+    destination = _claim(claim_folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
+    return _Job(runs, grids, destination)
+
+
+def _simulate(
+    designs: Sequence[Design],
+    load: float | None,
+    parts: Sequence[str],
+    settings: "StudySettings",
+    delivery: StressDelivery,
+) -> _Job:
+    """Mesh the requested parts, claim the files of the results, and simulate one turn of each design under a load.
+
+    `load` is the load torque [N m]; None: that of the design, or its nominal torque.
+    """
+    from cycloid_mj.cli.batch import run_all
+    from cycloid_mj.log import read
+    from cycloid_mj.stress.figures import for_one_turn
+
+    designs = [for_one_turn(design, load) for design in designs]
+    _require_runnable(designs)
+    grids = _plan_cost(designs, parts, settings, delivery.quiet)
+    files = (*(f"{design.name}.mcap" for design in designs), *FILES)
+    directory = logs_folder(RUNS, delivery.out, files, delivery.force)
+    destination = _claim(directory, delivery)
+    logs = {design: directory / f"{design.name}.mcap" for design in designs}
+    run_all(logs, delivery.force, delivery.quiet)
+    return _Job([(design, read(path), path) for design, path in logs.items()], grids, destination)
+
+
+def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | None, delivery: StressDelivery) -> int:
+    """Write each design with the compliance of its parts under a load [N m] as springs; return the exit code.
+
+    `mounts` is the file of `MountsFlag`.
+    """
     from cycloid_mj.design import dump
+    from cycloid_mj.stress.mounts import read_mounts
     from cycloid_mj.stress.springs import part_springs
 
-    designs = [item.design for item in reducers]
-    _require_apart(designs)
+    mounting = None if mounts is None else read_mounts(Path(mounts))
+    _require_runnable(designs)
     names = [f"{design.name}-springs.toml" for design in designs]
-    place = _place(folder(delivery.out or RUNS, "the designs", [*names, *FILES], delivery.force), delivery)
-    sprung = []
+    destination = _claim(claim_folder(delivery.out or RUNS, "the designs", [*names, *FILES], delivery.force), delivery)
+    results = []
     for design in designs:
         if not delivery.quiet:
             tell(
@@ -260,90 +314,87 @@ def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | 
                 "elements at 12 crank angles"
             )
         torque = load if load is not None else design.load.torque or round(design.rated_torque, 9)
-        sprung.append(part_springs(Reducer(design.but(load={"torque": torque})), mounts))
+        results.append(part_springs(Reducer(design.but(load={"torque": torque})), mounting))
     outcome = Outcome(
         title="springs by finite elements",
-        headline={item.design.name: item.text for item in sprung[:MOST_FIGURES]},
-        tables=[item.table() for item in sprung],
-        files={name: dump(item.design).encode() for name, item in zip(names, sprung, strict=True)},
-        result={"designs": [item.as_json() for item in sprung]},
+        headline={item.design.name: item.text for item in results[:MOST_FIGURES]},
+        tables=[item.table() for item in results],
+        files={name: dump(item.design).encode() for name, item in zip(names, results, strict=True)},
+        result={"designs": [item.as_json() for item in results]},
     )
-    return deliver(outcome, place, delivery)
+    return deliver(outcome, destination, delivery)
 
 
-def _figures(asked: Sequence[str], place: Destination) -> tuple[Drawn, ...]:
-    """Return the figures to draw: those requested, or those of the page."""
-    if not asked:
-        return ("map", "turn") if place.page else ()
-    return tuple(name for name in FIGURES if name in asked or "all" in asked)
+def _choose_figures(requested: Sequence[str], destination: Destination) -> tuple[Drawn, ...]:
+    """Return the kinds of figures to draw: those requested, else those of the page if there is one."""
+    if not requested:
+        return ("map", "turn") if destination.page else ()
+    return tuple(name for name in FIGURES if name in requested or "all" in requested)
 
 
-def _place(into: Path, wanted: Delivery) -> Destination:
-    return Destination(STEM, into, claim_page(wanted, STEM, into))
+def _claim(directory: Path, delivery: Delivery) -> Destination:
+    """Claim the page of the study, and return the destination of its files in a folder."""
+    return Destination(STEM, directory, claim_page(delivery, STEM, directory))
 
 
-def _run(designs: Sequence[Design], into: Path, wanted: Delivery) -> "list[Logged]":
-    from cycloid_mj.cli.batch import run_all
-    from cycloid_mj.log import read
-
-    logs = {design: into / f"{design.name}.mcap" for design in designs}
-    run_all(logs, wanted.force, wanted.quiet)
-    return [(design, read(path), path) for design, path in logs.items()]
-
-
-Logged = tuple[Design, "Run", Path]
-Grids = dict[str, "Grid"]
-
-
-def _require_apart(designs: Sequence[Design]) -> None:
-    """Raise UsageError for designs of one name, or one that cannot run."""
-    require_distinct(designs)
+def _require_runnable(designs: Sequence[Design]) -> None:
+    """Raise UsageError if two designs have the same name, or if a design cannot run."""
+    require_distinct_names(designs)
     for design in designs:
-        require_possible(design)
+        require_runnable(design)
 
 
 def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
-    """Mesh the requested parts of every design, and print the time and memory that the study needs."""
+    """Mesh the requested parts of every design, and print the time and memory that their study needs."""
     from cycloid_mj.stress.cost import add_costs, estimate_cost
     from cycloid_mj.stress.study import study_grids
 
-    chosen = _parts_by_design(designs, parts)
-    grids = [study_grids(Reducer(design), names, settings) for design, names in zip(designs, chosen, strict=True)]
-    needed = add_costs(estimate_cost(grid, settings) for each in grids for grid in each.values())
-    unknowns = sum(grid.unknowns for each in grids for grid in each.values())
+    parts_by_design = _parts_by_design(designs, parts)
+    grids = [
+        study_grids(Reducer(design), names, settings) for design, names in zip(designs, parts_by_design, strict=True)
+    ]
+    cost_of_study = add_costs(
+        estimate_cost(grid, settings) for grids_of_design in grids for grid in grids_of_design.values()
+    )
+    unknowns = sum(grid.unknowns for grids_of_design in grids for grid in grids_of_design.values())
     if not quiet:
         tell(
-            f"finite elements: {unknowns:,} unknowns at {settings.angles} crank angles; about {needed.seconds:.0f} s "
-            f"of CPU time and {needed.memory / GIGABYTE:.1f} GB of memory"
+            f"finite elements: {unknowns:,} unknowns at {settings.angles} crank angles; about "
+            f"{cost_of_study.seconds:.0f} s of CPU time and {cost_of_study.memory / GIGABYTE:.1f} GB of memory"
         )
     return grids
 
 
-def _read(logs: Sequence[str], designs: Sequence[str]) -> list[Logged]:
-    """Read the logs of designs."""
+def _read_log(path: Path, design: str) -> Logged:
+    """Read the log of a run, and warn of its warnings.
+
+    Raises
+    ------
+    UsageError
+        The run is not that of `design`, a name or a file; empty accepts any run.
+    """
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.log import read
     from cycloid_mj.stress.turn import require_same
 
-    logged: list[Logged] = []
-    for number, name in enumerate(logs):
-        run = read(Path(name))
-        ran = design_of(run)
-        warn(ran.name, run.warnings)
-        if designs:
-            require_same(Reducer(load_design(designs[number], (), ())), Reducer(ran))
-        logged.append((ran, run, Path(name)))
-    return logged
+    run = read(path)
+    logged = design_of(run)
+    warn(logged.name, run.warnings)
+    if design:
+        require_same(Reducer(load_design(design, (), ())), Reducer(logged))
+    return logged, run, path
 
 
 def _study_parts(
-    runs: Sequence[Logged], planned: Sequence[Grids], settings: "StudySettings", quiet: bool
+    runs: Sequence[Logged], grids_by_run: Sequence[Grids], settings: "StudySettings", quiet: bool
 ) -> "list[StressStudy]":
-    """Compute the stress of the requested parts of every design, with progress."""
+    """Compute the stress of the meshed parts of every run by finite elements, with progress on stderr."""
     from cycloid_mj.stress.cost import estimate_cost
     from cycloid_mj.stress.study import stress_study
 
-    watch = _Watch([estimate_cost(grid, settings).seconds for grids in planned for grid in grids.values()], quiet)
+    reporter = _TimeReporter(
+        [estimate_cost(grid, settings).seconds for grids in grids_by_run for grid in grids.values()], quiet
+    )
     return [
         stress_study(
             run,
@@ -351,11 +402,11 @@ def _study_parts(
             tuple(grids),
             settings,
             str(path),
-            partial(watch.begins, design.name),
+            partial(reporter.report_part, design.name),
             grids,
             stress_references(Reducer(design)),
         )
-        for (design, run, path), grids in zip(runs, planned, strict=True)
+        for (design, run, path), grids in zip(runs, grids_by_run, strict=True)
         if grids
     ]
 
@@ -370,19 +421,23 @@ def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[li
     return [[part for part in part_names(Reducer(design)) if part in parts or not parts] for design in designs]
 
 
-class _Watch:
+class _TimeReporter:
     """Progress over parts, with the time left from the estimated cost of each part [s]."""
 
     def __init__(self, costs: Sequence[float], quiet: bool) -> None:
         self._costs = costs
         self._quiet = quiet
-        self._begun = 0
+        self._started = 0
         self._start = monotonic()
 
-    def begins(self, design: str, part: str, number: int, of: int) -> None:
-        done = sum(self._costs[: self._begun])
-        left = (monotonic() - self._start) * (sum(self._costs) / done - 1.0) if done else None
-        self._begun += 1
+    def report_part(self, design: str, part: str, index: int, total: int) -> None:
+        """Print that the study of a part begins, with the estimated time left.
+
+        `index` counts the parts of the design from 0, `total` is their number.
+        """
+        seconds_done = sum(self._costs[: self._started])
+        seconds_left = (monotonic() - self._start) * (sum(self._costs) / seconds_done - 1.0) if seconds_done else None
+        self._started += 1
         if not self._quiet:
-            estimate = "" if left is None else f", about {left:.0f} s left"
-            tell(f"{design}: {part} ({number + 1} of {of} parts){estimate}")
+            estimate = "" if seconds_left is None else f", about {seconds_left:.0f} s left"
+            tell(f"{design}: {part} ({index + 1} of {total} parts){estimate}")

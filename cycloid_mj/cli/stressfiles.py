@@ -29,17 +29,20 @@ COLUMNS = (
 """Columns of the CSV file."""
 
 
-def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
-    """Build the outcome of stress studies, with the requested figures."""
+def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
+    """Convert stress studies to an `Outcome`: tables, warnings, VTU files, verdicts of papers, and figures.
+
+    `figures` are the kinds of figures to draw.
+    """
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import values_json
     from cycloid_mj.stress.figures import study_quantities
     from cycloid_mj.stress.findings import MAX_CHANGE
 
     findings = [study.findings for study in studies]
-    judged = stress_claims(studies)
-    pictures, maps = _pictures(studies, figures), _maps(studies)
-    drawn = [f"{name}.{form}" for name in pictures for form in Outcome.formats]
+    verdicts = stress_claims(studies)
+    pictures, maps = _draw_figures(studies, figures), _maps(studies)
+    picture_files = [f"{name}.{form}" for name in pictures for form in Outcome.formats]
     return Outcome(
         title="largest von Mises stress of a crank turn",
         condition=", ".join(f"{item.design} under {item.load:g} N m" for item in findings),
@@ -69,8 +72,8 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
             for part in item.parts
             if not part.refinement.is_converged
         ],
-        tables=[*_tables(findings), *_claim_tables(judged)],
-        notes=[*_notes(findings), *_claim_notes(judged, any(item.references for item in findings))],
+        tables=[*_tables(findings), *_claim_tables(verdicts)],
+        notes=[*_notes(findings), *_claim_notes(verdicts, any(item.references for item in findings))],
         summary=["logs: " + " ".join(str(item.log) for item in findings)],
         frame=make_frame(list(_rows(findings)), COLUMNS, {}),
         pictures=pictures,
@@ -78,31 +81,35 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
         result=with_warnings(
             {
                 "designs": [item.as_json() | {"figures": values_json(study_quantities(item))} for item in findings],
-                "paper": [_as_json(claim) for claims in judged.values() for claim in claims],
-                "files": place.paths([*drawn, *maps]),
+                "paper": [_claim_json(claim) for claims in verdicts.values() for claim in claims],
+                "files": destination.paths([*picture_files, *maps]),
             }
         ),
     )
 
 
-def _pictures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
-    """Build the figures of some kinds, by their names."""
+def _draw_figures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
+    """Return functions that encode the figures of the requested kinds, by name."""
     if not figures:
         return {}
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.stress import grid_figure, map_figure, maxima_figures, refinement_figure
 
     findings = [study.findings for study in studies]
-    built = maxima_figures(findings) if "turn" in figures else {}
+    figures_by_name = maxima_figures(findings) if "turn" in figures else {}
     if "refinement" in figures:
-        built["stress_refinement"] = refinement_figure(findings)
+        figures_by_name["stress_refinement"] = refinement_figure(findings)
     for study in studies:
         name, condition = study.design.name, f"{study.design.name}, {study.findings.load:g} N m"
         if "grid" in figures:
-            built[f"fig10_grid_{name}"] = grid_figure({item.findings.part: item.grid for item in study.parts}, name)
+            figures_by_name[f"fig10_grid_{name}"] = grid_figure(
+                {item.findings.part: item.grid for item in study.parts}, name
+            )
         if "map" in figures:
-            built[f"fig11_map_{name}"] = map_figure({item.findings.part: item.map for item in study.parts}, condition)
-    return {name: partial(encode_figure, figure) for name, figure in built.items()}
+            figures_by_name[f"fig11_map_{name}"] = map_figure(
+                {item.findings.part: item.map for item in study.parts}, condition
+            )
+    return {name: partial(encode_figure, figure) for name, figure in figures_by_name.items()}
 
 
 def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:
@@ -123,7 +130,7 @@ def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
 
 
 def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | str]]":
-    """Yield a row of `COLUMNS` for each part."""
+    """Yield a row of the CSV file for each part of each study: the keys of `COLUMNS` and their values."""
     for item in findings:
         for part in item.parts:
             content = part.as_json()
@@ -140,7 +147,7 @@ def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | s
 
 
 def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
-    """Yield two tables for each design: stress away from contacts, and below them."""
+    """Yield two tables for each design: the stress of its parts away from contacts, and below contacts."""
     from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
 
     for item in findings:
@@ -150,7 +157,7 @@ def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
 
 
 def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
-    """Return the notes below the tables of a stress study."""
+    """Yield notes on the tables of a stress study: definitions, remarks on parts, force balance and assumptions."""
     from cycloid_mj.stress.findings import ASSUMPTIONS
     from cycloid_mj.stress.table import part_notes
 
@@ -165,23 +172,23 @@ def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
     yield from (f"assumed: {text}" for text in ASSUMPTIONS)
 
 
-def _claim_tables(judged: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
-    for source, claims in judged.items():
+def _claim_tables(verdicts: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
+    for source, claims in verdicts.items():
         if claims:
             rows = tuple((item.figure, item.claim, item.ours.text, str(item.verdict)) for item in claims)
             yield Table(f"compared with the paper ({source})", CLAIM_HEADER, rows)
 
 
-def _claim_notes(judged: "Mapping[str, Sequence[Claim]]", referred: bool) -> Iterator[str]:
+def _claim_notes(verdicts: "Mapping[str, Sequence[Claim]]", referred: bool) -> Iterator[str]:
     """Yield what decides the claims of a paper, or why they are not evaluated for these designs."""
-    for source, claims in judged.items():
+    for source, claims in verdicts.items():
         if not claims and referred:
             yield f"not compared with the paper ({source}): its stresses are without load; use --load-nm 0"
         yield from (f"{claim.figure}, {claim.claim}: {claim.decided_by}" for claim in claims)
 
 
-def _as_json(claim: "Claim") -> dict[str, str]:
-    """Convert a claim to JSON values, which has its numbers from the parts."""
+def _claim_json(claim: "Claim") -> dict[str, str]:
+    """Convert a claim of a paper and its verdict to JSON values."""
     return {
         "figure": claim.figure,
         "statement": claim.claim,

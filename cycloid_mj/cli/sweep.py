@@ -142,32 +142,35 @@ def sweep(
     from cycloid_mj.explore.ranks import select_quantities
     from cycloid_mj.explore.sweeps import define_task, sweep_in_folder
 
-    wanted = _points(vary, table, sample, points, seed)
+    wanted = _choose_points(vary, table, sample, points, seed)
     engine = delivery.engine()
     task = define_task(Reducer(chosen.resolve()), wanted, measure, quick, real_pins, follow, solver)
     resumed = has_study(Path(delivery.out or OUT), SWEEP)
-    place = claim_destination(delivery, STEM, FILES, OUT, paged=True, resumed=resumed)
-    into = place.folder or Path(OUT)
+    destination = claim_destination(delivery, STEM, FILES, OUT, with_page=True, resumed=resumed)
+    directory = destination.folder or Path(OUT)
     if delivery.force:
-        remove_study(into, SWEEP)
+        remove_study(directory, SWEEP)
     try:
-        swept = sweep_in_folder(task, wanted, into, engine, count_progress("sweep", delivery.quiet))
+        swept = sweep_in_folder(task, wanted, directory, engine, count_progress("sweep", delivery.quiet))
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {signal_name(stop)}; the points evaluated so far are in {into}. Run the same command again to "
+            f"stopped by {signal_name(stop)}; the points evaluated so far are in {directory}. Run the same command "
+            "again to "
             "resume"
         ) from stop
     quantities = select_quantities(swept, tuple(name for name in show_.split(",") if name))
-    code = deliver(_outcome(swept, quantities, place), place, delivery)
+    code = deliver(_outcome(swept, quantities, destination), destination, delivery)
     for error, count in list(swept.errors.items())[:MOST_ERRORS]:
         tell(f"{count} of {len(swept.points)} points failed: {error}")
     if (more := len(swept.errors) - MOST_ERRORS) > 0:
-        tell(f"{more} more kinds of errors: see the column error of the files in {into}")
+        tell(f"{more} more kinds of errors: see the column error of the files in {directory}")
     return code
 
 
-def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int) -> "Points":
-    """Return the points that the flags specify."""
+def _choose_points(
+    vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int
+) -> "Points":
+    """Return the points of the flags: a table, or a grid or sample of varied keys; raises as `choose_points`."""
     from cycloid_mj.explore.points import read_table
     from cycloid_mj.explore.sweeps import choose_points
 
@@ -185,36 +188,36 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
     return choose_points(ranges, None if table is None else [], sample, drawn, seed)  # type: ignore[arg-type]  # cyclopts checks
 
 
-def _outcome(swept: "Sweep", quantities: tuple[str, ...], place: Destination) -> Outcome:
-    """Build the outcome of a sweep."""
-    from cycloid_mj.explore.ranks import tables
+def _outcome(sweep: "Sweep", quantities: tuple[str, ...], destination: Destination) -> Outcome:
+    """Convert a sweep to an `Outcome`: tables of `quantities`, figure, errors and page."""
+    from cycloid_mj.explore.ranks import tabulate_quantities
     from cycloid_mj.explore.sweeps import PARQUET, TABLE
     from cycloid_mj.plots.explored import sweep_figure
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.report.sweep import sweep_page
 
-    into = place.folder or Path(OUT)
-    table, parquet = into / TABLE, into / PARQUET
-    draw = cache(partial(encode_figure, sweep_figure(swept, quantities)))
+    directory = destination.folder or Path(OUT)
+    table, parquet = directory / TABLE, directory / PARQUET
+    draw = cache(partial(encode_figure, sweep_figure(sweep, quantities)))
     without = "sweep.parquet was not written: it requires DuckDB, pip install 'cycloid-mj[parquet]'"
     return Outcome(
-        title=f"sweep of {swept.task.reducer.design.name}",
-        headline={"points": str(len(swept.points)), "failed": str(swept.failed), "rows": str(table)},
+        title=f"sweep of {sweep.task.reducer.design.name}",
+        headline={"points": str(len(sweep.points)), "failed": str(sweep.failed), "rows": str(table)},
         warnings=[] if parquet.exists() else [without],
-        summary=[f"{len(swept.points)} points, {swept.failed} failed"],
-        tables=tables(swept, quantities),
-        notes=[f"assumed: {sentence}" for sentence in swept.assumptions],
+        summary=[f"{len(sweep.points)} points, {sweep.failed} failed"],
+        tables=tabulate_quantities(sweep, quantities),
+        notes=[f"assumed: {sentence}" for sentence in sweep.assumptions],
         pictures={STEM: draw},
         result={
-            "points": len(swept.points),
-            "failed": swept.failed,
+            "points": len(sweep.points),
+            "failed": sweep.failed,
             "table": str(table),
             "parquet": str(parquet) if parquet.exists() else None,
-            "page": str(place.page),
-            "quantities": {name: swept.frame.units.get(name, "1") for name in swept.quantities},
-            "assumptions": list(swept.assumptions),
+            "page": str(destination.page),
+            "quantities": {name: sweep.frame.units.get(name, "1") for name in sweep.quantities},
+            "assumptions": list(sweep.assumptions),
         },
         filed=False,
-        page=lambda: sweep_page(swept, quantities, draw("svg")),
-        code=1 if swept.failed == len(swept.points) else 0,
+        page=lambda: sweep_page(sweep, quantities, draw("svg")),
+        code=1 if sweep.failed == len(sweep.points) else 0,
     )

@@ -33,8 +33,8 @@ def say_json(value: Any) -> None:
 
 def json_text(value: Any) -> str:
     """Format a JSON object as text, warnings included."""
-    noted = with_warnings(value) if isinstance(value, dict) else value
-    return json.dumps(finite(noted), indent=2, allow_nan=False)
+    content = with_warnings(value) if isinstance(value, dict) else value
+    return json.dumps(finite(content), indent=2, allow_nan=False)
 
 
 def tell(text: str) -> None:
@@ -72,7 +72,10 @@ def say_groups(
     groups: Sequence[tuple[str, Sequence[Sequence[str]]]],
     words: Container[int] = (),
 ) -> None:
-    """Print a table with grouped rows, each group under its name; a group without a name has no heading."""
+    """Print a table with grouped rows on stdout, each group under its name; a group without a name has no heading.
+
+    `words` are the indices of columns that are set flush left.
+    """
     from rich.console import Console
     from rich.table import Table
 
@@ -113,26 +116,26 @@ def finite(value: Any) -> Any:
 
 
 @contextmanager
-def warnings_kept(show: Callable[[str], None] | None) -> Iterator[None]:
-    """Collect warnings issued inside this ``with`` block in any thread, and show each once with `show`.
+def collect_warnings(show: Callable[[str], None] | None) -> Iterator[None]:
+    """Collect the package's warnings of all threads while the context is open, and pass each once to `show`.
 
-    Python's own way with warnings of other kinds stays as it is.
+    Other Python warnings are shown as usual.
     """
-    seen: dict[str, None] = {}
+    issued: dict[str, None] = {}
     with warnings.catch_warnings():
         warnings.simplefilter("always", CycloidWarning)
-        others = warnings.showwarning
+        show_other_warning = warnings.showwarning
 
-        def keep(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+        def collect(message: Warning | str, category: type[Warning], *location: Any, **options: Any) -> None:
             if not issubclass(category, CycloidWarning):
-                others(message, category, *place, **more)
-            elif (text := str(message)) not in seen:
-                seen[text] = None
+                show_other_warning(message, category, *location, **options)
+            elif (text := str(message)) not in issued:
+                issued[text] = None
                 if show:
                     show(f"warning: {text}")
 
-        warnings.showwarning = keep
-        token = _seen.set(seen)
+        warnings.showwarning = collect
+        token = _seen.set(issued)
         try:
             yield
         finally:
@@ -141,13 +144,13 @@ def warnings_kept(show: Callable[[str], None] | None) -> Iterator[None]:
 
 def with_warnings(content: dict[str, Any]) -> dict[str, Any]:
     """Return the JSON object of a command with the collected warnings, unless it has the key ``warnings``."""
-    seen = _seen.get(None)
-    return content if seen is None or "warnings" in content else content | {"warnings": list(seen)}
+    issued = _seen.get(None)
+    return content if issued is None or "warnings" in content else content | {"warnings": list(issued)}
 
 
 @contextmanager
 def log_to_stderr(quiet: bool) -> Iterator[None]:
-    """Write every message of level info and above as a line on stderr inside this block, or none if it is `quiet`."""
+    """Write log messages of level info and above to stderr while the context is open; none if `quiet`."""
     log, handler = logging.getLogger("cycloid_mj"), _Teller()
     level = log.level
     if not quiet:

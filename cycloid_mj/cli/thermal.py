@@ -40,12 +40,12 @@ def thermal(
 
     design = chosen.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
-    place = claim_destination(delivery, f"{design.name}-thermal")
-    return deliver(_outcome(compute(design, cycle), place), place, delivery)
+    destination = claim_destination(delivery, f"{design.name}-thermal")
+    return deliver(_outcome(compute(design, cycle), destination), destination, delivery)
 
 
-def _outcome(state: "ThermalState", place: Destination) -> Outcome:
-    """Build the outcome of a thermal state."""
+def _outcome(state: "ThermalState", destination: Destination) -> Outcome:
+    """Convert a thermal state to an `Outcome`: temperatures, limits, losses and warm-up curves."""
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.plots.measure import curves_figure
     from cycloid_mj.plots.save import encode_figure
@@ -69,7 +69,9 @@ def _outcome(state: "ThermalState", place: Destination) -> Outcome:
         failures=failures,
         tables=[quantity_table("Figures", list(state.quantities.values())), *state.tables()],
         notes=[f"assumed: {sentence}" for sentence in state.assumptions],
-        pictures={name: partial(encode_figure, curves_figure(state.curves))} if place.folder or place.page else {},
+        pictures={name: partial(encode_figure, curves_figure(state.curves))}
+        if destination.folder or destination.page
+        else {},
         frame=state.frame,
         result=state.as_json(),
     )

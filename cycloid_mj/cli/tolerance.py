@@ -9,13 +9,13 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.cli.delivery import claim_destination, deliver, write
+from cycloid_mj.cli.delivery import Destination, claim_destination, deliver, write
 from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, StudySolverFlag, out_flag, whole
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
-    from cycloid_mj.explore.tolerances import Tolerances
+    from cycloid_mj.explore.tolerances import StudyInterrupted, Tolerances
 
 OUT = "runs/tolerance"
 CAPTIONS = {
@@ -98,35 +98,35 @@ def tolerance(
     writes the samples balanced so far, which are those of a smaller --samples.
     """
     from cycloid_mj.cli.progress import count_progress
-    from cycloid_mj.explore.constraints import parse_limit as read
+    from cycloid_mj.explore.constraints import parse_limit
     from cycloid_mj.explore.tolerances import StudyInterrupted, TooManyJams
     from cycloid_mj.explore.tolerances import tolerance as run_study
 
     _require_in_range(samples, seed)
     engine = delivery.engine("threads")
     design = chosen.resolve_checked()
-    limits = [read(text, reducer_of(design)) for text in limit]
-    name = design.name
-    files = [f"{name}-worst-1.toml", f"{name}-samples.csv"]
-    place = claim_destination(delivery, f"{name}-tolerance", files, OUT, paged=True)
+    limits = [parse_limit(text, reducer_of(design)) for text in limit]
+    files = [f"{design.name}-worst-1.toml", f"{design.name}-samples.csv"]
+    destination = claim_destination(delivery, f"{design.name}-tolerance", files, OUT, with_page=True)
+    progress = count_progress("tolerance", delivery.quiet)
     try:
-        tolerances = run_study(
-            design, samples, seed, limits, count_progress("tolerance", delivery.quiet), engine, verify, solver
-        )
+        tolerances = run_study(design, samples, seed, limits, progress, engine, verify, solver)
     except StudyInterrupted as stop:
-        deliver(_outcome(stop.tolerances), place, delivery)
-        raise RunError(
-            f"stopped by {signal_name(stop)}; the results of the {stop.tolerances.samples_text} so far are in "
-            f"{place.folder}. Run the command again for all samples"
-        ) from stop
+        raise _deliver_part(stop, destination, delivery) from stop
     except TooManyJams as jam:
-        outcome = _outcome(jam.tolerances)
-        if delivery.json:
-            deliver(outcome, place, delivery)
-        else:  # the error says it all: a table of a yield of 0 % would say it again
-            write(outcome, place, delivery)
-        raise RunError(f"{jam}; these samples are in {place.folder}") from jam
-    return deliver(_outcome(tolerances), place, delivery)
+        # without --json the error is enough: a table of a yield of 0 % repeats it
+        (deliver if delivery.json else write)(_outcome(jam.tolerances), destination, delivery)
+        raise RunError(f"{jam}; these samples are in {destination.folder}") from jam
+    return deliver(_outcome(tolerances), destination, delivery)
+
+
+def _deliver_part(stop: "StudyInterrupted", destination: Destination, delivery: ToleranceDelivery) -> RunError:
+    """Print and write the samples of an interrupted study, and return the error that says where they are."""
+    deliver(_outcome(stop.tolerances), destination, delivery)
+    return RunError(
+        f"stopped by {signal_name(stop)}; the results of the {stop.tolerances.samples_text} so far are in "
+        f"{destination.folder}. Run the command again for all samples"
+    )
 
 
 def _require_in_range(samples: int, seed: int) -> None:
@@ -139,7 +139,7 @@ def _require_in_range(samples: int, seed: int) -> None:
 
 
 def _outcome(tolerances: "Tolerances") -> Outcome:
-    """Build the outcome of a tolerance study."""
+    """Convert a tolerance study to an `Outcome`: yield, tables, figures, and files of samples and worst designs."""
     from cycloid_mj.base.frame import csv_text
     from cycloid_mj.design import dump
     from cycloid_mj.plots.save import encode_figure
@@ -164,7 +164,7 @@ def _outcome(tolerances: "Tolerances") -> Outcome:
         formats=(),
         captions=CAPTIONS,
         files={
-            **{f"{name}-worst-{place}.toml": dump(item).encode() for place, item in enumerate(tolerances.worst, 1)},
+            **{f"{name}-worst-{rank}.toml": dump(item).encode() for rank, item in enumerate(tolerances.worst, 1)},
             f"{name}-samples.csv": csv_text(tolerances.frame.columns, "nan").encode(),
         },
         result=tolerances.as_json(),

@@ -43,14 +43,14 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotat
     from cycloid_mj.validate.suite import WORKERS, select_parts
 
     parts = select_parts(only, witnesses.PARTS)
-    place = claim_destination(delivery, STEM)
+    destination = claim_destination(delivery, STEM)
     start = monotonic()
-    rows = _run(parts, quick, delivery.workers or WORKERS)
-    return deliver(_outcome(rows, quick, monotonic() - start), place, delivery)
+    rows = _run_parts(parts, quick, delivery.workers or WORKERS)
+    return deliver(_outcome(rows, quick, monotonic() - start), destination, delivery)
 
 
-def _run(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "list[ValidationRow]":
-    """Run the parts with progress on stderr; return all rows."""
+def _run_parts(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "list[ValidationRow]":
+    """Run the parts of a validation in `workers` processes with progress on stderr; return all rows."""
     from cycloid_mj.validate.suite import run_parts, sort_rows
 
     start, total = monotonic(), sum(part.cost[not quick] for part in parts)
@@ -58,16 +58,16 @@ def _run(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "lis
     for index, rows in run_parts(parts, quick, workers):
         finished.append((index, rows))
         done += parts[index].cost[not quick]
-        left = seconds_left(start, done / total)
+        remaining = seconds_left(start, done / total)
         note(
             f"{len(finished)} of {len(parts)} parts of the validation finished, last: {parts[index].rung}; about "
-            f"{left:.0f} s left"
+            f"{remaining:.0f} s left"
         )
     return sort_rows(finished)
 
 
 def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
-    """Build the outcome of a validation."""
+    """Convert the rows of a validation to an `Outcome`: failed rows first; `wall` is its duration [s]."""
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.base.validation import RowOutcome
     from cycloid_mj.validate.suite import STEP_NAMES
@@ -75,7 +75,7 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     numbers = {name: number for number, name in enumerate(STEP_NAMES, start=1)}
     steps = dict.fromkeys(row.rung for row in rows)
     counts = {each: sum(row.verdict == each for row in rows) for each in RowOutcome}
-    failed = [_line(numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
+    failed = [_format_row(numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
     table = [row.as_json() for row in rows]
     return Outcome(
         title="validation: " + ", ".join(f"{numbers[name]} {name}" for name in steps),
@@ -84,7 +84,7 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
             for name, ours, reference, source, off, *_ in failed
         ],
         summary=[f"{', '.join(f'{count} {each}' for each, count in counts.items())}; {wall:.0f} s"],
-        tables=[Table("every row", HEADER, tuple(_line(numbers[row.rung], row) for row in rows))],
+        tables=[Table("every row", HEADER, tuple(_format_row(numbers[row.rung], row) for row in rows))],
         notes=[
             f"{numbers[row.rung]} {row.measured.name} ({row.measured.source}): {row.measured.note}"
             for row in rows
@@ -96,8 +96,8 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     )
 
 
-def _line(number: int, row: "ValidationRow") -> tuple[str, ...]:
-    """Format a row as text; the bound is in the error's unit."""
+def _format_row(number: int, row: "ValidationRow") -> tuple[str, ...]:
+    """Format a row of a validation as cells of text; the bound is in the unit of the error."""
     quantity = row.measured
     return (
         f"{number} {quantity.name}",

@@ -22,14 +22,14 @@ from cycloid_mj.cli.page import commands
 def describe_error(error: CycloptsError) -> str:
     """Return one line that names the flag, its value and the allowed values."""
     command = " ".join(("cycloid-mj", *(error.command_chain or ())))
-    what = " ".join(_describe(error).split()).rstrip(".")
-    return f"{what}{' S' if what.endswith('?') else '; s'}ee {command} --help"
+    message = " ".join(_describe(error).split()).rstrip(".")
+    return f"{message}{' S' if message.endswith('?') else '; s'}ee {command} --help"
 
 
-def with_known_case(error: CoercionError, words: Sequence[str]) -> list[str] | None:
-    """Return a command line whose wrong word is replaced by the choice that differs in case only.
+def correct_case(error: CoercionError, words: Sequence[str]) -> list[str] | None:
+    """Correct a word of a command line that differs from a flag's allowed value in capital letters only.
 
-    None where the flag has no fixed choices, or none of them is that word.
+    Return the corrected words, or None if the flag has no fixed values or none of them matches.
     """
     if error.token is None or error.argument is None:
         return None
@@ -54,19 +54,19 @@ def _choices(hint: Any) -> tuple[str, ...]:
 
 
 def _describe(error: CycloptsError) -> str:
-    """Describe an error of cyclopts by its type."""
+    """Return a message on an error of cyclopts, without its markup."""
     argument = error.argument
     if isinstance(error, UnknownCommandError) and error.app is not None:
         return _unknown_command((error.unused_tokens or [""])[0], error.app)
     if isinstance(error, MissingArgumentError) and argument is not None:
-        place = "" if argument.index is None or not argument.name.startswith("-") else argument.name[2:].upper()
-        return _missing(argument.name, error.unused_tokens or [], place)
+        position = "" if argument.index is None or not argument.name.startswith("-") else argument.name[2:].upper()
+        return _describe_missing(argument.name, error.unused_tokens or [], position)
     if isinstance(error, UnknownOptionError):
         word = error.token.keyword or error.token.value
-        known = [name for each in error.argument_collection for name in each.names if name.startswith("--")]
+        flags = [name for each in error.argument_collection for name in each.names if name.startswith("--")]
         # without the dashes, which all of them share
-        near = get_close_matches(word.lstrip("-"), [name[2:] for name in known], n=1)
-        return _unknown_option(word, [f"--{name}" for name in near])
+        nearest = get_close_matches(word.lstrip("-"), [name[2:] for name in flags], n=1)
+        return _unknown_option(word, [f"--{name}" for name in nearest])
     if isinstance(error, UnusedCliTokensError):
         return f"unexpected argument {(error.unused_tokens or [''])[0]!r}"
     if isinstance(error, ValidationError) and argument is not None:
@@ -77,8 +77,8 @@ def _describe(error: CycloptsError) -> str:
     return str(error)
 
 
-def _within_groups(word: str) -> list[str]:
-    """List the commands of that name within groups of commands, `design check` for `check`."""
+def _find_in_groups(word: str) -> list[str]:
+    """Return the full names of commands called `word` within groups: `design check` for `check`."""
     matches = []
     for name, command in ((name, command) for group in GROUPS.values() for name, command in group.items()):
         if command.function.endswith(":commands"):
@@ -88,25 +88,25 @@ def _within_groups(word: str) -> list[str]:
     return matches
 
 
-def _missing(flag: str, unused: Sequence[str], place: str) -> str:
+def _describe_missing(flag: str, unused: Sequence[str], position: str) -> str:
     """Return a message on a missing value, or on the misspelt flag that may be its cause."""
     misspelt = get_close_matches(flag, [word.split("=")[0] for word in unused if word.startswith("--")], n=1)
     if misspelt and misspelt[0] != flag:
         return _unknown_option(misspelt[0], [flag])
-    return f"{place} or {flag} needs a value" if place else f"{flag} needs a value"
+    return f"{position} or {flag} needs a value" if position else f"{flag} needs a value"
 
 
-def _unknown_option(word: str, meant: Sequence[str]) -> str:
-    return f"unknown option {word}; did you mean {meant[0]}?" if meant else f"unknown option {word}"
+def _unknown_option(word: str, suggestions: Sequence[str]) -> str:
+    return f"unknown option {word}; did you mean {suggestions[0]}?" if suggestions else f"unknown option {word}"
 
 
 def _unknown_command(word: str, app: App) -> str:
-    """Return a message on an unknown command, with the nearest commands or all commands."""
-    known = commands(app)
+    """Return a message on an unknown command, with similar commands or, if there are none, all commands."""
+    names = commands(app)
     if word.startswith("-"):
         return f"unknown option {word}; options come after a command"
-    begun = [name for name in known if name.startswith(word)] or _within_groups(word)
-    meant = begun or get_close_matches(word, known, n=1)
-    if meant:
-        return f"unknown command {word!r}; did you mean {' or '.join(meant)}?"
-    return f"unknown command {word!r}; the commands are {', '.join(known)}"
+    candidates = [name for name in names if name.startswith(word)] or _find_in_groups(word)
+    suggestions = candidates or get_close_matches(word, names, n=1)
+    if suggestions:
+        return f"unknown command {word!r}; did you mean {' or '.join(suggestions)}?"
+    return f"unknown command {word!r}; the commands are {', '.join(names)}"

@@ -34,11 +34,14 @@ def catalogue_figures(designs: Sequence[Design]) -> dict[str, dict[str, Quantity
 
 
 def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
-    """Tabulate the figures of `HEADLINE`: a column for each design, their ratios to the first, and the unit."""
+    """Tabulate the figures of `HEADLINE`: a column for each design, the ratios to the first design, and the unit.
+
+    `by_design` has the figures of each design by its name and their keys.
+    """
     first = next(iter(by_design.values()))
     rows: list[tuple[str | float, ...]] = []
     for key in HEADLINE:
-        values = [of[key].value for of in by_design.values()]
+        values = [figures[key].value for figures in by_design.values()]
         rows.append((key, *values, *ratios(values), first[key].unit))
     header = ("figure", *by_design, *ratio_columns(tuple(by_design)), "unit")
     return Table("by geometry and statics: see `cycloid-mj figures`", header, tuple(rows))
@@ -46,29 +49,29 @@ def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
 
 def ratio_columns(designs: Sequence[str]) -> tuple[str, ...]:
     """List the headings of the ratios to the first design: "ratio" for two designs, else "second / first"."""
-    first, *others = designs
-    return ("ratio",) if len(others) == 1 else tuple(f"{other} / {first}" for other in others)
+    first, *further = designs
+    return ("ratio",) if len(further) == 1 else tuple(f"{name} / {first}" for name in further)
 
 
 def ratios(values: Sequence[float]) -> list[str]:
     """Return the ratio of each further value to the first; "-" if it is undefined."""
-    first, *others = values
-    return [_number(other / first if first else math.nan) for other in others]
+    first, *further = values
+    return [_number(value / first if first else math.nan) for value in further]
 
 
 def outcome_of(
-    comparison: "Comparison", judged: RunsJudged, pictures: Mapping[str, Picture], place: Destination
+    comparison: "Comparison", verdicts: RunsJudged, pictures: Mapping[str, Picture], destination: Destination
 ) -> Outcome:
-    """Build the outcome of a comparison, including the verdicts of a paper; warn about doubtful runs.
+    """Convert a comparison to an `Outcome` with the verdicts of a paper; warn about doubtful runs.
 
-    The pictures go to a place.
+    `pictures` are functions that encode the figures, by name.
     """
     from cycloid_mj.comparison.table import figure_frame
     from cycloid_mj.figures import values_json
     from cycloid_mj.plots.comparison import comparison_captions
 
     for trial in comparison.trials:
-        warn(trial.name, tuple(dict.fromkeys(each for start in trial.starts for each in start.findings.warnings)))
+        warn(trial.name, tuple(dict.fromkeys(warning for start in trial.starts for warning in start.findings.warnings)))
     loaded = comparison.at(comparison.loads[-1])
     by_statics = catalogue_figures([trial.design for trial in loaded])
     exceeded = overloads(trial.design for trial in loaded)
@@ -80,9 +83,9 @@ def outcome_of(
         headline_columns=(*by_statics, *ratio_columns(tuple(by_statics)), "unit"),
         tables=[*comparison.tables, catalogue_table(by_statics)],
         warnings=[f"{name}: {words}" for name, words in exceeded.items()],
-        notes=[_differences(comparison), *judged.notes],
+        notes=[_differences(comparison), *verdicts.notes],
         summary=[
-            *judged.summary,
+            *verdicts.summary,
             "logs: " + " ".join(str(trial.measures.findings.log) for trial in comparison.trials),
         ],
         pictures=pictures,
@@ -90,11 +93,11 @@ def outcome_of(
         formats=FORMATS,
         frame=figure_frame(comparison.trials),
         result=comparison.as_json()
-        | dict(judged.content)
+        | dict(verdicts.content)
         | {
             "by_statics": statics,
             "exceeded": exceeded,
-            "figures": place.paths(f"{name}.{form}" for name in pictures for form in FORMATS),
+            "figures": destination.paths(f"{name}.{form}" for name in pictures for form in FORMATS),
         },
     )
 
@@ -108,7 +111,7 @@ def overload_words(load: float, capacity: float) -> str:
 
 
 def overloads(designs: Iterable[Design]) -> dict[str, str]:
-    """Describe the designs whose load is beyond their capacity, by their names."""
+    """Return a sentence for each design whose load is beyond its capacity, by the name of the design."""
     capacities = {design: capacity_of(design) for design in designs}
     return {
         design.name: overload_words(abs(design.load.torque), capacity)
@@ -118,7 +121,7 @@ def overloads(designs: Iterable[Design]) -> dict[str, str]:
 
 
 def capacity_of(case: Design) -> float:
-    """Compute the torque at which a contact of a design first yields [N m]; NaN where statics do not find it."""
+    """Compute the torque at which a contact of a design first yields [N m]; NaN without load or static equilibrium."""
     from cycloid_mj.figures import figure
 
     if not case.load.torque:
@@ -134,11 +137,17 @@ def capacity_of(case: Design) -> float:
 def _headline(
     trials: "Sequence[Trial]", by_statics: Mapping[str, Mapping[str, Quantity]]
 ) -> dict[str, tuple[str, ...]]:
-    """Collect a few figures of statics and of the runs under one load: values by design, ratios to the first, unit."""
+    """Return figures of statics and of the runs under one load: name -> values by design, ratios to the first, unit.
+
+    `by_statics` has the figures of statics by design and key.
+    """
     from cycloid_mj.comparison.table import HEADLINE as OF_RUNS
 
     first = next(iter(by_statics.values()))
-    rows = [(first[key].name, [of[key].value for of in by_statics.values()], first[key].unit) for key in HEADLINE[:6]]
+    rows = [
+        (first[key].name, [figures[key].value for figures in by_statics.values()], first[key].unit)
+        for key in HEADLINE[:6]
+    ]
     for figure in OF_RUNS:
         spreads = [trial.over_starts(figure.of) for trial in trials]
         values = [math.nan if spread is None else spread.mean for spread in spreads]

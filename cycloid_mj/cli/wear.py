@@ -30,9 +30,6 @@ EXAMPLES = """Examples:
   cycloid-mj wear my.toml --hours 6000 --growth-percent 30 --json
   cycloid-mj wear my.toml --hours 1000 --duty duty.csv --out worn --html"""
 
-PERCENT = 100
-"""Steps of the progress of a case."""
-
 
 def wear(
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
@@ -63,20 +60,20 @@ def wear(
             raise UsageError(f"{flag} {value:g} is out of range: give a finite number greater than 0")
     design = chosen.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
-    place = claim_destination(delivery, f"{design.name}-wear")
+    destination = claim_destination(delivery, f"{design.name}-wear")
     count = count_progress("wear, percent", delivery.quiet)
 
     def report(case: str, share: float) -> None:
-        count(round(PERCENT * (CASES.index(case) + share)), PERCENT * len(CASES))
+        count(round(100 * (CASES.index(case) + share)), 100 * len(CASES))
 
     result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report)
     if result.interrupted:
         tell("stopped by Ctrl-C: the result contains only the steps that were finished")
-    return deliver(_outcome(result, place), place, delivery)
+    return deliver(_outcome(result, destination), destination, delivery)
 
 
-def _outcome(result: "WearLife", place: Destination) -> Outcome:
-    """Build the outcome of a wear computation."""
+def _outcome(result: "WearLife", destination: Destination) -> Outcome:
+    """Convert a wear computation to an `Outcome`: accuracy life, records over time, worn surfaces and figure."""
     from cycloid_mj.base.units import ARCMINUTE
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.wear import wear_figure
@@ -97,7 +94,7 @@ def _outcome(result: "WearLife", place: Destination) -> Outcome:
         summary=[f"{case}: {course.end}" for case, course in result.courses.items()],
         tables=result.tables(),
         notes=[f"assumed: {sentence}" for sentence in result.assumptions],
-        pictures={name: partial(encode_figure, wear_figure(result))} if place.folder or place.page else {},
+        pictures={name: partial(encode_figure, wear_figure(result))} if destination.folder or destination.page else {},
         captions={name: "Lost motion over the hours with its interval, and depths of wear."},
         frame=result.frame,
         result=result.as_json(),

@@ -51,69 +51,76 @@ class Share:
     """Bounds of the 95 % confidence interval of `total`."""
 
 
-def budget_samples(samples: int) -> int:
+def size_of_budget_sets(samples: int) -> int:
     """Return the size of each set of the budget in a study of so many samples; 0 where it is too small for a budget."""
     return min(max(samples, SOBOL.min_drawn), SOBOL.max_samples) if samples >= SOBOL.min_samples else 0
 
 
-def budget_blocks(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
+def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
     """Collect the sets to compare by name: A, B, and for each tolerance the set A with this tolerance from B."""
     swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
     return both | swapped
 
 
-def usable_rows(values: Mapping[str, Array]) -> Integers:
+def find_usable_rows(values: Mapping[str, Array]) -> Integers:
     """Return the numbers of the samples that have a value in every set: those that jam in none."""
     return np.flatnonzero(np.isfinite(np.array(list(values.values()))).all(axis=0))
 
 
-def shares(
+def compute_shares(
     zones: Mapping[str, Zone], departures: Sequence[Mapping[str, Array]], values: Mapping[str, Array]
 ) -> tuple[Share, ...]:
-    """Compute the shares of all tolerances in the variance of a figure, the largest first.
+    """Compute the Sobol indices of all tolerances: their shares in the variance of a figure, the largest total first.
 
     Estimators: first order by Saltelli et al. 2010 (Comput. Phys. Commun. 181, 259-270, table 2 b), total by Jansen
-    1999. A linear model of the figure, whose variance is known, serves as control variate, so that only the
-    nonlinear rest is sampled. Each fold of the samples is corrected by the model fitted to the others, which keeps the
-    estimators unbiased. The model takes the tolerances with the fewest numbers first (the position errors of 40 pins
-    are 80 numbers) as long as the fit has rows enough. Intervals: jackknife of the logarithm of the ratio, Student's t.
+    1999. A linear model of the figure, whose variance is known, serves as control variate, so that only the nonlinear
+    remainder is sampled. The model is cross-fitted: each fold of the samples is corrected by the model fitted to the
+    other folds, which keeps the estimators unbiased. Tolerances with the fewest random numbers enter the model first
+    (the position errors of 40 pins are 80 numbers), as long as the fit has enough rows. Intervals: jackknife of the
+    logarithm of the ratio, Student's t.
 
     Parameters
     ----------
     zones
-        All tolerances that are drawn.
+        All tolerances of the design, by key.
     departures
-        Departures of the sets A and B, by tolerance, shape (samples, ...).
+        Departures from the nominal design in the sample sets A and B, by tolerance, shape (samples, ...).
     values
-        The figure in the sets of `budget_blocks`, shape (samples,) each; NaN where a sample jams.
+        Values of the figure in the sets of `list_budget_sets`, shape (samples,) each; NaN where a sample jams.
 
     Returns
     -------
-    The shares, projected on 0 <= first order <= total <= 1, which the exact ones satisfy. None, where fewer than
-    `SobolSettings.min_samples` samples have a value in every set.
+    A share for each tolerance, projected on 0 <= first order <= total <= 1, which the exact indices satisfy. An empty
+    tuple if fewer than `SobolSettings.min_samples` samples have a value in every set.
     """
-    names, rows = list(zones), usable_rows(values)
+    names, rows = list(zones), find_usable_rows(values)
     if rows.size < SOBOL.min_samples:
         return ()
-    f = _Sets(values["A"][rows], values["B"][rows], np.array([values[name][rows] for name in names]))
-    if np.ptp(np.concatenate([f.first, f.second])) == 0.0:
+    figure = _FigureSets(values["A"][rows], values["B"][rows], np.array([values[name][rows] for name in names]))
+    if np.ptp(np.concatenate([figure.first, figure.second])) == 0.0:
         return tuple(Share(name, 0.0, 0.0, (0.0, 0.0)) for name in names)
-    terms = _terms(f, [_standardise(zones, departure, rows) for departure in departures])
+    terms = _estimator_terms(figure, [_standardise(zones, departure, rows) for departure in departures])
     first = terms.first.mean(axis=1) / terms.variance.mean()
-    total, low, high = _ratio_interval(terms.total, terms.variance)
-    found = [
-        Share(name, _clip(first[i], _clip(total[i])), _clip(total[i]), (_clip(low[i]), _clip(high[i])))
+    total, low, high = _jackknife_ratios(terms.total, terms.variance)
+    shares = [
+        Share(
+            name,
+            _clip_share(first[i], _clip_share(total[i])),
+            _clip_share(total[i]),
+            (_clip_share(low[i]), _clip_share(high[i])),
+        )
         for i, name in enumerate(names)
     ]
-    return tuple(sorted(found, key=lambda share: -share.total))
+    return tuple(sorted(shares, key=lambda share: -share.total))
 
 
-def _clip(value: float, most: float = 1.0) -> float:
-    return float(min(max(value, 0.0), most))
+def _clip_share(value: float, upper: float = 1.0) -> float:
+    """Clip a share to the range from 0 to `upper`."""
+    return float(min(max(value, 0.0), upper))
 
 
-class _Sets(NamedTuple):
+class _FigureSets(NamedTuple):
     """Values in the sets A and B, shape (n,), and in A with each tolerance from B, shape (tolerances, n)."""
 
     first: Array
@@ -130,7 +137,10 @@ class _Terms(NamedTuple):
 
 
 def _standardise(zones: Mapping[str, Zone], departures: Mapping[str, Array], rows: Integers) -> list[Array]:
-    """Compute departures by tolerance as numbers of mean 0 and variance 1, shape (rows, numbers) each."""
+    """Scale departures to mean 0 and variance 1; a list over the tolerances, shape (rows, numbers) each.
+
+    `departures` are in metres, by tolerance, shape (samples, ...); `rows` are the samples to use.
+    """
     scaled = []
     for key, zone in zones.items():
         values = departures[key][rows].reshape(rows.size, -1)
@@ -141,51 +151,62 @@ def _standardise(zones: Mapping[str, Zone], departures: Mapping[str, Array], row
     return scaled
 
 
-def _terms(f: _Sets, departures: Sequence[list[Array]]) -> _Terms:
-    """Compute the terms of the estimators, with the linear part of the figure replaced by its known variance."""
-    centre, linear, variances = _linear_part(f, departures)
-    a, b, mixed = f.first - centre, f.second - centre, f.mixed - centre
+def _estimator_terms(figure: _FigureSets, departures: Sequence[list[Array]]) -> _Terms:
+    """Compute the terms of the variance estimators by sample, with the control variate of `_fit_control_variate`.
+
+    `departures` are the standardised departures in the sets A and B, a list over the tolerances, shape (n, numbers)
+    each.
+    """
+    centre, linear, variances = _fit_control_variate(figure, departures)
+    a, b, mixed = figure.first - centre, figure.second - centre, figure.mixed - centre
     variance = 0.5 * (a**2 + b**2) - 0.5 * (linear.first**2 + linear.second**2) + variances.sum(axis=0)
     first = b * (mixed - a) - linear.second * (linear.mixed - linear.first) + variances
     total = 0.5 * (a - mixed) ** 2 - 0.5 * (linear.first - linear.mixed) ** 2 + variances
     return _Terms(variance, first, total)
 
 
-def _linear_part(f: _Sets, departures: Sequence[list[Array]]) -> tuple[Array, _Sets, Array]:
-    """Fit a linear model to the figure `f`; each fold of the samples has the coefficients fitted to the others.
+def _fit_control_variate(figure: _FigureSets, departures: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
+    """Fit a linear model of the figure by cross-validation: coefficients for each fold come from the other folds.
 
-    `departures` are those in A and B by tolerance, of mean 0 and variance 1, shape (n, numbers) each. Return the
-    constant, shape (n,), the linear part in all sets, and its variance by tolerance, shape (tolerances, n).
+    `departures` are the standardised departures in the sets A and B, a list over the tolerances, shape (n, numbers)
+    each. Return the constant of the model, shape (n,), its values in all sets, and the variance that it attributes to
+    each tolerance, shape (tolerances, n).
     """
-    in_a, in_b = departures
-    tolerances, count = f.mixed.shape
-    fold = np.arange(count) % SOBOL.folds
+    departures_a, departures_b = departures
+    tolerances, count = figure.mixed.shape
+    fold_of_sample = np.arange(count) % SOBOL.folds
     a, b, variances = np.zeros((3, tolerances, count))
     centre = np.zeros(count)
-    chosen = _fitted_tolerances(f, in_a)
-    ends = np.cumsum([in_a[i].shape[1] for i in chosen], dtype=int)
-    for number in range(SOBOL.folds):
-        fit, here = fold != number, fold == number
-        columns = np.concatenate([_columns(in_a, chosen, fit), _columns(in_b, chosen, fit)])
-        target = np.concatenate([f.first[fit], f.second[fit]])
+    chosen = _choose_model_tolerances(figure, departures_a)
+    ends = np.cumsum([departures_a[i].shape[1] for i in chosen], dtype=int)
+    for fold_index in range(SOBOL.folds):
+        training, validation = fold_of_sample != fold_index, fold_of_sample == fold_index
+        columns = np.concatenate([_columns(departures_a, chosen, training), _columns(departures_b, chosen, training)])
+        target = np.concatenate([figure.first[training], figure.second[training]])
         # normal equations: the columns are independent draws, four rows and more for each
         constant, *slopes = np.split(np.linalg.solve(columns.T @ columns, columns.T @ target), [1, *(1 + ends)])
-        centre[here] = constant[0]
+        centre[validation] = constant[0]
         for i, slope in zip(chosen, slopes[: len(chosen)], strict=True):
-            a[i, here], b[i, here] = in_a[i][here] @ slope, in_b[i][here] @ slope
-            variances[i, here] = slope @ slope
-    return centre, _Sets(a.sum(axis=0), b.sum(axis=0), a.sum(axis=0) - a + b), variances
+            a[i, validation], b[i, validation] = (
+                departures_a[i][validation] @ slope,
+                departures_b[i][validation] @ slope,
+            )
+            variances[i, validation] = slope @ slope
+    return centre, _FigureSets(a.sum(axis=0), b.sum(axis=0), a.sum(axis=0) - a + b), variances
 
 
-def _fitted_tolerances(f: _Sets, departures: list[Array]) -> list[int]:
-    """Choose the tolerances of the linear model: those that matter, with the fewest numbers first."""
-    rows = 2.0 * f.first.size * (1.0 - 1.0 / SOBOL.folds)
-    left = SOBOL.max_columns * rows - 1.0
+def _choose_model_tolerances(figure: _FigureSets, departures: list[Array]) -> list[int]:
+    """Return the indices of the tolerances in the linear model: those that change the figure, fewest numbers first.
+
+    The number of columns is limited to `SobolSettings.max_columns` of the rows. `departures`: standardised, of set A.
+    """
+    rows = 2.0 * figure.first.size * (1.0 - 1.0 / SOBOL.folds)
+    free_columns = SOBOL.max_columns * rows - 1.0
     chosen = []
     for i in sorted(range(len(departures)), key=lambda i: departures[i].shape[1]):
-        if np.any(f.mixed[i] != f.first) and departures[i].shape[1] <= left:
+        if np.any(figure.mixed[i] != figure.first) and departures[i].shape[1] <= free_columns:
             chosen.append(i)
-            left -= departures[i].shape[1]
+            free_columns -= departures[i].shape[1]
     return sorted(chosen)
 
 
@@ -194,15 +215,16 @@ def _columns(departures: list[Array], chosen: Sequence[int], rows: Mask) -> Arra
     return np.concatenate([np.ones((int(rows.sum()), 1)), *(departures[i][rows] for i in chosen)], axis=1)
 
 
-def _ratio_interval(parts: Array, variance: Array) -> tuple[Array, Array, Array]:
-    """Compute ratios of mean `parts`, shape (k, n), to the mean `variance`, shape (n,), with bounds of confidence.
+def _jackknife_ratios(partial_variance: Array, variance: Array) -> tuple[Array, Array, Array]:
+    """Compute ratios of mean `partial_variance`, shape (k, n), to mean `variance`, shape (n,), and their 95 % bounds.
 
-    The error of the logarithm is estimated by the jackknife: ratios of variances have errors in proportion.
+    Return ratio, lower and upper bound, shape (k,) each. The standard error is that of the logarithm of the ratio, by
+    the jackknife (leave one sample out), since errors of variance ratios are proportional to the ratio.
     """
     count = variance.size
-    ratio = parts.mean(axis=1) / variance.mean()
-    left_out = (parts.sum(axis=1, keepdims=True) - parts) / (variance.sum() - variance)
-    spread = left_out - left_out.mean(axis=1, keepdims=True)
+    ratio = partial_variance.mean(axis=1) / variance.mean()
+    leave_one_out = (partial_variance.sum(axis=1, keepdims=True) - partial_variance) / (variance.sum() - variance)
+    spread = leave_one_out - leave_one_out.mean(axis=1, keepdims=True)
     error = np.sqrt((count - 1.0) / count * np.sum(spread**2, axis=1))
     relative = error / np.maximum(np.abs(ratio), np.finfo(float).tiny)
     factor = np.exp(np.minimum(student_half_width(count - 1, 0.95) * relative, math.log(1e6)))

@@ -57,7 +57,7 @@ class RunPlan:
     solver: Solver
 
     @property
-    def loaded(self) -> list[Design]:
+    def loaded_designs(self) -> list[Design]:
         """Designs under a load."""
         return [design for design in self.starts if design.load.torque]
 
@@ -65,16 +65,23 @@ class RunPlan:
         self, measured: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
         """List designs with one variation, and the measures of all their starts."""
-        varied = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
-        return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in varied]
+        starts_by_design = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
+        return [
+            Trial(first, measured[first], tuple(measured[repeat] for repeat in repeats))
+            for first, *repeats in starts_by_design
+        ]
 
     def compare(self, measured: Mapping[Design, Measures], motions: Mapping[Design, Series]) -> Comparison:
-        """Compare the designs by the measures of all runs; `motions` has the first run of each case."""
-        moved = sensitivities(
-            self.trials(measured, self.loaded),
-            {each: self.trials(measured, self.loaded, each) for each in self.assumptions},
+        """Compare the designs by the measures of all runs.
+
+        `measured` has the measures of every simulated design, `motions` the logged motion of the first run of each
+        case.
+        """
+        changes = sensitivities(
+            self.trials(measured, self.loaded_designs),
+            {assumption: self.trials(measured, self.loaded_designs, assumption) for assumption in self.assumptions},
         )
-        comparison = compare_trials(self.trials(measured, list(self.starts)), moved if self.assumptions else ())
+        comparison = compare_trials(self.trials(measured, list(self.starts)), changes if self.assumptions else ())
         return replace(comparison, motions=tuple(motions[trial.design] for trial in comparison.trials))
 
 
@@ -123,7 +130,7 @@ def compare(
             f"a comparison needs at least two designs, but the number of designs is {len(designs)}: add another design"
         )
     resolved = [resolve(design) for design in designs]
-    cases = all_cases(resolved, override(resolved[0], DEFAULTS), load_nm, solver)
+    cases = list_cases(resolved, override(resolved[0], DEFAULTS), load_nm, solver)
     plan = plan_runs(cases, solver, QUICK_STARTS if quick else STARTS, assumptions=() if quick else ASSUMPTIONS)
     runs = list(plan.names)
 
@@ -138,24 +145,25 @@ def compare(
     )
 
 
-def all_cases(
+def list_cases(
     designs: Sequence[Design], first: Design, load_nm: float | None, solver: Solver, fixed_hold: bool = False
 ) -> list[Design]:
-    """Return every design under the settings of `first`, at no load and under load.
+    """Return every design under the operating conditions of `first`, once without load and once under load.
 
-    A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
-    load: it separates the effect of the design from that of the clearance.
+    If a pin and a nonpin design are compared, the list also has the nonpin design with the total play and series
+    stiffness of the pin design at that load: it separates the effect of the design from that of the clearance.
 
     Parameters
     ----------
     designs, first
-        The designs, and the design whose conditions they share.
+        The designs, and the design whose speed, environment and settings apply to all.
     load_nm
         Load torque [N m]; by default the rated torque of `first`.
     solver
         Solver of the runs.
     fixed_hold
-        Whether all runs have the hold of `first`, instead of a whole number of settled crank turns.
+        Whether all runs last as long as that of `first` at constant speed, instead of a whole number of settled crank
+        turns.
 
     Raises
     ------
@@ -171,7 +179,7 @@ def all_cases(
     by_load = [
         [apply_conditions(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))
     ]
-    cases = [case for each in by_load for case in (each if fixed_hold else _with_settled_turns(each))]
+    cases = [case for group in by_load for case in (group if fixed_hold else _with_settled_turns(group))]
     if solver == "planar" and not first.settings.timestep:
         step = min(acceleration_timestep(Reducer(case)) for case in cases)
         cases = [Reducer(case).but(settings={"timestep": step}).design for case in cases]
@@ -186,21 +194,35 @@ def plan_runs(
     variations: Sequence[Variation] = (),
     assumptions: Sequence[Variation] = ASSUMPTIONS,
 ) -> RunPlan:
-    """Plan the runs of all cases: `starts` of each at no load, and those of variations and assumptions."""
+    """Plan the runs of a comparison: every case from several starts, and again with each parameter variation.
+
+    Parameters
+    ----------
+    cases
+        Designs under their loads, from `list_cases`.
+    solver
+        Solver of the runs.
+    starts
+        Number of different initial states of each case without load; a loaded case has one.
+    variations, assumptions
+        Parameter variations of all cases; those of assumed inputs, of the loaded cases only.
+    """
     by_case = {
         design: (design,) if design.load.torque else independent_starts(Reducer(design), starts) for design in cases
     }
     loaded = [design for design in cases if design.load.torque]
-    names = {start: run_name(start, place) for each in by_case.values() for place, start in enumerate(each)}
-    for variation, changed in [*((each, cases) for each in variations), *((each, loaded) for each in assumptions)]:
-        for design in changed:
-            words = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
-            for place, start in enumerate(by_case[design]):
-                names.setdefault(variation.of(Reducer(start)), f"{run_name(start, place)}-{words}")
+    names = {
+        start: name_run(start, start_index) for group in by_case.values() for start_index, start in enumerate(group)
+    }
+    for variation, designs in [*((group, cases) for group in variations), *((group, loaded) for group in assumptions)]:
+        for design in designs:
+            suffix = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
+            for start_index, start in enumerate(by_case[design]):
+                names.setdefault(variation.of(Reducer(start)), f"{name_run(start, start_index)}-{suffix}")
     return RunPlan(by_case, variations, assumptions, names, solver)
 
 
-def run_name(design: Design, start: int = 0) -> str:
+def name_run(design: Design, start: int = 0) -> str:
     """Return the name of a run from design, load and number of the start, for its log."""
     load = design.load.torque
     case = f"{design.name}-{f'{load:g}Nm' if load else 'no-load'}"
@@ -208,7 +230,7 @@ def run_name(design: Design, start: int = 0) -> str:
 
 
 def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
-    """Return designs under one load whose hold contains whole turns after the slowest design has settled."""
+    """Return designs of one load with a run time of whole crank turns after the slowest of them has settled."""
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)
     turns = TURNS if designs[0].load.torque else IDLE_TURNS

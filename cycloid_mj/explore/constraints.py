@@ -31,8 +31,8 @@ class FigureLimit:
         """Compute by how much a value violates the limit, relative to the bound: 0 if it does not, 1 for NaN."""
         if np.isnan(value):
             return 1.0
-        beyond = value - self.bound if self.at_most else self.bound - value
-        return max(beyond, 0.0) / max(abs(self.bound), MIN_BOUND)
+        violation = value - self.bound if self.at_most else self.bound - value
+        return max(violation, 0.0) / max(abs(self.bound), MIN_BOUND)
 
     def __str__(self) -> str:
         """Write the limit as the user does."""
@@ -40,14 +40,14 @@ class FigureLimit:
 
 
 def parse_limit(text: str, reducer: Reducer | None = None, needs: Collection[Need] = COMPUTED) -> FigureLimit:
-    """Parse a limit on a figure.
+    """Parse a limit on a figure of the catalogue, ``backlash_arcmin<=1``.
 
     Parameters
     ----------
     text
         ``KEY<=NUMBER`` or ``KEY>=NUMBER``.
     reducer
-        The drive that must have the figure; None accepts those of any drive.
+        Reducer for which the figure must be defined; None accepts the figures of any reducer.
     needs
         Kinds of computation that the figure may require.
 
@@ -85,8 +85,8 @@ def require_consistent(limits: Iterable[FigureLimit]) -> None:
     highest: dict[str, FigureLimit] = {}
     for limit in limits:
         strictest = highest if limit.at_most else lowest
-        other = strictest.get(limit.key)
-        if other is None or (limit.bound < other.bound) == limit.at_most:
+        known = strictest.get(limit.key)
+        if known is None or (limit.bound < known.bound) == limit.at_most:
             strictest[limit.key] = limit
     for key in lowest.keys() & highest.keys():
         if lowest[key].bound > highest[key].bound:

@@ -45,10 +45,11 @@ def find_jams(figures: Mapping[str, Array]) -> Mask:
     return np.asarray(~np.all(fits, axis=0))
 
 
-def preloaded_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
-    """Compute the share of samples in which each part presses without a load, and of those without a balance.
+def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
+    """Compute the share of samples in which each part ("a tooth", "the cam") is preloaded without a load.
 
-    Empty for samples that were not balanced.
+    `figures` are the figures of the samples by key, shape (samples,) each. The share of samples without a static
+    balance has the key "no balance". Return an empty dictionary if the figures lack the contact forces of `PRELOADS`.
     """
     if not PRELOADS.keys() <= figures.keys():
         return {}
@@ -60,29 +61,33 @@ def preloaded_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
     return {pair: share for pair, share in {**counts, "no balance": lost}.items() if share}
 
 
-def jams_too_often(jams: Mask) -> bool:
+def stops_study(jams: Mask) -> bool:
     """Return whether so many samples of a first block, shape (samples,), jam that the study stops."""
     return bool(np.mean(jams) >= JAM.max_share)
 
 
 def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: Mask) -> str:
-    """Explain in a sentence why samples of the first block jam: which pairs interfere, and by how much.
+    """Return a sentence that names the contact pairs which interfere in jammed samples, and by how much.
 
-    The first `JAM.max_examined` jammed samples are examined with rigid parts, in the position of least interference.
-    Each tolerance is left out on its own, to see whether the parts of all these samples then fit.
+    The first `JAM.max_examined` jammed samples are examined with rigid parts, at the crank angle of least interference.
+    Each tolerance is left out in turn, to see whether the parts of all these samples then fit.
 
     Parameters
     ----------
-    reducer, zones, seed
-        The study.
+    reducer
+        Nominal reducer.
+    zones
+        Its tolerances by key.
+    seed
+        Random seed of the study.
     jams
-        Which samples of its first block jam, shape (samples,); one at least.
+        Which samples of the study's first block jam, shape (samples,); at least one.
     """
     rows = np.flatnonzero(jams)[: JAM.max_examined]
-    first = draw_departures(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
-    drawn = {key: values[rows] for key, values in first.items()}
-    depths, shares = _interference(reducer, drawn)
-    if max(depths) <= 0.0:
+    block = draw_departures(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
+    departures = {key: values[rows] for key, values in block.items()}
+    interferences, shares = _minimize_interference(reducer, departures)
+    if max(interferences) <= 0.0:
         return (
             f"in the first {rows.size} of them rigid parts would fit, but contacts press without a load, or no static "
             "balance was found"
@@ -93,27 +98,31 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     sufficient = [
         f"tolerance.{key}"
         for key in zones
-        if max(_interference(reducer, {other: drawn[other] for other in zones if other != key})[0]) <= 0.0
+        if max(_minimize_interference(reducer, {kept: departures[kept] for kept in zones if kept != key})[0]) <= 0.0
     ]
-    remedy = f"without {' or '.join(sufficient)} the parts of these samples fit"
-    remedy = remedy if sufficient else "no single tolerance is the cause"
+    cause = f"without {' or '.join(sufficient)} the parts of these samples fit"
+    cause = cause if sufficient else "no single tolerance is the cause"
     return (
         f"in the first {rows.size} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
-        f"{MICROMETRES * max(min(depths), 0.0):.3g} to {MICROMETRES * max(depths):.3g} um (rigid parts, in the "
-        f"position of least interference); {remedy}"
+        f"{MICROMETRES * max(min(interferences), 0.0):.3g} to {MICROMETRES * max(interferences):.3g} um (rigid parts, "
+        f"in the position of least interference); {cause}"
     )
 
 
-def _interference(reducer: Reducer, drawn: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
-    """Return the smallest interference of each sample over its positions [m], and the mean share of each pair in it."""
-    count = len(next(iter(drawn.values()))) if drawn else 1
-    samples = apply_departures(reducer, identical_samples(reducer, count), drawn)
-    depths, shares = [], dict[str, float]()
+def _minimize_interference(reducer: Reducer, departures: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
+    """Compute the least interference of rigid parts over crank angles [m] for each sample, and which pairs cause it.
+
+    `departures` from the nominal design [m], by tolerance, shape (samples, ...). Return the interference of each sample
+    (negative if the parts fit), and by contact pair its mean share in the interference.
+    """
+    count = len(next(iter(departures.values()))) if departures else 1
+    samples = apply_departures(reducer, identical_samples(reducer, count), departures)
+    interferences, shares = [], dict[str, float]()
     for row in range(count):
         drive = unchecked_design_of_sample(reducer, samples, row)
-        turn = np.linspace(0.0, 2.0 * np.pi, JAM.angles, endpoint=False).tolist()
-        gap, pairs = min((tightest(Reducer(drive), angle) for angle in turn), key=lambda found: found[0])
-        depths.append(-gap)
+        crank_angles = np.linspace(0.0, 2.0 * np.pi, JAM.angles, endpoint=False).tolist()
+        gap, pairs = min((tightest(Reducer(drive), angle) for angle in crank_angles), key=lambda contact: contact[0])
+        interferences.append(-gap)
         for pair, share in pairs.items():
             shares[pair] = shares.get(pair, 0.0) + share / count
-    return depths, shares
+    return interferences, shares

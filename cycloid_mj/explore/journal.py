@@ -30,12 +30,12 @@ def rows_file(study: str) -> str:
     return f"{study}.rows.jsonl"
 
 
-def has_study(into: Path, study: str) -> bool:
+def has_study(folder: Path, study: str) -> bool:
     """Return whether a folder contains a study, finished or not."""
-    return (into / plan_file(study)).exists() or (into / rows_file(study)).exists()
+    return (folder / plan_file(study)).exists() or (folder / rows_file(study)).exists()
 
 
-def remove_study(into: Path, study: str) -> None:
+def remove_study(folder: Path, study: str) -> None:
     """Remove the plan and the rows of the study in a folder, so that it starts again.
 
     Raises
@@ -45,25 +45,25 @@ def remove_study(into: Path, study: str) -> None:
     CycloidError
         The files cannot be removed.
     """
-    rows = into / rows_file(study)
+    rows = folder / rows_file(study)
     try:
         if rows.exists():
-            with _lock(rows, into, study):
+            with _lock(rows, folder, study):
                 rows.unlink()
-        (into / plan_file(study)).unlink(missing_ok=True)
+        (folder / plan_file(study)).unlink(missing_ok=True)
     except OSError as problem:
         raise CycloidError(f"cannot replace {rows}: {reason(problem)}. Choose another folder with --out") from problem
 
 
-def create_folder(into: Path) -> Path:
-    """Create the folder of a study, unless it exists; raise CycloidError where that fails."""
+def create_folder(folder: Path) -> Path:
+    """Create the folder of a study unless it exists, and return its path; raise CycloidError if that fails."""
     try:
-        make_folder(into)
+        make_folder(folder)
     except OSError as problem:
         raise CycloidError(
-            f"cannot create the folder {into}: {reason(problem)}. Choose another folder with --out"
+            f"cannot create the folder {folder}: {reason(problem)}. Choose another folder with --out"
         ) from problem
-    return into
+    return folder
 
 
 class Journal:
@@ -75,12 +75,19 @@ class Journal:
         self._stream = stream
 
     def add(self, index: int, row: PointResult) -> None:
-        """Append the row of a point, counted from 0.
+        """Append the result of a point to the file of rows.
+
+        Parameters
+        ----------
+        index
+            Index of the point, counted from 0.
+        row
+            Result of the point.
 
         Raises
         ------
         CycloidError
-            The row cannot be written; those before it are kept.
+            The row cannot be written; rows written before are kept.
         """
         line = json.dumps({"point": index + 1, **asdict(row)}).encode() + b"\n"
         try:
@@ -96,47 +103,57 @@ class Journal:
 
 
 @contextmanager
-def open_journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator[Journal]:
-    """Open the folder of a study, new or interrupted, as a context with its `Journal`.
+def open_journal(folder: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator[Journal]:
+    """Open the record of a study in a folder, new or interrupted; a context manager that yields its `Journal`.
+
+    The folder gets the study's plan, and a lock against other processes for as long as the context is open.
 
     Parameters
     ----------
-    into
-        The folder.
+    folder
+        Folder of the study; it exists.
     plan
-        What identifies the study: JSON values by name.
+        Design, points and settings that identify the study: JSON values by name.
     study
-        Its name, and the stem of its files.
+        Name of the study, and stem of its files.
 
     Raises
     ------
     UsageError
         The folder belongs to another study, or another process is working in it.
     CycloidError
-        It cannot be read or written.
+        The files cannot be read or written.
     """
-    if _is_same_study(into, plan, study):
-        note_output(into)
-    path = into / rows_file(study)
+    if _is_same_study(folder, plan, study):
+        note_output(folder)
+    path = folder / rows_file(study)
     try:
         stream = path.open("ab+", buffering=0)
     except OSError as problem:
         raise CycloidError(f"cannot write {path}: {reason(problem)}. Choose another folder with --out") from problem
-    with stream, _lock(path, into, study):
-        if not (into / plan_file(study)).exists():
-            write_files({into / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
+    with stream, _lock(path, folder, study):
+        if not (folder / plan_file(study)).exists():
+            write_files({folder / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
         yield Journal(path, stream, _read_rows(stream))
 
 
-def _is_same_study(into: Path, plan: Mapping[str, Any], study: str) -> bool:
-    """Return whether a folder has a study of this plan; raise UsageError where it has another one."""
-    file, rows = into / plan_file(study), into / rows_file(study)
+def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
+    """Return whether a folder already has this study: True for the same plan, False for an empty folder.
+
+    Raises
+    ------
+    UsageError
+        The folder has a study with another plan.
+    CycloidError
+        The plan in the folder cannot be read.
+    """
+    file, rows = folder / plan_file(study), folder / rows_file(study)
     try:
         recorded = json.loads(file.read_bytes())
     except FileNotFoundError:
         if rows.exists() and rows.stat().st_size:
             raise UsageError(
-                f"{into} contains {rows.name}, but the file {file.name} that describes it is missing, so the {study} "
+                f"{folder} contains {rows.name}, but the file {file.name} that describes it is missing, so the {study} "
                 "cannot be resumed: choose another folder with --out"
             ) from None
         return False
@@ -147,20 +164,20 @@ def _is_same_study(into: Path, plan: Mapping[str, Any], study: str) -> bool:
     ]
     if differing:
         raise UsageError(
-            f"{into} contains another {study}, which differs in {', '.join(differing)}: choose another folder with "
+            f"{folder} contains another {study}, which differs in {', '.join(differing)}: choose another folder with "
             "--out, or overwrite it with --force"
         )
     return True
 
 
 @contextmanager
-def _lock(rows: Path, into: Path, study: str) -> Iterator[None]:
-    """Lock the rows of a study against other processes inside the block."""
+def _lock(rows: Path, folder: Path, study: str) -> Iterator[None]:
+    """Lock the file of rows against other processes while the context is open; raise UsageError if it is locked."""
     try:
         release = lock_file(rows)
     except BlockingIOError as problem:
         raise UsageError(
-            f"another process is writing the {study} in {into}: wait until it ends, or stop it"
+            f"another process is writing the {study} in {folder}: wait until it ends, or stop it"
         ) from problem
     try:
         yield
@@ -169,7 +186,10 @@ def _lock(rows: Path, into: Path, study: str) -> Iterator[None]:
 
 
 def _read_rows(stream: IO[bytes]) -> dict[int, PointResult]:
-    """Read the complete rows, and truncate an incomplete line at the end (a killed process, a full disk)."""
+    """Read the rows of a study, by index of the point, and truncate an incomplete last line from the file.
+
+    A line is incomplete if the process was killed while writing, or if the disk was full.
+    """
     stream.seek(0)
     rows: dict[int, PointResult] = {}
     end = 0

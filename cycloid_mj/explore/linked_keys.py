@@ -31,15 +31,15 @@ class LinkRule:
     """Sets the key: from the drive at the start and that at the point to the latter with the key set."""
 
 
-def _set_hole_radius(start: Reducer, reducer: Reducer) -> Reducer:
+def _set_hole_radius(nominal: Reducer, reducer: Reducer) -> Reducer:
     design = reducer.design
-    clearance = start.design.output.hole_radius - start.design.output.pin_radius - start.design.gear.eccentricity
+    clearance = nominal.design.output.hole_radius - nominal.design.output.pin_radius - nominal.design.gear.eccentricity
     return reducer.but(output={"hole_radius": design.output.pin_radius + design.gear.eccentricity + clearance})
 
 
-def _set_torque(start: Reducer, reducer: Reducer) -> Reducer:
+def _set_torque(nominal: Reducer, reducer: Reducer) -> Reducer:
     design = reducer.design
-    return reducer.but(drive={"torque": design.drive.torque * start.design.rated_torque / design.rated_torque})
+    return reducer.but(drive={"torque": design.drive.torque * nominal.design.rated_torque / design.rated_torque})
 
 
 _HOLE, _RATED = (
@@ -68,16 +68,18 @@ class Link:
         """The formula, or the rule in words."""
         return self.formula or RULES[self.key].words
 
-    def apply(self, start: Reducer, reducer: Reducer) -> Design:
-        """Return the design of a drive with the key set; `start` is the drive that all points change.
+    def apply(self, nominal: Reducer, reducer: Reducer) -> Design:
+        """Return the design of a drive with the linked key set by its formula or rule.
+
+        `nominal` is the drive that all points of the study change, `reducer` the drive at one point.
 
         Raises
         ------
         DesignError
-            The formula has no value there, or one that the key does not allow.
+            The formula has no value there, or a value that the key does not allow.
         """
         if not self.formula:
-            return RULES[self.key].apply(start, reducer).design
+            return RULES[self.key].apply(nominal, reducer).design
         try:
             value = significant(_evaluate(_parse(self.formula), reducer))
         except ArithmeticError as error:
@@ -90,16 +92,16 @@ class Link:
 
 
 def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterable[str]) -> tuple[Link, ...]:
-    """Parse which keys follow: ``KEY=FORMULA``, or ``KEY`` for one with a rule of its own.
+    """Parse the keys that are computed from others: ``KEY=FORMULA``, or ``KEY`` for a key with a rule in `RULES`.
 
     Parameters
     ----------
     reducer
-        The drive that all points change.
+        The drive that all points of the study change.
     requested
-        In the order in which they are set; a later formula may use an earlier key.
+        Texts in the order in which the keys are set; a later formula may use an earlier key.
     varied
-        Keys that the points have values of.
+        Keys whose values differ from point to point; they cannot be linked as well.
 
     Raises
     ------
@@ -133,27 +135,29 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterab
 
 
 def default_links(requested: Iterable[Link], varied: Iterable[str]) -> tuple[Link, ...]:
-    """List the rules that apply to an optimisation: of keys that neither vary nor follow, and whose leader varies."""
+    """List the rules of an optimisation: those whose leader is varied, and whose key is neither varied nor linked."""
     varied = set(varied)
-    taken = varied | {link.key for link in requested}
-    return tuple(Link(key) for key, rule in RULES.items() if rule.leaders & varied and key not in taken)
+    excluded = varied | {link.key for link in requested}
+    return tuple(Link(key) for key, rule in RULES.items() if rule.leaders & varied and key not in excluded)
 
 
-def apply_links(start: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:
-    """Return the design of a point with all keys set that follow.
+def apply_links(nominal: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:
+    """Return the design of a point with all linked keys set, in the order of `links`.
+
+    `nominal` is the drive that all points of the study change, `reducer` the drive at the point.
 
     Raises
     ------
     DesignError
-        A key cannot have the value that follows.
+        A formula has no value, or a value that its key does not allow.
     """
     for link in links:
-        reducer = Reducer(link.apply(start, reducer))
+        reducer = Reducer(link.apply(nominal, reducer))
     return reducer.design
 
 
 def linked_values(reducer: Reducer, links: Iterable[Link]) -> dict[str, Value]:
-    """Collect the values of the keys that follow, key -> value in the file's unit."""
+    """Collect the values of the linked keys in a design, in the file's units."""
     values = {link.key: value_of(reducer.design, link.key) for link in links}
     return {key: value if isinstance(value, int) else significant(value) for key, value in values.items()}
 
@@ -163,9 +167,12 @@ def _parse(formula: str) -> ast.expr:
 
 
 def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> None:
-    """Raise UsageError where a formula does not consist of numbers and of keys that are numbers."""
+    """Raise UsageError unless a formula consists of numbers, operators and other numeric keys of the design file.
+
+    `key` is the key that the formula sets, `option` the user's text for the message.
+    """
     try:
-        keys = list(_keys_of(_parse(formula)))
+        keys = list(_keys_in_formula(_parse(formula)))
     except (SyntaxError, ValueError) as error:
         raise UsageError(
             f"{option}: the formula may contain only numbers, keys, + - * / and parentheses. Correct it, e.g. "
@@ -182,27 +189,27 @@ def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> N
             )
 
 
-def _keys_of(node: ast.expr) -> Iterator[str]:
-    """Yield the keys in a formula; raise ValueError where there is anything but keys, numbers and operations."""
+def _keys_in_formula(node: ast.expr) -> Iterator[str]:
+    """Yield the keys in a parsed formula; raise ValueError unless it consists of keys, numbers and + - * / only."""
     match node:
         case ast.Constant(value=int() | float()):
             return
         case ast.Name() | ast.Attribute():
             yield ast.unparse(node)
         case ast.UnaryOp() if type(node.op) in _OPERATIONS:
-            yield from _keys_of(node.operand)
+            yield from _keys_in_formula(node.operand)
         case ast.BinOp() if type(node.op) in _OPERATIONS:
-            yield from _keys_of(node.left)
-            yield from _keys_of(node.right)
+            yield from _keys_in_formula(node.left)
+            yield from _keys_in_formula(node.right)
         case _:
             raise ValueError(ast.unparse(node))
 
 
 def _evaluate(node: ast.expr, reducer: Reducer) -> float:
-    """Compute the value of a formula that `_require_numbers` accepts."""
+    """Compute the value of a parsed formula of numbers and keys of the design file, in the file's units."""
     match node:
         case ast.Constant():
-            return float(node.value)  # type: ignore[arg-type]  # a number, see `_keys_of`
+            return float(node.value)  # type: ignore[arg-type]  # a number, see `_keys_in_formula`
         case ast.UnaryOp():
             return _OPERATIONS[type(node.op)](_evaluate(node.operand, reducer))
         case ast.BinOp():

@@ -45,7 +45,7 @@ class MeasuredFigures:
 
 
 def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFigures:
-    """Collect quantities by their keys, each ending in its unit."""
+    """Collect quantities as columns: the key of the catalogue, or else the quantity's key with its unit at the end."""
     named = {
         quantity.key if quantity.key in FIGURES else with_unit(quantity.key, quantity.unit): quantity
         for quantity in quantities
@@ -54,7 +54,7 @@ def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFig
     return MeasuredFigures({name: quantity.value for name, quantity in named.items()}, units, **more)
 
 
-def _statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
+def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     """Compute the quantities of the static sheet, under the catalogue's keys."""
     from cycloid_mj.statics.sheet import sheet
 
@@ -63,7 +63,7 @@ def _statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     return _from_quantities(named, assumptions=figures.assumptions)
 
 
-def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
+def _run_measurement(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     measurement = MEASURES[name](reducer.design, quick=options.quick, solver=options.solver)
     warnings = {text: None for run in measurement.runs.values() for text in run.warnings}
     assumptions = (f"runs are {SOLVERS[options.solver]}", *measurement.assumptions)
@@ -71,7 +71,10 @@ def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredF
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Run a design over its drive cycle; under a load without the inertia of its pins, unless `real_pins` is set."""
+    """Simulate a design over its drive cycle, and collect the findings of the log as columns.
+
+    Under a load the pins have no inertia, unless `real_pins` is set: this allows longer time steps.
+    """
     from cycloid_mj.analysis import analyze
     from cycloid_mj.dynamics.run import RUN, model_for, schedule, simulate
 
@@ -89,7 +92,7 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
         )
     findings = analyze(simulate(simulated_reducer.design, compiled))
     pins = simulated_reducer.design.ring.pins if simulated_reducer.design.ring.kind == "pin" else "none"
-    values = {"solver": options.solver, "pins": pins, **dict(_flat(findings.as_json()))}
+    values = {"solver": options.solver, "pins": pins, **dict(_flatten_findings(findings.as_json()))}
     assumptions = (
         massless_assumptions(reducer, "loaded runs (mean values; speeds sway up to a fifth less)")
         if is_massless
@@ -98,21 +101,21 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     return MeasuredFigures(values, assumptions=assumptions, warnings=findings.warnings)
 
 
-def _flat(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
-    """Yield the numbers and switches of nested findings by their full keys, which end in the unit."""
+def _flatten_findings(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
+    """Yield column and value of all numbers and switches in nested findings; nested keys are joined by underscores."""
     for key, value in findings.items():
         if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{key}_")
+            yield from _flatten_findings(value, f"{prefix}{key}_")
         elif isinstance(value, (bool, int, float)):
             yield f"{prefix}{key}", value
         elif isinstance(value, (list, tuple)):
             for entry in value:
                 if isinstance(entry, Mapping) and "pair" in entry:
-                    numbers = {name: part for name, part in entry.items() if name != "pair"}
-                    yield from _flat(numbers, f"{entry['pair']}_")
+                    numbers = {name: number for name, number in entry.items() if name != "pair"}
+                    yield from _flatten_findings(numbers, f"{entry['pair']}_")
 
 
-def _mass(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
+def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     from cycloid_mj.figures.geometry import masses
 
     parts = masses(reducer)
@@ -120,8 +123,8 @@ def _mass(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     return MeasuredFigures(dict(values), dict.fromkeys(values, "kg"))
 
 
-def _checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Collect the verdicts and values of `design check`, and the summary of a design that can be built."""
+def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
+    """Collect the checks of a design as columns: number of failures, values, and the summary if it can be built."""
     from cycloid_mj.checks import check
 
     results = check(reducer.design)
@@ -138,13 +141,13 @@ def _checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
             values[column] = result.value
             units |= {column: result.unit} if result.unit else {}
     if not values["failed_errors"]:
-        summary_values = _summed_up(reducer)
+        summary_values = _summarize_design(reducer)
         values, units = {**values, **summary_values.values}, {**units, **summary_values.units}
     return MeasuredFigures(values, units)
 
 
-def _summed_up(reducer: Reducer) -> MeasuredFigures:
-    """Collect the quantities of the summary of `design check`."""
+def _summarize_design(reducer: Reducer) -> MeasuredFigures:
+    """Collect ratio, size, mass, rated torque, capacity and other quantities of `design check`'s summary as columns."""
     from cycloid_mj.checks import summary
 
     figures = summary(reducer)
@@ -163,19 +166,19 @@ def _summed_up(reducer: Reducer) -> MeasuredFigures:
     return MeasuredFigures({**measured.values, "weakest": figures.weakest}, measured.units)
 
 
-def _figures(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
+def _compute_figures(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     return _from_quantities(quantities(reducer).values())
 
 
-def _figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
+def _compute_figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     """Compute one figure of the catalogue: a column under its key."""
     return MeasuredFigures({row.key: row.value(reducer)}, {row.key: row.unit} if row.unit != "1" else {})
 
 
 MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], MeasuredFigures]] = {
-    "statics": _statics,
-    **{name: partial(_measure, name) for name in MEASURES},
-    **{"simulate": _simulate, "mass": _mass, "checks": _checks, "figures": _figures},
+    "statics": _compute_statics,
+    **{name: partial(_run_measurement, name) for name in MEASURES},
+    **{"simulate": _simulate, "mass": _compute_masses, "checks": _list_checks, "figures": _compute_figures},
 }
 """Name -> measure; only `checks` accepts a design that cannot be built; `figures` are those of geometry and statics."""
 
@@ -184,11 +187,17 @@ def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> Mea
     """Compute a measure of a design, or a figure of the catalogue."""
     if name in MEASURED:
         return MEASURED[name](reducer, options)
-    return _figure(figure(name), reducer, options)
+    return _compute_figure(figure(name), reducer, options)
 
 
 def require_measures(names: Iterable[str]) -> tuple[str, ...]:
-    """Return names of measures and keys of figures without duplicates; raise UsageError where one is neither."""
+    """Return the names of measures and figures without duplicates.
+
+    Raises
+    ------
+    UsageError
+        A name is neither a measure nor a figure of the catalogue, or there is no name.
+    """
     chosen = tuple(dict.fromkeys(names))
     for name in chosen:
         if name not in MEASURED:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
-from cycloid_mj.base.errors import CycloidError, DesignError, RunError
+from cycloid_mj.base.errors import CycloidError, RunError
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.frame import write_csv, write_parquet
 from cycloid_mj.base.notebook_progress import shows_progress
@@ -79,43 +79,36 @@ def optimize(
     engine: Engine = PROCESSES,
     progress: Progress = silent,
 ) -> Optimum:
-    """Find the best design within ranges of some keys, or a Pareto front of two objectives.
+    """Find the best design within ranges of some keys, or a Pareto front of two objectives, by CMA-ES.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: the start.
+        The start: a design, or the name of a preset or a file.
     vary
-        Key of the design file -> ``lo:hi`` or a pair, for real numbers; whole numbers are tried one by one, as values
-        ``a,b,c`` of any key are.
+        Key of the design file -> ``lo:hi`` or a pair, for real numbers; each whole number of a range is tried, and each
+        value of a list ``a,b,c`` of any key.
     minimize, maximize
         Figures by their keys in the catalogue (`cycloid_mj.figures.FIGURES`), of geometry, statics and life: one in
         total, or two for a front.
-    limits
-        Limits on such figures, ``"backlash_arcmin<=1"``. The checks of a design always apply.
+    limits, strict
+        Limits on such figures, ``"backlash_arcmin<=1"``, in addition to the checks of a design; whether warnings of
+        these checks reject a point, too.
     evaluations, starts, seed
         Approximate number of points; number of independent searches; random seed.
-    strict
-        Whether warnings of the checks reject a point, too.
     follow
-        Keys that follow those of `vary`: ``KEY=FORMULA`` of numbers and keys, in the file's units. By default the hole
-        of an output pin follows pin and eccentricity, and the drive's torque follows the ratio; ``KEY=NUMBER`` fixes
-        one of them.
-    verify
-        Whether the best design is run in full dynamics, and studied within its tolerances where it has some.
-    solver
-        Solver of that run.
+        Keys computed from others: ``KEY=FORMULA`` of numbers and keys, in the file's units; ``KEY=NUMBER`` fixes a key.
+        By default the hole of an output pin follows pin and eccentricity, and the drive's torque follows the ratio.
+    verify, solver
+        Whether to run the best design in full dynamics, with which solver, and to study its tolerances if it has some.
     out
         Folder of the history, to which every point is added at once, and of the best design.
-    engine
-        Where the points are evaluated.
-    progress
-        Called after each point.
+    engine, progress
+        Where the points are evaluated; called after each point with the numbers of finished and of all points.
 
     Returns
     -------
-    Optimum
-        Evaluated points, and the best point or the Pareto front with its designs.
+    Evaluated points, and the best point or the Pareto front with its designs.
 
     Raises
     ------
@@ -123,57 +116,69 @@ def optimize(
         There is no such key or figure, a range is not valid, or the folder belongs to another optimisation.
     DesignError
         No point satisfies all checks and limits; it states how many each of them rejects.
-    CycloidError
-        The folder cannot be written; its rows are kept.
     """
-    reducer = Reducer(resolve(design))
-    task = define_problem(reducer, vary, _as_tuple(minimize), _as_tuple(maximize), _as_tuple(limits), strict, follow)
+    task = define_problem(Reducer(resolve(design)), vary, minimize, maximize, limits, strict, follow)
     optimum = run_search(task, evaluations, starts, seed, out, engine, progress)
-    if optimum.best is None:
-        raise DesignError(optimum.infeasible_words)
-    if verify:
-        optimum = check_best(optimum, solver)
-    if out is not None:
-        write_files({Path(out) / BEST: dump(optimum.design()).encode()})
-    return optimum
-
-
-def _as_tuple(words: str | Sequence[str]) -> tuple[str, ...]:
-    return (words,) if isinstance(words, str) else tuple(words)
+    write_best(optimum, out)
+    return add_checks_of_best(optimum, solver) if verify else optimum
 
 
 def run_search(
     task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None, engine: Engine, progress: Progress
 ) -> Optimum:
-    """Run the searches; however they end, the history in the folder has all points that were evaluated."""
+    """Run the searches of an optimisation, and return all evaluated points with the best of them.
+
+    The history in the folder `out` has all points that were evaluated, also if the search is interrupted or fails.
+
+    Parameters
+    ----------
+    task
+        The problem.
+    evaluations, starts, seed
+        Approximate number of points; number of independent searches; random seed.
+    out
+        Folder of the history; None keeps it in memory.
+    engine, progress
+        Where the points are evaluated; called after each point with the numbers of finished and of all points.
+    """
     if task.ranges:
         extra("cma", *REQUIREMENT)
     with _recorded_rows(task, evaluations, starts, seed, out) as rows:
-        work = _Work(task, rows, engine, progress, evaluations)
+        evaluator = _PointEvaluator(task, rows, engine, progress, evaluations)
         try:
-            work.rows_of([task.start])
-            _search(task, work, evaluations, starts, seed)
+            evaluator.evaluate_points([task.start])
+            _run_searches(task, evaluator, evaluations, starts, seed)
         finally:
-            optimum = Optimum(task, work.in_order, seed)
+            optimum = Optimum(task, evaluator.in_order, seed)
             if out is not None:
                 _write_history(optimum, Path(out))
     return optimum
 
 
-def check_best(optimum: Optimum, solver: Solver = "planar", progress: Progress = silent) -> Optimum:
-    """Return the optimisation with checks of its best design: statics, dynamics, and tolerances where it has some."""
+def write_best(optimum: Optimum, out: str | Path | None) -> None:
+    """Write the best design into the folder `out`, unless it is None; raise DesignError if no point is feasible."""
+    best = dump(optimum.design()).encode()
+    if out is not None:
+        write_files({Path(out) / BEST: best})
+
+
+def add_checks_of_best(optimum: Optimum, solver: Solver = "planar", progress: Progress = silent) -> Optimum:
+    """Return the optimisation with statics, a run in full dynamics, and the tolerance study of its best design.
+
+    `solver` is that of the run; there is no tolerance study of a design without tolerances.
+    """
     best = optimum.design()
     try:
         zones, samples = tolerance_zones(Reducer(best)), OPTIMIZER.tolerance_samples
         ranges = tolerance(best, samples, optimum.seed, progress=progress) if zones else None
     except TooManyJams as jam:
         ranges = jam.tolerances
-    sheets = _sheet(Reducer(best)), _sheet(optimum.task.reducer)
+    sheets = _compute_sheet(Reducer(best)), _compute_sheet(optimum.task.reducer)
     checks = BestChecks(*sheets, verify_design(Reducer(best), solver), ranges)
     return Optimum(optimum.task, optimum.rows, optimum.seed, checks)
 
 
-def _sheet(reducer: Reducer) -> Sheet | None:
+def _compute_sheet(reducer: Reducer) -> Sheet | None:
     """Return the static sheet of a design; None where it cannot be built or balanced."""
     try:
         require_sound(reducer)
@@ -182,44 +187,54 @@ def _sheet(reducer: Reducer) -> Sheet | None:
         return None
 
 
-def _search(task: Problem, work: "_Work", evaluations: int, starts: int, seed: int) -> None:
-    """Search for the best point, or in turn for several points of the front."""
+def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int, starts: int, seed: int) -> None:
+    """Search for the best point; with two objectives, search once for each weight of `OptimizerSettings.weights`."""
     if len(task.objectives) == 1:
-        search_minimum(task, work.rows_of, lambda row: task.costs(row)[0], evaluations, starts, [seed])
+        search_minimum(task, evaluator.evaluate_points, lambda row: task.costs(row)[0], evaluations, starts, [seed])
         return
-    each = max(1, evaluations // len(OPTIMIZER.weights))
+    evaluations_per_weight = max(1, evaluations // len(OPTIMIZER.weights))
     for number, weight in enumerate(OPTIMIZER.weights):
-        figure = _weighted(task, work.in_order, weight)
-        feasible = [row for row in work.in_order if row.values[FEASIBLE]] if number > 1 else []
-        first = _point(task, min(feasible, key=figure)) if feasible else None
-        sigma = OPTIMIZER.front_sigma if first else CMA.initial_sigma
-        search_minimum(task, work.rows_of, figure, each, starts if number < 2 else 1, [seed, number], first, sigma)
+        cost = _chebyshev_cost(task, evaluator.in_order, weight)
+        feasible = [row for row in evaluator.in_order if row.values[FEASIBLE]] if number > 1 else []
+        start_point = _values_of_row(task, min(feasible, key=cost)) if feasible else None
+        sigma = OPTIMIZER.front_sigma if start_point else CMA.initial_sigma
+        search_minimum(
+            task,
+            evaluator.evaluate_points,
+            cost,
+            evaluations_per_weight,
+            starts if number < 2 else 1,
+            [seed, number],
+            start_point,
+            sigma,
+        )
 
 
-def _weighted(task: Problem, rows: Sequence[PointResult], weight: float) -> Callable[[PointResult], float]:
-    """Return the augmented weighted Chebyshev scalarization of both objectives, normalized by their ranges so far.
+def _chebyshev_cost(task: Problem, rows: Sequence[PointResult], weight: float) -> Callable[[PointResult], float]:
+    """Return the cost function that merges two objectives: the augmented weighted Chebyshev scalarization.
 
-    Steuer and Choo 1983 (Math. Program. 26, 326-344); `weight` is that of the first objective.
+    Steuer and Choo 1983 (Math. Program. 26, 326-344). Objectives are normalized by their ranges in `rows`, the points
+    evaluated so far; `weight` (0 to 1) is that of the first objective.
     """
     feasible = [row for row in rows if row.values[FEASIBLE]]
-    both = [task.costs(row) for row in feasible] or [(0.0, 0.0)]
-    low = [min(cost) for cost in zip(*both, strict=True)]
-    best = [min(both), min(both, key=lambda cost: cost[1])]
-    reach = [abs(best[1 - i][i] - low[i]) or abs(low[i]) or 1.0 for i in (0, 1)]
+    costs = [task.costs(row) for row in feasible] or [(0.0, 0.0)]
+    low = [min(column) for column in zip(*costs, strict=True)]
+    best = [min(costs), min(costs, key=lambda pair: pair[1])]
+    ranges = [abs(best[1 - i][i] - low[i]) or abs(low[i]) or 1.0 for i in (0, 1)]
 
-    def figure(row: PointResult) -> float:
-        shares = [(cost - low[i]) / reach[i] for i, cost in enumerate(task.costs(row))]
+    def scalarized_cost(row: PointResult) -> float:
+        shares = [(cost - low[i]) / ranges[i] for i, cost in enumerate(task.costs(row))]
         weighted = [weight * shares[0], (1.0 - weight) * shares[1]]
         return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + OPTIMIZER.sum_weight * sum(shares)
 
-    return figure
+    return scalarized_cost
 
 
-def _point(task: Problem, row: PointResult) -> Point:
+def _values_of_row(task: Problem, row: PointResult) -> Point:
     return tuple(row.values[key] for key in task.keys)
 
 
-class _Work:
+class _PointEvaluator:
     """Evaluates batches of points and records each row; rows of an interrupted search are used again."""
 
     def __init__(self, task: Problem, rows: "_Rows", engine: Engine, progress: Progress, total: int) -> None:
@@ -232,15 +247,15 @@ class _Work:
         """All rows of the points requested so far, in their order."""
         return [self._rows.by_index[index] for index in range(self._count) if index in self._rows.by_index]
 
-    def rows_of(self, points: Sequence[Point]) -> list[PointResult]:
-        """Evaluate points; return their rows."""
+    def evaluate_points(self, points: Sequence[Point]) -> list[PointResult]:
+        """Evaluate points, record their results, and return these in order; recorded points are read again."""
         first = self._count
         self._count += len(points)
         missing = [index for index in range(first, self._count) if not self._is_known(index, points[index - first])]
         engine = self._engine if self._slow else Engine(1)
         remaining = [points[index - first] for index in missing]
-        for item, row in engine.stream(partial(evaluate_point, self._task), remaining, _raise_lost):
-            self._rows.add(missing[item], row)
+        for position, row in engine.stream(partial(evaluate_point, self._task), remaining, _raise_lost):
+            self._rows.add(missing[position], row)
             if len(self._rows.by_index) <= self._total:  # the last generation may go beyond
                 self._progress(len(self._rows.by_index), self._total)
         rows = [self._rows.by_index[index] for index in range(first, self._count)]
@@ -248,11 +263,17 @@ class _Work:
         return rows
 
     def _is_known(self, index: int, point: Point) -> bool:
-        """Return whether the row of a point is recorded; raise CycloidError where it is that of another point."""
+        """Return whether the point of this index is already recorded.
+
+        Raises
+        ------
+        CycloidError
+            The record has another point at this index.
+        """
         row = self._rows.by_index.get(index)
         if row is None:
             return False
-        if _point(self._task, row) != point:
+        if _values_of_row(self._task, row) != point:
             raise CycloidError(
                 f"row {index + 1} of the results in the output folder belongs to another search: choose another folder "
                 "with --out"
@@ -276,7 +297,7 @@ class _Rows:
 
 @contextmanager
 def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
-    """Open the rows of a search, in the folder `out` or in memory, as a context."""
+    """Open the record of a search as a context: in memory, or in the folder `out`, where it is resumed."""
     if out is None:
         rows: dict[int, PointResult] = {}
         yield _Rows(rows, rows.__setitem__)
@@ -297,9 +318,9 @@ def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out:
         yield _Rows(journal.rows, journal.add)
 
 
-def _write_history(optimum: Optimum, into: Path) -> None:
+def _write_history(optimum: Optimum, folder: Path) -> None:
     if not optimum.rows:
         return
-    write_csv(optimum.frame, into / HISTORY)
+    write_csv(optimum.frame, folder / HISTORY)
     if find_spec("duckdb"):
-        write_parquet(optimum.frame, into / PARQUET, {"seed": optimum.seed})
+        write_parquet(optimum.frame, folder / PARQUET, {"seed": optimum.seed})

@@ -76,13 +76,13 @@ class Optimum(Tabular):
 
     @property
     def line(self) -> str:
-        """Number of points, and objectives and values of the best."""
+        """Design, number of points and of feasible points, and objectives and values of the best point, in one line."""
         head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} feasible"
         if self.best is None:
             return head
         shown: dict[str, Cell] = {each.key: self.figures(self.best)[each.key] for each in self.task.objectives}
         shown |= self.values(self.best)
-        return f"{head}; best: {', '.join(f'{key} {_short(value)}' for key, value in shown.items())}"
+        return f"{head}; best: {', '.join(f'{key} {_format_cell(value)}' for key, value in shown.items())}"
 
     @property
     def feasible(self) -> list[int]:
@@ -97,7 +97,7 @@ class Optimum(Tabular):
 
     @cached_property
     def front(self) -> tuple[int, ...]:
-        """Indices of the points of the Pareto front, in the order of the first objective."""
+        """Indices of the Pareto front in the order of the first objective; with one objective, the best point alone."""
         costs = {index: self.task.costs(self.rows[index]) for index in self.feasible}
         front: list[int] = []
         for index in sorted(costs, key=costs.__getitem__):
@@ -107,16 +107,20 @@ class Optimum(Tabular):
 
     @property
     def best(self) -> int | None:
-        """Index of the best point; on a front the one with the smallest normalized Chebyshev distance to the ideal."""
+        """Index of the best point; None if no point is feasible.
+
+        On a front it is the point with the smallest Chebyshev distance to the ideal point, with objectives normalized
+        by their ranges on the front.
+        """
         if not self.front:
             return None
         columns = list(zip(*(self.task.costs(self.rows[index]) for index in self.front), strict=True))
 
-        def distance(index: int) -> float:
+        def chebyshev_distance(index: int) -> float:
             pairs = zip(self.task.costs(self.rows[index]), columns, strict=True)
             return max((cost - min(column)) / ((max(column) - min(column)) or 1.0) for cost, column in pairs)
 
-        return min(self.front, key=distance)
+        return min(self.front, key=chebyshev_distance)
 
     @property
     def start(self) -> PointResult:
@@ -147,11 +151,11 @@ class Optimum(Tabular):
 
     @property
     def infeasible_words(self) -> str:
-        """Why no point is feasible, and what to do."""
+        """Sentences that state why no point is feasible, with the nearest point and what to do."""
         total = max(self.evaluations, 1)
         reasons = "; ".join(f"{name}: {count} ({count / total:.0%})" for name, count in self.refused.items())
         nearest = min(self.rows, key=lambda row: float(row.values[VIOLATION]))
-        values = ", ".join(f"{key} = {_short(nearest.values[key])}" for key in self.task.keys)
+        values = ", ".join(f"{key} = {_format_cell(nearest.values[key])}" for key in self.task.keys)
         return (
             f"none of {self.evaluations} points satisfies all checks and limits. Points rejected by {reasons}. The "
             f"nearest point ({values}) violates {nearest.error or nearest.values[REJECTED_BY]}. Widen the ranges, vary "
@@ -160,7 +164,7 @@ class Optimum(Tabular):
 
     @cached_property
     def frame(self) -> Frame:
-        """A row for each evaluation."""
+        """Table with a row for each evaluation: values, figures, feasibility, rejections, error and CPU time [s]."""
         units = {key: unit_of(declaration_of(key)).suffix for key in self.task.keys}
         names = ("evaluation", *self.task.keys, *self.task.figures, FEASIBLE, VIOLATION, REJECTED_BY, "error", "cpu_s")
         rows = [
@@ -170,7 +174,7 @@ class Optimum(Tabular):
         return make_frame(rows, names, {key: unit for key, unit in units.items() if unit} | {"cpu_s": "s"})
 
     def as_json(self) -> dict[str, Any]:
-        """Convert all but the history to JSON values."""
+        """Convert best point, front, limits, rejections and checks to JSON values, without the list of evaluations."""
         best, objectives = self.best, self.task.objectives
         reached = None if best is None else [self.figures(best)[objective.key] for objective in objectives]
         return {
@@ -192,7 +196,7 @@ class Optimum(Tabular):
             "refused": self.refused,
             "follows": self.task.follows,
             "seed": self.seed,
-            "verified": None if self.checked is None else self._checked_json(self.checked),
+            "verified": None if self.checked is None else self._checks_as_json(self.checked),
         }
 
     @property
@@ -207,12 +211,12 @@ class Optimum(Tabular):
 
     def change(self, key: str) -> float:
         """Compute the relative change of a figure from the start to the best; NaN where one is not known."""
-        before = self.start_figures.get(key, math.nan)
-        return self.best_figures[key] / before - 1.0 if before else math.nan
+        start = self.start_figures.get(key, math.nan)
+        return self.best_figures[key] / start - 1.0 if start else math.nan
 
     @property
     def words(self) -> str:
-        """Objectives, limits and the number of feasible points, in a sentence."""
+        """Objectives, limits, number of feasible points, start and seed, in a sentence."""
         objectives = " and ".join(map(str, self.task.objectives))
         limits = f", {' and '.join(map(str, self.task.limits))}" if self.task.limits else ""
         front = f", {len(self.front)} on the front" if len(self.task.objectives) > 1 else ""
@@ -223,18 +227,18 @@ class Optimum(Tabular):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Objectives that do not change from point to point, a sentence each."""
-        known = [row for row in self.rows if all(key in row.values for key in self.task.figures)]
-        unmoved = []
+        """Sentences about objectives that have the same value at every point."""
+        evaluated = [row for row in self.rows if all(key in row.values for key in self.task.figures)]
+        sentences = []
         for key in (objective.key for objective in self.task.objectives):
-            values = [value for row in known if math.isfinite(value := float(row.values[key]))]
+            values = [value for row in evaluated if math.isfinite(value := float(row.values[key]))]
             # rounding errors are below
             if len(values) > 1 and max(values) - min(values) <= 1e-9 * max(map(abs, values)):
-                unmoved.append(
+                sentences.append(
                     f"the objective {key} does not depend on {', '.join(self.task.keys)}: it is {values[0]:.6g} at all "
                     f"{len(values)} points, so the best point is arbitrary. Vary other keys or choose another objective"
                 )
-        return tuple(unmoved)
+        return tuple(sentences)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -245,7 +249,7 @@ class Optimum(Tabular):
 
     @property
     def active_bounds(self) -> tuple[str, ...]:
-        """Ends of ranges and limits at which the best point lies, a sentence each."""
+        """Sentences that name the ends of ranges and the limits at which the best point lies, within `AT_END`."""
         if self.best is None:
             return ()
         values, figures = self.values(self.best), self.best_figures
@@ -277,7 +281,7 @@ class Optimum(Tabular):
         warnings.warn("the attribute ran_into is deprecated: use active_bounds", DeprecationWarning, stacklevel=2)
         return self.active_bounds
 
-    def _checked_json(self, checked: BestChecks) -> dict[str, Any]:
+    def _checks_as_json(self, checked: BestChecks) -> dict[str, Any]:
         """Convert the checks of the best design to JSON values."""
         dynamics = checked.dynamics
         return {
@@ -289,18 +293,24 @@ class Optimum(Tabular):
         }
 
 
-def _short(value: Cell) -> str:
+def _format_cell(value: Cell) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def tables(optimum: Optimum) -> tuple[Table, ...]:
-    """Tabulate the best point and its figures next to the start's, the rejections, the front, and the checks."""
+    """Tabulate the best point and its figures next to the start, the rejections, the Pareto front, and the checks."""
     assert optimum.best is not None
     start, best = optimum.values(0), optimum.values(optimum.best)
-    keys = tuple((key, _short(start[key]), _short(best[key])) for key in optimum.task.keys)
-    before, change = optimum.start_figures, optimum.change
+    keys = tuple((key, _format_cell(start[key]), _format_cell(best[key])) for key in optimum.task.keys)
+    start_figures, change = optimum.start_figures, optimum.change
     figures = tuple(
-        (figure(key).name, _number(before.get(key)), _number(value), _percent(change(key)), figure(key).unit)
+        (
+            figure(key).name,
+            _format_number(start_figures.get(key)),
+            _format_number(value),
+            _format_change(change(key)),
+            figure(key).unit,
+        )
         for key, value in optimum.best_figures.items()
     )
     total = optimum.evaluations
@@ -314,20 +324,20 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
     if len(optimum.task.objectives) > 1:
         header = (*optimum.task.keys, *optimum.task.figures)
         front = ({**optimum.values(index), **optimum.figures(index)} for index in optimum.front)
-        cells = tuple(tuple(_short(point[key]) for key in header) for point in front)
+        cells = tuple(tuple(_format_cell(point[key]) for key in header) for point in front)
         tables.append(Table("Pareto front", header, cells))
     if optimum.checked is not None:
-        tables += _checked_tables(optimum.checked)
+        tables += _tabulate_checks(optimum.checked)
     return tuple(tables)
 
 
-def _checked_tables(checked: BestChecks) -> list[Table]:
-    """Tabulate the full statics of best and start, the dynamics of the best, and its yield."""
+def _tabulate_checks(checked: BestChecks) -> list[Table]:
+    """Tabulate the full statics of best and start, and of the best also its dynamics and its yield."""
     tables = []
     if checked.sheet is not None:
-        before = checked.start.quantities if checked.start else {}
+        start = checked.start.quantities if checked.start else {}
         rows = tuple(
-            _comparison_row(quantity, before.get(quantity.key)) for quantity in checked.sheet.quantities.values()
+            _comparison_row(quantity, start.get(quantity.key)) for quantity in checked.sheet.quantities.values()
         )
         header = ("quantity", "start", "best", "change", "unit")
         tables.append(Table(f"statics: {checked.sheet.condition}", header, rows))
@@ -339,14 +349,14 @@ def _checked_tables(checked: BestChecks) -> list[Table]:
 
 def _comparison_row(best: Quantity, start: Quantity | None) -> tuple[str, ...]:
     """Format a quantity of the best design next to that of the start."""
-    before = start.value if start else math.nan
-    change = best.value / before - 1.0 if before else math.nan
-    return best.name, _number(before), _number(best.value), _percent(change), best.unit
+    start_value = start.value if start else math.nan
+    change = best.value / start_value - 1.0 if start_value else math.nan
+    return best.name, _format_number(start_value), _format_number(best.value), _format_change(change), best.unit
 
 
-def _number(value: float | None) -> str:
+def _format_number(value: float | None) -> str:
     return "-" if value is None or math.isnan(value) else four_digits(value)
 
 
-def _percent(share: float) -> str:
+def _format_change(share: float) -> str:
     return "" if math.isnan(share) else f"{100.0 * share:+.1f} %"

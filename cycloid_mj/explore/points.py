@@ -57,7 +57,7 @@ class Axis:
 
 
 def grid_points(vary: Mapping[str, Wanted]) -> Points:
-    """List all combinations of the values of each key; those of the last key change fastest.
+    """List all combinations of the values of each key (full factorial); those of the last key change fastest.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def grid_points(vary: Mapping[str, Wanted]) -> Points:
 
 
 def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: int) -> Points:
-    """Draw points: each key from its range, or with equal probability from its values.
+    """Draw points by a sampling method: each key from its range, or with equal probability from its values.
 
     Parameters
     ----------
@@ -95,12 +95,12 @@ def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: in
     _require_few(count)
     axes = [parse_axis(key, wanted) for key, wanted in vary.items()]
     shares = _draw_shares(method, count, len(axes), seed)
-    columns = [_drawn(axis, column) for axis, column in zip(axes, shares.T, strict=True)]
+    columns = [_values_at_shares(axis, column) for axis, column in zip(axes, shares.T, strict=True)]
     return Points(tuple(vary), tuple(zip(*columns, strict=True)))
 
 
 def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
-    """Read the points of rows that all have the same keys; values may be text.
+    """Convert rows of a table, key -> value or its text, to points; all rows must have the same keys.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
 
 
 def read_table(path: Path) -> Points:
-    """Read points from a CSV file whose header names keys of the design file; errors as `list_rows`."""
+    """Read points from a CSV file whose header has keys of the design file; raise UsageError as `list_rows`."""
     try:
         with note_input(path).open(encoding="utf-8-sig", newline="") as stream:
             header, *lines = [[cell.strip() for cell in line] for line in csv.reader(stream) if any(line)] or [[]]
@@ -135,11 +135,11 @@ def read_table(path: Path) -> Points:
             f"cannot read --table {path}: {reason(problem)}. Choose a CSV file whose header contains keys of the "
             "design file"
         ) from problem
-    if twice := next((key for key in header if header.count(key) > 1), None):
-        raise UsageError(f"--table {path}: the column {twice!r} is repeated. Remove one of the two columns")
-    if uneven := next((number for number, line in enumerate(lines, 1) if len(line) != len(header)), None):
+    if repeated := next((key for key in header if header.count(key) > 1), None):
+        raise UsageError(f"--table {path}: the column {repeated!r} is repeated. Remove one of the two columns")
+    if bad := next((number for number, line in enumerate(lines, 1) if len(line) != len(header)), None):
         raise UsageError(
-            f"--table {path}: row {uneven} has {len(lines[uneven - 1])} values, but the header has {len(header)} "
+            f"--table {path}: row {bad} has {len(lines[bad - 1])} values, but the header has {len(header)} "
             "columns. Give one value per column"
         )
     try:
@@ -157,7 +157,7 @@ def _require_few(count: int) -> None:
 
 
 def _scalar_field(key: str) -> FieldInfo:
-    """Return the declaration of a key that holds one value."""
+    """Return the declaration of a key of the design file; raise UsageError if its value is a list or a table."""
     field = declaration_of(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
         raise UsageError(
@@ -192,9 +192,12 @@ def parse_axis(key: str, wanted: Wanted) -> Axis:
     return Axis(key, field, tuple(_parse_value(key, field, word.strip()) for word in wanted.split(",")))
 
 
-def _parse_range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axis:
-    """Parse a range ``lo:hi`` or ``lo:hi:n``."""
-    option = f"--vary {key}={wanted}"
+def _parse_range(key: str, field: FieldInfo, text: str, parts: Sequence[str]) -> Axis:
+    """Parse a range ``lo:hi`` (to be sampled) or ``lo:hi:n`` (n values), already split at the colons into `parts`.
+
+    `text` is the user's text for messages. Raise UsageError if it is not a valid range of the key.
+    """
+    option = f"--vary {key}={text}"
     try:
         low, high, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) == 3 else 0
     except ValueError:
@@ -219,21 +222,22 @@ def _parse_range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) 
 
 
 def axis_values(axis: Axis) -> tuple[Value, ...]:
-    """List the values of an axis.
+    """List the values of an axis: its list, or evenly spaced values of its range.
 
     Raises
     ------
     UsageError
-        A range of a whole number has other values.
+        A range of a whole number contains fractions.
     """
     if axis.values:
         return axis.values
     values = [significant(value) for value in np.linspace(axis.low, axis.high, axis.count or 2).tolist()]
     if axis.field.annotation is float:
         return tuple(values)
-    if odd := next((value for value in values if not value.is_integer()), None):
+    if fraction := next((value for value in values if not value.is_integer()), None):
         raise UsageError(
-            f"--vary {axis.key}: {odd:g} is not a whole number, but this key takes only whole numbers. Choose ends and "
+            f"--vary {axis.key}: {fraction:g} is not a whole number, but this key takes only whole numbers. Choose "
+            "ends and "
             f"number of values of the range {axis.low:g}:{axis.high:g} so that all values are whole"
         )
     return tuple(map(int, values))
@@ -268,22 +272,22 @@ def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
 
 
 def _draw_shares(method: Method, count: int, dimensions: int, seed: int) -> Array:
-    """Draw points in the unit cube, shape (count, dimensions)."""
+    """Draw points in the unit cube by a sampling method, shape (count, dimensions)."""
     from scipy.stats import qmc
 
     match method:
         case "sobol":
-            drawn = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(
+            shares = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(
                 max(0, (count - 1).bit_length())
             )
-            return np.asarray(drawn[:count])
+            return np.asarray(shares[:count])
         case "lhs":
             return np.asarray(qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count))
     return np.random.default_rng(seed).random((count, dimensions))
 
 
-def _drawn(axis: Axis, shares: Array) -> list[Value]:
-    """List the values of an axis at shares from 0 to 1."""
+def _values_at_shares(axis: Axis, shares: Array) -> list[Value]:
+    """List the values of an axis at shares of its range or list from 0 to 1, shape (n,)."""
     if axis.values or axis.count:
         values = axis_values(axis)
         return [values[int(share * len(values))] for share in shares.tolist()]

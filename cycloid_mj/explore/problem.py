@@ -113,7 +113,7 @@ class Problem:
         return math.prod(len(choice.values) for choice in self.choices)
 
     def allows(self, values: Sequence[Value]) -> bool:
-        """Return whether values lie in their ranges; those of the start may not."""
+        """Return whether the values of a point lie within the ranges and choices; those of the start design may not."""
         return all(
             variable.low <= float(value) <= variable.high
             if isinstance(variable, SearchRange)
@@ -130,13 +130,15 @@ class Problem:
 def define_problem(
     reducer: Reducer,
     vary: Mapping[str, Wanted],
-    minimize: Sequence[str] = (),
-    maximize: Sequence[str] = (),
-    limits: Sequence[str] = (),
+    minimize: str | Sequence[str] = (),
+    maximize: str | Sequence[str] = (),
+    limits: str | Sequence[str] = (),
     strict: bool = False,
     follow: str | Sequence[str] = (),
 ) -> Problem:
-    """Define a problem; see `optimize` for the arguments.
+    """Return the optimisation problem of a reducer, with variables, objectives, limits and linked keys.
+
+    The arguments are those of `optimize`.
 
     Raises
     ------
@@ -148,10 +150,13 @@ def define_problem(
         raise UsageError(
             "no key varies: name at least one with --vary KEY=LO:HI, e.g. --vary gear.eccentricity_mm=0.5:1.1"
         )
-    variables = [_variable(key, wanted) for key, wanted in vary.items()]
+    variables = [_parse_variable(key, wanted) for key, wanted in vary.items()]
     ranges = tuple(variable for variable in variables if isinstance(variable, SearchRange))
     choices = tuple(variable for variable in variables if isinstance(variable, Choice))
-    objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
+    objectives = (
+        *(Objective(key) for key in _as_tuple(minimize)),
+        *(Objective(key, -1.0) for key in _as_tuple(maximize)),
+    )
     if not 1 <= len(objectives) <= 2:
         raise UsageError(
             f"the number of objectives is {len(objectives)}, but a search has one, or two for a Pareto front: name "
@@ -159,7 +164,7 @@ def define_problem(
         )
     for objective in objectives:
         figure(objective.key, COMPUTED, reducer)
-    parsed = tuple(parse_limit(text, reducer) for text in limits)
+    parsed = tuple(parse_limit(text, reducer) for text in _as_tuple(limits))
     require_consistent(parsed)
     requested = parse_links(reducer, follow, vary)
     links = (*requested, *default_links(requested, vary))
@@ -172,11 +177,15 @@ def define_problem(
     return task
 
 
-def _variable(key: str, wanted: Wanted) -> SearchRange | Choice:
-    """Parse the values of a key: a range of real numbers, or values to try one by one."""
-    if declaration_of(key).annotation is float and not isinstance(wanted, str) and len(wanted) == 2:
-        wanted = f"{wanted[0]}:{wanted[1]}"
-    axis = parse_axis(key, wanted)
+def _as_tuple(words: str | Sequence[str]) -> tuple[str, ...]:
+    return (words,) if isinstance(words, str) else tuple(words)
+
+
+def _parse_variable(key: str, values: Wanted) -> SearchRange | Choice:
+    """Parse the values of a key: a range of real numbers, or a list of values to try in turn."""
+    if declaration_of(key).annotation is float and not isinstance(values, str) and len(values) == 2:
+        values = f"{values[0]}:{values[1]}"
+    axis = parse_axis(key, values)
     if axis.values or axis.count:
         return Choice(key, axis_values(axis))
     if axis.field.annotation is int:
@@ -185,7 +194,10 @@ def _variable(key: str, wanted: Wanted) -> SearchRange | Choice:
 
 
 def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
-    """Evaluate a point: its figures, and what rejects it; an error is recorded in the result."""
+    """Evaluate the design at a point: figures, feasibility, violation, and the checks and limits that reject it.
+
+    `values` are those of the problem's keys, in order. An error is recorded in the result.
+    """
     start = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CycloidWarning)
@@ -197,13 +209,20 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
 
 
 def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
-    """Return figures, violations by reason, their offset, and the text of an error."""
+    """Compute the figures of a point and its violations.
+
+    Returns
+    -------
+    tuple
+        Figures by key; relative violations by the name of the check or limit; offset of their sum, which ranks the
+        stages that reject a point; text of an error, empty if none occurred.
+    """
     try:
         design = task.design_at(values)
     except DesignError as error:
         return {}, {FILE: 1.0}, INVALID_VALUE, error_line(error)
     try:
-        if failed := rejections(Reducer(design), task.strict):
+        if failed := compute_rejections(Reducer(design), task.strict):
             return {}, failed, CHECK_VIOLATION, ""
         figures = compute(Reducer(design), task.figures)
     except CycloidError as error:
@@ -216,15 +235,15 @@ def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float],
     return figures, violated, LIMIT_VIOLATION, ""
 
 
-def rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
-    """Compute which checks reject a design, by name, each with its violation relative to its bound.
+def compute_rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
+    """Return the failed checks that reject a design: name of the check -> its violation, relative to its bound.
 
     These are the checks that make a design impossible to build, and walls thinner than assumed; with `strict` also all
     warnings.
     """
     checks = check(reducer.design) if strict else soundness(reducer)
-    failed = [each for each in checks if not each.passed and (strict or each.severity == "error" or each.name in WALLS)]
-    return {each.name: _excess(each.value, each.bound) for each in failed}
+    failed = [item for item in checks if not item.passed and (strict or item.severity == "error" or item.name in WALLS)]
+    return {item.name: _excess(item.value, item.bound) for item in failed}
 
 
 def _excess(value: float | None, bound: float | None) -> float:

@@ -44,8 +44,8 @@ def number_inputs(sweep: Sweep) -> tuple[str, ...]:
     return tuple(key for key in sweep.task.keys if key in numbers)
 
 
-def select_quantities(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the quantities to show: those wanted, else up to six that vary, `HEADLINES` first.
+def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Return the columns of a sweep to show: those requested, else up to six that vary, `HEADLINES` first.
 
     Raises
     ------
@@ -54,14 +54,14 @@ def select_quantities(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, 
     """
     numbers = sweep.frame.numbers
     available = [name for name in sweep.quantities if name in numbers]
-    wanted = tuple(name if name in available else _catalogue_key(name) for name in wanted)
-    if unknown := [name for name in wanted if name not in available]:
+    requested = tuple(name if name in available else _catalogue_key(name) for name in requested)
+    if unknown := [name for name in requested if name not in available]:
         raise UsageError(
             f"--show {unknown[0]}: unknown quantity. Choose from "
             f"{', '.join(available) or 'none (the sweep has no numeric results)'}"
         )
-    if wanted:
-        return wanted
+    if requested:
+        return requested
     finite = {name: values for name in available if (values := _finite(numbers[name])).size}
     # more than rounding
     varying = [name for name, values in finite.items() if np.ptp(values) > 1e-6 * np.abs(values).max()] or available
@@ -82,33 +82,33 @@ def _catalogue_key(name: str) -> str:
 def rank_correlations(sweep: Sweep, quantities: tuple[str, ...]) -> Ranks:
     """Compute Spearman's correlations of quantities with the inputs that are numbers, over the points with both."""
     numbers, inputs = sweep.frame.numbers, number_inputs(sweep)
-    rho = np.array([[_rho(numbers[key], numbers[name]) for key in inputs] for name in quantities])
+    rho = np.array([[_spearman(numbers[key], numbers[name]) for key in inputs] for name in quantities])
     return Ranks(inputs, quantities, rho.reshape(len(quantities), len(inputs)))
 
 
-def tables(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
-    """Tabulate the ranges of quantities, and their rank correlations where there are several inputs."""
+def tabulate_quantities(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
+    """Tabulate minimum, median and maximum of quantities, and with several inputs their rank correlations."""
     numbers = sweep.frame.numbers
     rows = []
     for name in quantities:
         values = _finite(numbers[name])
         low, middle, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
         rows.append((name, low, middle, high, str(values.size)))
-    tables = [Table("quantities", ("quantity", "minimum", "median", "maximum", "points"), tuple(rows))]
+    tabulate_quantities = [Table("quantities", ("quantity", "minimum", "median", "maximum", "points"), tuple(rows))]
     if len(number_inputs(sweep)) > 1 and quantities:
         correlations = rank_correlations(sweep, quantities)
         cells = (["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in correlations.rho.tolist())
         lines = tuple((name, *row) for name, row in zip(quantities, cells, strict=True))
-        tables.append(Table("rank correlations (Spearman)", ("quantity", *correlations.inputs), lines))
-    return tuple(tables)
+        tabulate_quantities.append(Table("rank correlations (Spearman)", ("quantity", *correlations.inputs), lines))
+    return tuple(tabulate_quantities)
 
 
 def _finite(values: Array) -> Array:
     return values[np.isfinite(values)]
 
 
-def _rho(first: Array, second: Array) -> float:
-    """Compute Spearman's rank correlation of the points that have both values; NaN for fewer than 3."""
+def _spearman(first: Array, second: Array) -> float:
+    """Compute Spearman's rank correlation over the points that have both values; NaN for fewer than 3 points."""
     from scipy.stats import spearmanr
 
     valid = np.isfinite(first) & np.isfinite(second)

@@ -53,7 +53,10 @@ class PointResult:
 
 
 def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
-    """Measure the design at a point; an error is recorded in its row, since other points may succeed."""
+    """Compute the measures of the design at a point, given the values of the task's keys in order.
+
+    An error of a value or a measure is recorded in the result, since other points may succeed.
+    """
     start = time.thread_time()
     try:
         changed = override(task.reducer.design, dict(zip(task.keys, values, strict=True)))
@@ -83,7 +86,10 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
 
 
 def _measure_sound(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Measure a design that can be built; only `checks` accepts others. Warnings are part of the result."""
+    """Compute a measure of a design; raise CycloidError if it cannot be built, except for the measure `checks`.
+
+    Python warnings are suppressed, because the result lists them.
+    """
     from cycloid_mj.checks import require_sound
 
     if name != "checks":

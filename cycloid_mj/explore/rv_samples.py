@@ -11,11 +11,11 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.units import ARCSECOND
+from cycloid_mj.base.units import ARCSECOND, MICROMETRES
 from cycloid_mj.design import Design
 from cycloid_mj.design.rv import CrankErrors
 from cycloid_mj.explore.budget import Share
-from cycloid_mj.explore.zone import Zone, zone
+from cycloid_mj.explore.zone import Zone, parse_zone
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv_sheet import closed_rotation
 
@@ -34,8 +34,6 @@ ERRORS: Mapping[str, tuple[str, ...]] = {
 
 BLOCK = 2_000
 """Samples that are evaluated at a time, which bounds the memory."""
-UNIT_ERROR = 1e-6
-"""Error of the responses [m]."""
 
 
 @dataclass(frozen=True)
@@ -49,14 +47,14 @@ class RvSamples:
 
 
 def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
-    """Return the tolerances of a design by key of [crank_tolerance].
+    """Return the nonzero tolerances of an RV reducer, by their keys in the table [crank_tolerance].
 
     Raises
     ------
     UsageError
-        There are none.
+        The design has no tolerances.
     DesignError
-        A tolerance does not have a known form.
+        A tolerance is not written in one of the `FORMS`.
     """
     cranks = reducer.cranks
     sizes = {
@@ -68,8 +66,8 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
         "axis_position": 2.0 * reducer.design.ring.pin_circle_radius,
     }
     texts = {key: getattr(reducer.crank_tolerance, key) for key in ERRORS}
-    parsed = {key: zone(text, key, sizes[key], table="crank_tolerance") for key, text in texts.items()}
-    zones = {key: item for key, item in parsed.items() if item}
+    parsed = {key: parse_zone(text, key, sizes[key], table="crank_tolerance") for key, text in texts.items()}
+    zones = {key: parsed_zone for key, parsed_zone in parsed.items() if parsed_zone}
     if not zones:
         raise UsageError(
             f"the design {reducer.design.name!r} has no tolerances: set at least one in the table [crank_tolerance], "
@@ -79,52 +77,87 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
 
 
 def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> RvSamples:
-    """Draw samples within the tolerances; the `worst` with the largest transmission error are kept as designs."""
+    """Draw random samples of an RV reducer within its tolerances, with their transmission errors and error budget.
+
+    Parameters
+    ----------
+    reducer
+        Nominal reducer.
+    samples, seed
+        Number of samples, and random seed.
+    worst
+        Number of samples with the largest transmission error that are returned as designs.
+
+    Raises
+    ------
+    UsageError, DesignError
+        As `crank_zones`.
+    """
     zones, rng = crank_zones(reducer), np.random.default_rng(seed)
-    own, responses = closed_rotation(reducer), dict[str, Array]()
-    drawn, variances = dict[str, Array](), dict[str, float]()
-    for key, item in zones.items():
-        of_key = {column: turn for field in ERRORS[key] for column, turn in _responses(reducer, field, own).items()}
-        drawn |= {column: item.quantiles(rng.random(samples)) for column in of_key}
-        variances[key] = item.deviation**2 * sum(float(np.var(turn)) for turn in of_key.values())
-        responses |= of_key
-    values = _ranges(own, np.array(list(responses.values())), np.array(list(drawn.values()))) / ARCSECOND
+    nominal, responses = closed_rotation(reducer), dict[str, Array]()
+    departures, variances = dict[str, Array](), dict[str, float]()
+    for key, zone_of_key in zones.items():
+        responses_of_key = {
+            column: turn
+            for field in ERRORS[key]
+            for column, turn in _compute_responses(reducer, field, nominal).items()
+        }
+        departures |= {column: zone_of_key.quantiles(rng.random(samples)) for column in responses_of_key}
+        variances[key] = zone_of_key.deviation**2 * sum(float(np.var(turn)) for turn in responses_of_key.values())
+        responses |= responses_of_key
+    values = (
+        _transmission_errors(nominal, np.array(list(responses.values())), np.array(list(departures.values())))
+        / ARCSECOND
+    )
     total = sum(variances.values())
-    parts = {key: variance / total if total else 0.0 for key, variance in variances.items()}
-    ordered = sorted(parts, key=lambda key: -parts[key])
-    order = np.argsort(-values)[:worst]
+    share_of_key = {key: variance / total if total else 0.0 for key, variance in variances.items()}
+    ordered = sorted(share_of_key, key=lambda key: -share_of_key[key])
+    worst_rows = np.argsort(-values)[:worst]
     return RvSamples(
         values=values,
-        drawn={column: 1e6 * departure for column, departure in drawn.items()},
-        budget=tuple(Share(key, parts[key], parts[key], (parts[key], parts[key])) for key in ordered),
-        worst=tuple(_design_of(reducer, drawn, int(row), place) for place, row in enumerate(order, 1)),
+        drawn={column: MICROMETRES * departure for column, departure in departures.items()},
+        budget=tuple(
+            Share(key, share_of_key[key], share_of_key[key], (share_of_key[key], share_of_key[key])) for key in ordered
+        ),
+        worst=tuple(_design_of_sample(reducer, departures, int(row), rank) for rank, row in enumerate(worst_rows, 1)),
     )
 
 
-def _ranges(own: Array, responses: Array, departures: Array) -> Array:
-    """Return the range of the output's angle of each sample [rad], shape (samples,).
+def _transmission_errors(nominal: Array, responses: Array, departures: Array) -> Array:
+    """Compute the peak-to-peak transmission error of each sample [rad], shape (samples,).
 
-    From the angle without departures, shape (m,), the responses (columns, m) and the departures (columns, samples).
+    Parameters
+    ----------
+    nominal
+        Output angle of the nominal reducer over a turn [rad], shape (m,).
+    responses
+        Change of this angle by each error [rad/m], shape (columns, m).
+    departures
+        Errors of the samples [m], shape (columns, samples).
     """
     starts = range(0, departures.shape[1], BLOCK)
-    blocks = (departures[:, start : start + BLOCK].T @ responses + own for start in starts)
+    blocks = (departures[:, start : start + BLOCK].T @ responses + nominal for start in starts)
     return np.concatenate([np.ptp(block, axis=1) for block in blocks])
 
 
-def _responses(reducer: RvReducer, field: str, own: Array) -> dict[str, Array]:
-    """Return the response of the output's angle to each error of a field [rad/m], by the name of its column."""
-    count = _count(reducer, field)
-    names = [f"{field}_{number + 1}" for number in range(count)] if count else [field]
+def _compute_responses(reducer: RvReducer, field: str, nominal: Array) -> dict[str, Array]:
+    """Compute the change of the output angle over a turn by a unit of each error of a field [rad/m], shape (m,) each.
+
+    `nominal` is the output angle without additional errors [rad], shape (m,). Keys are names of columns: the field,
+    with a number from 1 for the entries of a list.
+    """
+    length, micrometre = _list_length(reducer, field), 1.0 / MICROMETRES
+    names = [f"{field}_{position + 1}" for position in range(length)] if length else [field]
     responses = {}
-    for number, name in enumerate(names):
-        values = np.array(_values(reducer, field))
-        values[number] += UNIT_ERROR
-        moved = reducer.but(crank_errors={field: tuple(values.tolist()) if count else float(values[0])})
-        responses[name] = (closed_rotation(moved) - own) / UNIT_ERROR
+    for position, name in enumerate(names):
+        values = np.array(_errors_of_field(reducer, field))
+        values[position] += micrometre
+        perturbed = reducer.but(crank_errors={field: tuple(values.tolist()) if length else float(values[0])})
+        responses[name] = (closed_rotation(perturbed) - nominal) / micrometre
     return responses
 
 
-def _count(reducer: RvReducer, field: str) -> int:
+def _list_length(reducer: RvReducer, field: str) -> int:
     """Return the length of a list of errors; 0 of a single number."""
     if isinstance(CrankErrors.model_fields[field].default, float):
         return 0
@@ -132,21 +165,24 @@ def _count(reducer: RvReducer, field: str) -> int:
     return reducer.cranks.count * (len(reducer.phases) if of_eccentrics else 1)
 
 
-def _values(reducer: RvReducer, field: str) -> list[float]:
+def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
     """Return the errors of a field [m]; an empty list has zeros."""
     values = getattr(reducer.crank_errors, field)
     if isinstance(values, float):
         return [values]
-    return list(values) or [0.0] * _count(reducer, field)
+    return list(values) or [0.0] * _list_length(reducer, field)
 
 
-def _design_of(reducer: RvReducer, drawn: Mapping[str, Array], row: int, place: int) -> Design:
-    """Return a sample as a design."""
+def _design_of_sample(reducer: RvReducer, departures: Mapping[str, Array], row: int, rank: int) -> Design:
+    """Return a sample as a design with its errors; `row` is its index in `departures` [m], `rank` numbers the name."""
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):
-        count = _count(reducer, field)
-        names = [f"{field}_{number + 1}" for number in range(count)] if count else [field]
-        if names[0] in drawn:
-            values = [own + float(drawn[name][row]) for own, name in zip(_values(reducer, field), names, strict=True)]
-            changes[field] = tuple(values) if count else values[0]
-    return reducer.design.but(name=f"{reducer.design.name}-worst-{place}", crank_errors=changes)
+        length = _list_length(reducer, field)
+        names = [f"{field}_{number + 1}" for number in range(length)] if length else [field]
+        if names[0] in departures:
+            values = [
+                nominal + float(departures[name][row])
+                for nominal, name in zip(_errors_of_field(reducer, field), names, strict=True)
+            ]
+            changes[field] = tuple(values) if length else values[0]
+    return reducer.design.but(name=f"{reducer.design.name}-worst-{rank}", crank_errors=changes)

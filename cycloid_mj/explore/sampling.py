@@ -9,18 +9,29 @@ import numpy as np
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
 from cycloid_mj.design import Design
-from cycloid_mj.explore.zone import Zone, wave_zones, zone
+from cycloid_mj.explore.zone import Zone, parse_zone, wave_zones
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.measured import measured_deviations
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import Samples, identical_samples
 
-BLOCK_SAMPLES = 512
-"""Samples drawn from one stream of random numbers per tolerance; changing this changes all draws."""
+
+@dataclass(frozen=True)
+class SamplingSettings:
+    """Random streams and batches of a tolerance study; changing the first three changes all draws."""
+
+    block: int = 512
+    """Samples drawn from one stream of random numbers per tolerance."""
+    budget_stream: int = 1 << 32
+    """Number of the random stream of the budget's first set, after those of all blocks; its second set has the next."""
+    min_share: float = 2.0**-54
+    """Smallest distance of a share from 0 and 1, where a normal quantile is infinite."""
+    first_batch: int = 200
+    """Samples that are balanced before all others, to see whether they jam."""
 
 
-FIRST_BATCH = 200
-"""Samples that are balanced before all others, to see whether they jam."""
+SAMPLING = SamplingSettings()
+
 
 SOURCES = (
     *("mesh", "seat", "cam", "output", "pin_position", "pin_radius", "pin_circle"),
@@ -31,20 +42,14 @@ SOURCES = (
 WAVE = "profile_"
 """Prefix of the name of a wave of the profile, before its order."""
 
-BUDGET_STREAM = 1 << 32
-"""Number of the random stream of the budget's first set, after those of all blocks; its second set has the next."""
-
-_INSIDE = 2.0**-54
-"""Smallest distance of a share from 0 and 1, where a normal quantile is infinite."""
-
 
 def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
-    """Collect the nonzero zones of a design's tolerances by their keys, those of waves by `WAVE` and order.
+    """Collect the nonzero tolerance zones of a design by key; the key of a profile wave is `WAVE` and its order.
 
     Raises
     ------
     DesignError
-        A tolerance does not have a known form.
+        A tolerance is not written in one of the `FORMS`.
     """
     design = reducer.design
     tolerance, clearance, ring = design.tolerance, design.clearance, design.ring
@@ -64,8 +69,11 @@ def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
         "disc_size": circle,
         "cam_position": 2.0 * design.gear.eccentricity,
     }
-    zones = {key: zone(getattr(tolerance, key), key, size, own) for key, (size, own) in fits.items()}
-    zones |= {key: zone(getattr(tolerance, key), key, size) for key, size in sizes.items()}
+    zones = {
+        key: parse_zone(getattr(tolerance, key), key, size, clearance_of_pair)
+        for key, (size, clearance_of_pair) in fits.items()
+    }
+    zones |= {key: parse_zone(getattr(tolerance, key), key, size) for key, size in sizes.items()}
     if not design.pin_play:
         zones["seat"] = None
     waves = wave_zones(tolerance.profile, ring.teeth, circle)
@@ -90,17 +98,17 @@ class Batch:
 
 
 def list_batches(samples: int) -> list[Batch]:
-    """List the batches of so many samples, the first of `FIRST_BATCH` samples; no batch spans two blocks."""
-    begin = min(FIRST_BATCH, samples, BLOCK_SAMPLES)
-    pieces = [Batch(0, begin)]
-    first = begin
-    while first < samples:
-        number, offset = divmod(first, BLOCK_SAMPLES)
+    """Split samples into batches: `SAMPLING.first_batch` samples first, and no batch across two random blocks."""
+    first_count = min(SAMPLING.first_batch, samples, SAMPLING.block)
+    batches = [Batch(0, first_count)]
+    done = first_count
+    while done < samples:
+        block, offset = divmod(done, SAMPLING.block)
         # so that no worker waits long for the last one
-        count = min(256, BLOCK_SAMPLES - offset, samples - first)
-        pieces.append(Batch(number, count, offset))
-        first += count
-    return pieces
+        count = min(256, SAMPLING.block - offset, samples - done)
+        batches.append(Batch(block, count, offset))
+        done += count
+    return batches
 
 
 def draw_samples(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> Samples:
@@ -111,9 +119,9 @@ def draw_samples(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: 
 
 
 def draw_departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
-    """Draw the departures of the samples of a batch from the design [m], by tolerance, shape (samples, ...).
+    """Draw the departures of the samples of a batch from the nominal design [m], by tolerance, shape (samples, ...).
 
-    Those of a wave are the amplitudes of its cosine and sine, see `Samples.waves`.
+    A wave of the profile has the amplitudes of its cosine and sine, shape (samples, 2), see `Samples.waves`.
     """
     shares = _draw_shares(reducer, zones, seed, batch)
     departures = {key: zone.quantiles(shares[key]) for key, zone in zones.items()}
@@ -124,25 +132,25 @@ def draw_departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batc
 
 
 def _draw_shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
-    """Draw uniform numbers from 0 to 1, by tolerance, shape (samples, ...)."""
+    """Draw uniform random numbers from 0 to 1 for the samples of a batch, by tolerance, shape (samples, ...)."""
     end = batch.first + batch.count
     shares = {}
     for key in zones:
-        number = batch.number if not batch.compared else BUDGET_STREAM + (key in batch.second)
-        generator = np.random.default_rng([seed, _stream(key), number])
-        shares[key] = _inside(generator.random((end, *_shape(reducer, key)))[batch.first :])
+        number = batch.number if not batch.compared else SAMPLING.budget_stream + (key in batch.second)
+        generator = np.random.default_rng([seed, _stream_of(key), number])
+        shares[key] = _clip_inside(generator.random((end, *_shape_of_draws(reducer, key)))[batch.first :])
     return shares
 
 
-def _stream(key: str) -> int:
+def _stream_of(key: str) -> int:
     return len(SOURCES) + int(key.removeprefix(WAVE)) if key.startswith(WAVE) else SOURCES.index(key)
 
 
-def _inside(shares: Array) -> Array:
-    return np.clip(shares, _INSIDE, 1.0 - _INSIDE)
+def _clip_inside(shares: Array) -> Array:
+    return np.clip(shares, SAMPLING.min_share, 1.0 - SAMPLING.min_share)
 
 
-def _shape(reducer: Reducer, key: str) -> tuple[int, ...]:
+def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
     """Return the shape of the random numbers of a tolerance for one sample."""
     design = reducer.design
     pins, discs = design.ring.teeth, design.gear.discs
@@ -151,37 +159,37 @@ def _shape(reducer: Reducer, key: str) -> tuple[int, ...]:
     return (2,) if key.startswith(WAVE) else shapes.get(key, ())
 
 
-def apply_departures(reducer: Reducer, nominal: Samples, changed: Mapping[str, Array]) -> Samples:
+def apply_departures(reducer: Reducer, nominal: Samples, departures: Mapping[str, Array]) -> Samples:
     """Return samples of the nominal design with departures [m] added, by tolerance, shape (samples, ...)."""
     fields = {f"{key}_position": f"{key}_place" for key in ("pin", "hole", "cam")} | {"disc_size": "disc_radius"}
-    names = {key: fields.get(key, key) for key in SOURCES if key in changed and key != "pin_circle"}
-    parts = {name: getattr(nominal, name) + changed[key] for key, name in names.items()}
-    if "pin_circle" in changed:
+    names = {key: fields.get(key, key) for key in SOURCES if key in departures and key != "pin_circle"}
+    changes = {name: getattr(nominal, name) + departures[key] for key, name in names.items()}
+    if "pin_circle" in departures:
         outwards = profile.unit(profile.pin_angles(reducer.tooth_profile))
-        position = parts.get("pin_place", nominal.pin_place)
-        parts["pin_place"] = position + changed["pin_circle"][:, np.newaxis, np.newaxis] * outwards
-    if waves := [key for key in changed if key.startswith(WAVE)]:
-        parts["waves"] = np.array(nominal.waves)
+        position = changes.get("pin_place", nominal.pin_place)
+        changes["pin_place"] = position + departures["pin_circle"][:, np.newaxis, np.newaxis] * outwards
+    if waves := [key for key in departures if key.startswith(WAVE)]:
+        changes["waves"] = np.array(nominal.waves)
         for key in waves:
-            parts["waves"][:, int(key.removeprefix(WAVE)) - 1] += changed[key]
-    return replace(nominal, **parts)
+            changes["waves"][:, int(key.removeprefix(WAVE)) - 1] += departures[key]
+    return replace(nominal, **changes)
 
 
 def departure_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
-    """Convert `departures` [m] to columns of numbers [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
+    """Convert departures [m], by tolerance, to columns [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
 
-    Pins, discs and holes of a disc (``drawn_hole_position_2_7_x_um``: the seventh of the second) are counted from 1.
+    Pins, discs and holes of a disc (``drawn_hole_position_2_7_x_um``: hole 7 of disc 2) are counted from 1.
     """
     columns = {}
     for key, values in departures.items():
         axes = {"pin_position": "xy", "hole_position": "xy", "cam_position": "xy"}.get(key, "")
         for index in np.ndindex(values.shape[1:]):
             if key.startswith(WAVE):
-                parts = ["cos" if index[0] == 0 else "sin"]
+                words = ["cos" if index[0] == 0 else "sin"]
             else:
-                parts = [str(number + 1) for number in (index[:-1] if axes else index)]
-                parts += [axes[index[-1]]] if axes else []
-            columns["_".join(["drawn", key, *parts, "um"])] = MICROMETRES * values[(slice(None), *index)]
+                words = [str(number + 1) for number in (index[:-1] if axes else index)]
+                words += [axes[index[-1]]] if axes else []
+            columns["_".join(["drawn", key, *words, "um"])] = MICROMETRES * values[(slice(None), *index)]
     return columns
 
 
@@ -192,7 +200,7 @@ def has_design_file(reducer: Reducer, samples: Samples) -> Mask:
 
 
 def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
-    """Return a sample, counted from 0, as a design with its number in its name.
+    """Draw a sample of a study again, by its `number` from 0, and return it as a design with the number in its name.
 
     The design lists the errors of each part, and has the clearances of the sample.
 
@@ -201,33 +209,33 @@ def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number
     DesignError
         A clearance is 0 or less, which a design file cannot have.
     """
-    block, row = divmod(number, BLOCK_SAMPLES)
+    block, row = divmod(number, SAMPLING.block)
     return design_of_sample(
         reducer, draw_samples(reducer, zones, seed, Batch(block, 1, row)), 0, f"{reducer.design.name}-{number + 1}"
     )
 
 
-def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], unfiled: int) -> tuple[str, ...]:
-    """List in sentences what the design files of the worst samples omit.
+def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], excluded: int) -> tuple[str, ...]:
+    """Return sentences about what the design files of the worst samples omit.
 
-    An internal gear's lobes are cut together, so its file has no errors of single lobes. `unfiled` samples do not jam,
-    but have a clearance of 0 or less.
+    The lobes of an internal gear are cut together, so its file has no errors of single lobes. `excluded` is the
+    number of samples that do not jam but have a clearance of 0 or less.
     """
-    of_pins = ("pin_position", "pin_radius", "pin_circle") if reducer.design.ring.kind != "pin" else ()
-    lobes = [key for key in of_pins if key in zones]
+    pin_errors = ("pin_position", "pin_radius", "pin_circle") if reducer.design.ring.kind != "pin" else ()
+    lobes = [key for key in pin_errors if key in zones]
     errors = (
         f"the design files of the worst samples lack {', '.join(lobes)}: an internal gear's file has no such errors"
     )
     samples = (
-        f"{unfiled} samples that do not jam are excluded from the worst: a design file cannot have their clearances of "
-        "0 or less"
+        f"{excluded} samples that do not jam are excluded from the worst: a design file cannot have their clearances "
+        "of 0 or less"
     )
-    return (*([errors] if lobes else []), *([samples] if unfiled else []))
+    return (*([errors] if lobes else []), *([samples] if excluded else []))
 
 
 def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
     """Return a sample as a design with all its errors; raise DesignError where a design cannot have its values."""
-    clearance, errors = _parts(reducer, samples, row)
+    clearance, errors = _clearances_and_errors(reducer, samples, row)
     if reducer.design.ring.kind != "pin":
         errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
     none = dict.fromkeys(type(reducer.design.tolerance).model_fields, "")
@@ -235,9 +243,9 @@ def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) ->
 
 
 def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> Design:
-    """Return a sample as a design for geometry only: clearances may be negative, and lobes of an internal gear off."""
+    """Return a sample as a design without validation, for geometry only: clearances may be negative."""
     design = reducer.design
-    clearance, errors = _parts(reducer, samples, row)
+    clearance, errors = _clearances_and_errors(reducer, samples, row)
     return design.model_copy(
         update={
             "clearance": design.clearance.model_copy(update=clearance),
@@ -246,8 +254,11 @@ def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> 
     )
 
 
-def _parts(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
-    """Return the clearances and the errors of a sample, by their keys in the design; measured parts stay apart."""
+def _clearances_and_errors(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
+    """Return the clearances and the errors of a sample [m], by their keys in the design file.
+
+    Measured deviations of parts, which the nominal design already has, are subtracted from the errors.
+    """
     design, measured = reducer.design, measured_deviations(reducer.design)
     pins, holes = samples.pin_place[row] - measured.pin_place, samples.hole_place[row].reshape(-1, 2)
     cams, waves = samples.cam_place[row], np.array(samples.waves[row])

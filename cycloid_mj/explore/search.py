@@ -88,9 +88,12 @@ class EvolutionSearch:
 
 
 def _new_strategy(start: Array, sigma: float, generator: np.random.Generator) -> Any:
-    """Create a strategy in the unit cube that draws from `generator`."""
+    """Create a CMA-ES strategy of the package ``cma`` in the unit cube, with random numbers from `generator`.
+
+    `start` is the first mean, shape (ranges,), and `sigma` the first standard deviation, relative to the ranges.
+    """
     cma = extra("cma", *REQUIREMENT)
-    idle = np.full(max(0, CMA.min_dimensions - start.size), 0.5)
+    padding = np.full(max(0, CMA.min_dimensions - start.size), 0.5)
     options = {
         "bounds": [0.0, 1.0],
         "randn": lambda *shape: generator.standard_normal(shape),
@@ -98,7 +101,7 @@ def _new_strategy(start: Array, sigma: float, generator: np.random.Generator) ->
         "tolx": CMA.tolerance,
         "verbose": -9,
     }
-    return cma.CMAEvolutionStrategy(np.concatenate([start, idle]), sigma, options)
+    return cma.CMAEvolutionStrategy(np.concatenate([start, padding]), sigma, options)
 
 
 def from_shares(ranges: Sequence[SearchRange], shares: Array) -> tuple[float, ...]:
@@ -133,26 +136,26 @@ def search_minimum(
     first: Point | None = None,
     sigma: float = CMA.initial_sigma,
 ) -> None:
-    """Search for the point of lowest cost; `evaluate` records the points.
+    """Search for the point of lowest cost: successive halving over combinations and starts, then CMA-ES with restarts.
 
     Parameters
     ----------
     task
         The problem.
     evaluate
-        Returns the rows of points.
+        Evaluates and records points, and returns their results in order.
     cost
-        Cost of the row of a feasible point.
+        Function from the result of a feasible point to its cost.
     budget
         Approximate number of evaluations.
     starts
-        Searches at the best combination: one continues from the rounds, the others start at random.
+        Number of searches at the best combination: the one that found it, and others from random starts.
     seed
         Random seed.
     first
-        Start of the first searches; by default the values of the design.
+        Start point of the first searches; by default the values of the design.
     sigma
-        Their first standard deviation.
+        First standard deviation of these searches, relative to the ranges.
     """
     run = _Run(task, evaluate, cost, budget, seed)
     remaining = run.select_combination(first or task.start, sigma)
@@ -174,11 +177,13 @@ class _Run:
     def _new_search(self, combination: Point, start: Array, sigma: float, stream: Sequence[int]) -> EvolutionSearch:
         return EvolutionSearch(self._task.ranges, combination, start, sigma, [*self._seed, *stream])
 
-    def advance(self, searches: Sequence[EvolutionSearch], until: int, each: float = math.inf) -> None:
-        """Run generations of searches until `until` evaluations in total, or `each` evaluations of each search."""
+    def advance(self, searches: Sequence[EvolutionSearch], until: int, per_search: float = math.inf) -> None:
+        """Run generations until `until` evaluations in total, or `per_search` new evaluations of each search."""
         used = {id(search): search.used for search in searches}
-        while live := [search for search in searches if not search.done and search.used - used[id(search)] < each]:
-            self._generation(live)
+        while running := [
+            search for search in searches if not search.done and search.used - used[id(search)] < per_search
+        ]:
+            self._generation(running)
             if self._used >= until:
                 break
 
@@ -196,38 +201,48 @@ class _Run:
                 self._best = batch[lowest], points[lowest]
 
     def select_combination(self, first: Point, sigma: float) -> list[EvolutionSearch]:
-        """Search at every combination of the choices, and halve their number after each round; return those left."""
+        """Select combinations of the choices by successive halving: drop the worse half after each round of searches.
+
+        `first` is the start point of all searches, `sigma` their first standard deviation. Return the remaining
+        searches.
+        """
         start = to_shares(self._task.ranges, first)
-        live = [
+        remaining = [
             self._new_search(combination, start, sigma, [number, 0])
             for number, combination in enumerate(self._combinations)
         ]
-        rounds = math.ceil(math.log2(len(live))) if len(live) > 1 else 0
+        rounds = math.ceil(math.log2(len(remaining))) if len(remaining) > 1 else 0
         share = CMA.selection_share * self._budget
         for number in range(rounds):
-            self.advance(live, round(share * (number + 1) / rounds), share / rounds / len(live))
-            live = sorted(live, key=lambda search: search.best)[: -(-len(live) // 2)]
-        return live
+            self.advance(remaining, round(share * (number + 1) / rounds), share / rounds / len(remaining))
+            remaining = sorted(remaining, key=lambda search: search.best)[: -(-len(remaining) // 2)]
+        return remaining
 
     @property
     def _combinations(self) -> list[Point]:
         return list(product(*(choice.values for choice in self._task.choices)))
 
     def select_start(self, search: EvolutionSearch, starts: int) -> None:
-        """Run a search and others from random starts, and continue the best of them with the rest of the budget."""
+        """Advance a search together with searches from random starts, then only the best of them.
+
+        The first part takes `CmaSettings.selection_share` of the remaining evaluations, the second part all others.
+        """
         shape = max(starts, 1), len(self._task.ranges)
         random_starts = np.random.default_rng([*self._seed, len(self._combinations)]).random(shape)
-        others = [
+        random_searches = [
             self._new_search(search.combination, start, CMA.initial_sigma, [0, 1 + number])
             for number, start in enumerate(random_starts[: starts - 1])
         ]
-        rivals = [search, *others]
-        if others:
+        rivals = [search, *random_searches]
+        if random_searches:
             self.advance(rivals, self._used + round(CMA.selection_share * (self._budget - self._used)))
         self.advance([min(rivals, key=lambda rival: rival.best)], self._budget)
 
     def restart_locally(self, starts: int) -> None:
-        """Restart about the best point with the rest of the budget, while that improves it."""
+        """Restart CMA-ES at the best point with a small standard deviation, as long as that improves the point.
+
+        It ends with the budget of evaluations, too. `starts` is the number of random streams in use, for new seeds.
+        """
         repeats = 0
         while self._best is not None and self._used < self._budget and repeats < CMA.max_restarts:
             repeats += 1

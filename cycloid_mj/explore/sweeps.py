@@ -96,22 +96,22 @@ class Sweep(Tabular):
 
     @cached_property
     def frame(self) -> Frame:
-        """A row for each point: number, inputs, quantities, warnings, error, CPU time [s], and versions."""
+        """Table with a row for each point: number, inputs, quantities, warnings, error, CPU time [s], and versions."""
         packages = ", ".join(f"{name} {version}" for name, version in versions())
-        follows = tuple(link.key for link in self.task.links)
-        units = {key: unit_of(declaration_of(key)).suffix for key in (*self.task.keys, *follows)} | {CPU: "s"}
+        linked_keys = tuple(link.key for link in self.task.links)
+        units = {key: unit_of(declaration_of(key)).suffix for key in (*self.task.keys, *linked_keys)} | {CPU: "s"}
         rows: list[dict[str, Cell]] = []
         for index, row in sorted(self.rows.items()):
             units |= row.units
-            columns: dict[str, Cell] = {
+            outcome: dict[str, Cell] = {
                 WARNINGS: " ".join(row.warnings),
                 ERROR: row.error,
                 CPU: row.cpu,
                 VERSIONS: packages,
             }
             inputs = dict(zip(self.task.keys, self.points.rows[index], strict=True))
-            rows.append({POINT: index + 1, **inputs, **row.followed, **row.values, **columns})
-        names = (POINT, *self.task.keys, *follows, *self.quantities, WARNINGS, ERROR, CPU, VERSIONS)
+            rows.append({POINT: index + 1, **inputs, **row.followed, **row.values, **outcome})
+        names = (POINT, *self.task.keys, *linked_keys, *self.quantities, WARNINGS, ERROR, CPU, VERSIONS)
         return make_frame(rows, dict.fromkeys(names), {name: unit for name, unit in units.items() if unit})
 
 
@@ -148,22 +148,16 @@ def sweep(
     sample, points, seed
         Method, number and seed of points drawn from the ranges: ``sobol``, ``lhs`` or ``random``. Without `sample` all
         points of the grid are evaluated.
-    quick
-        Whether measures use fewer angles and runs, as by their own option of that name.
-    real_pins
-        Whether loaded runs of `simulate` keep the inertia of moving pins, as they do where ``ring.pins`` is varied.
-    solver
-        Solver of the runs.
+    quick, real_pins, solver
+        Whether measures use fewer angles and runs; whether loaded runs of `simulate` keep the inertia of moving pins,
+        as they do where ``ring.pins`` is varied; solver of the runs.
     follow
-        Keys that follow those of the points: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY`` of
-        one with a rule of its own: `output.hole_radius_mm` keeps the clearance of the design, and `drive.torque_nm` the
-        nominal torque on the output. They are columns of the result.
+        Keys computed from others: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY`` with a rule:
+        `output.hole_radius_mm` keeps the clearance of the design, `drive.torque_nm` the nominal torque on the output.
     out
         Folder for the rows, which are written at once; an interrupted sweep is resumed there. None: no files.
-    engine
-        Where the points are evaluated.
-    progress
-        Called after each point.
+    engine, progress
+        Where the points are evaluated; called after each point with the numbers of finished and of all points.
 
     Returns
     -------
@@ -175,37 +169,49 @@ def sweep(
         There is no such key or measure, the key cannot have a value, or the folder belongs to another sweep.
     CycloidError
         The folder cannot be written; its rows are kept.
-    RunError
-        The engine's workers are lost, or of other versions.
     """
-    reducer = Reducer(resolve(design))
-    listed = choose_points(vary, table, sample, points, seed)
-    measures = [measure] if isinstance(measure, str) else measure
-    task = define_task(reducer, listed, measures, quick, real_pins, follow, solver)
-    if out is None:
-        rows: dict[int, PointResult] = {}
-        _evaluate_missing(task, listed, rows, rows.__setitem__, engine, progress)
-        return Sweep(task, listed, rows)
-    return sweep_in_folder(task, listed, create_folder(Path(out)), engine, progress)
+    reducer, chosen = Reducer(resolve(design)), choose_points(vary, table, sample, points, seed)
+    task = define_task(reducer, chosen, measure, quick, real_pins, follow, solver)
+    if out is not None:
+        return sweep_in_folder(task, chosen, create_folder(Path(out)), engine, progress)
+    return _sweep_in_memory(task, chosen, engine, progress)
+
+
+def _sweep_in_memory(task: Task, points: Points, engine: Engine, progress: Progress) -> Sweep:
+    """Evaluate all points, and return the sweep without writing files."""
+    rows: dict[int, PointResult] = {}
+    _evaluate_missing(task, points, rows, rows.__setitem__, engine, progress)
+    return Sweep(task, points, rows)
 
 
 def define_task(
     reducer: Reducer,
     points: Points,
-    measures: Iterable[str],
+    measures: str | Iterable[str],
     quick: bool,
     real_pins: bool,
     follow: str | Sequence[str] = (),
     solver: Solver = "planar",
 ) -> Task:
-    """Return what to evaluate at each point; measures are names, or lists of names ``a,b``."""
-    names = require_measures(name.strip() for listed in measures for name in listed.split(","))
+    """Return what a sweep computes at each point: the measures, their settings, and the linked keys.
+
+    `measures` are names of measures or keys of figures, or lists ``a,b`` of them; `follow` as in `sweep`.
+
+    Raises
+    ------
+    UsageError
+        There is no such measure or figure, or a formula is not valid.
+    """
+    texts = [measures] if isinstance(measures, str) else measures
+    names = require_measures(name.strip() for text in texts for name in text.split(","))
     options = MeasureSettings(quick, real_pins or "ring.pins" in points.keys, solver)
     return Task(reducer, points.keys, names, options, parse_links(reducer, follow, points.keys))
 
 
-def sweep_in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: Progress) -> Sweep:
-    """Measure the points that a folder lacks; the tables are written in intervals, and however the sweep ends.
+def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, progress: Progress) -> Sweep:
+    """Evaluate the points whose rows a folder lacks, and write rows and tables; return the sweep.
+
+    Every row is written at once, the tables at intervals, and also if the sweep fails or is interrupted.
 
     Raises
     ------
@@ -216,52 +222,55 @@ def sweep_in_folder(task: Task, points: Points, into: Path, engine: Engine, prog
     RunError
         The engine's workers are lost, or of other versions.
     """
-    with open_journal(into, _plan(task, points)) as journal:
-        due = monotonic() + SECONDS_BETWEEN_TABLES
+    with open_journal(folder, _describe_sweep(task, points)) as journal:
+        next_write = monotonic() + SECONDS_BETWEEN_TABLES
 
         def record(index: int, row: PointResult) -> None:
             """Add a row to the journal, and rewrite the table on disk if the interval has passed."""
-            nonlocal due
+            nonlocal next_write
             # assumptions hardly differ between rows: those of the first are enough
-            stated = any(other.assumptions for other in journal.rows.values())
-            journal.add(index, replace(row, assumptions=()) if stated else row)
-            if (start := monotonic()) > due:
-                write_csv(Sweep(task, points, journal.rows).frame, into / TABLE)
+            has_assumptions = any(known.assumptions for known in journal.rows.values())
+            journal.add(index, replace(row, assumptions=()) if has_assumptions else row)
+            if (start := monotonic()) > next_write:
+                write_csv(Sweep(task, points, journal.rows).frame, folder / TABLE)
                 # writing takes 5 % of the time at most
-                due = monotonic() + max(SECONDS_BETWEEN_TABLES, 20.0 * (monotonic() - start))
+                next_write = monotonic() + max(SECONDS_BETWEEN_TABLES, 20.0 * (monotonic() - start))
 
         try:
             _evaluate_missing(task, points, journal.rows, record, engine, progress)
         except BaseException:
             with suppress(CycloidError):
-                write_tables(Sweep(task, points, journal.rows), into)
+                write_tables(Sweep(task, points, journal.rows), folder)
             raise
-        swept = Sweep(task, points, journal.rows)
-        write_tables(swept, into)
-    return swept
+        result = Sweep(task, points, journal.rows)
+        write_tables(result, folder)
+    return result
 
 
 def _evaluate_missing(
     task: Task, points: Points, rows: Rows, record: Callable[[int, PointResult], None], engine: Engine, report: Progress
 ) -> None:
-    """Measure the points without a row, and record their rows."""
+    """Evaluate the points that `rows` lacks, and call `record` with index and result of each.
+
+    `report` is called with the numbers of finished and of missing points.
+    """
     missing = [index for index in range(len(points)) if index not in rows]
-    work = partial(evaluate_row, task)
-    stream = engine.stream(work, [points.rows[index] for index in missing], lambda _, why: PointResult(error=why))
-    for done, (item, row) in enumerate(stream, 1):
-        record(missing[item], row)
-        report(done, len(missing))
+    evaluate = partial(evaluate_row, task)
+    stream = engine.stream(evaluate, [points.rows[index] for index in missing], lambda _, why: PointResult(error=why))
+    for count, (position, row) in enumerate(stream, 1):
+        record(missing[position], row)
+        report(count, len(missing))
 
 
-def write_tables(sweep: Sweep, into: Path) -> None:
+def write_tables(sweep: Sweep, folder: Path) -> None:
     """Write the table of a sweep as CSV, and as Parquet where DuckDB is installed; raise CycloidError if that fails."""
-    write_csv(sweep.frame, into / TABLE)
+    write_csv(sweep.frame, folder / TABLE)
     if find_spec("duckdb"):
-        write_parquet(sweep.frame, into / PARQUET, {"assumptions": list(sweep.assumptions)})
+        write_parquet(sweep.frame, folder / PARQUET, {"assumptions": list(sweep.assumptions)})
 
 
-def _plan(task: Task, points: Points) -> dict[str, Any]:
-    """Collect what identifies a sweep: its folder must not have rows of another one."""
+def _describe_sweep(task: Task, points: Points) -> dict[str, Any]:
+    """Collect design, keys, points, measures and versions as JSON values, which identify the sweep of a folder."""
     return {
         "design": dump(task.reducer.design),
         "keys": list(task.keys),
@@ -280,12 +289,14 @@ def choose_points(
     points: int,
     seed: int,
 ) -> Points:
-    """List the points of a call or a command.
+    """Return the points of a sweep: rows of a table, a full grid of values, or a sample of ranges.
+
+    The arguments are those of `sweep`.
 
     Raises
     ------
     UsageError
-        It specifies none, or in two ways; see also `grid_points`, `draw_points` and `list_rows`.
+        There are neither values nor a table, or both; see also `grid_points`, `draw_points` and `list_rows`.
     """
     if bool(vary) == (table is not None):
         raise UsageError("a sweep needs either --vary KEY=VALUES or --table POINTS.csv: give one of the two")

@@ -19,9 +19,16 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore import rv_samples, sampling
-from cycloid_mj.explore.budget import SOBOL, Share, budget_blocks, budget_samples, shares, usable_rows
+from cycloid_mj.explore.budget import (
+    SOBOL,
+    Share,
+    compute_shares,
+    find_usable_rows,
+    list_budget_sets,
+    size_of_budget_sets,
+)
 from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
-from cycloid_mj.explore.jam import JAM, PRELOADS, explain_jams, find_jams, jams_too_often, preloaded_pairs
+from cycloid_mj.explore.jam import JAM, PRELOADS, compute_preload_shares, explain_jams, find_jams, stops_study
 from cycloid_mj.explore.verify import DynamicsCheck, table_rows, verify_design
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
@@ -155,7 +162,7 @@ class Tolerances(Tabular):
 
     @property
     def words(self) -> str:
-        """Yield, limits and share of jams, in a sentence."""
+        """Yield, limits, share of jammed samples, number of samples and seed, in a sentence."""
         low, high = self.yield_interval
         limits = " and ".join(map(str, self.limits)) or "no limits"
         return (
@@ -189,25 +196,29 @@ class Tolerances(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences about jams, the budget, omissions of design files and failed runs."""
+        """Sentences about jams, missing distributions, the error budget, omissions of design files and failed runs."""
         failed = [
             f"{check.design}: the run in full dynamics failed: {check.note}" for check in self.verified if check.note
         ]
-        pairs = ", ".join(f"{pair} in {share:.2%}" for pair, share in preloaded_pairs(self.figures).items())
-        closed = (rv_samples.FIGURE,)
-        separate = [key for key in self.figures if figure(key).sampled is None and key not in closed]
-        fit = int(np.sum(~self.jams))
+        pairs = ", ".join(f"{pair} in {share:.2%}" for pair, share in compute_preload_shares(self.figures).items())
+        closed_form = (rv_samples.FIGURE,)
+        computed_alone = [key for key in self.figures if figure(key).sampled is None and key not in closed_form]
+        usable = int(np.sum(~self.jams))
         return (
-            *([] if fit > 1 else [f"no distributions: {fit} of {self.samples} samples do not jam"]),
+            *([] if usable > 1 else [f"no distributions: {usable} of {self.samples} samples do not jam"]),
             *self._budget_notes(),
             *([f"pressed without a load: {pairs}"] if pairs else []),
-            *([f"{', '.join(separate)}: computed for each sample at the design's load"] if separate else []),
+            *(
+                [f"{', '.join(computed_alone)}: computed for each sample at the design's load"]
+                if computed_alone
+                else []
+            ),
             *self.left_out,
             *failed,
         )
 
     def _budget_notes(self) -> list[str]:
-        """Why there is no error budget, or that its intervals are wide."""
+        """Return a sentence why there is no error budget, or that its intervals are wide; else an empty list."""
         if self.no_budget:
             return [f"no error budget: {self.no_budget}"]
         widest = max((share.ci95[1] - share.ci95[0] for share in self.budget), default=0.0)
@@ -226,15 +237,15 @@ class Tolerances(Tabular):
         }
 
     def tables(self) -> tuple[Table, ...]:
-        """Tabulate the distributions, the budget and the runs in full dynamics, as far as there are any."""
+        """Tabulate the distributions of the figures, the error budget, and the runs in full dynamics, if available."""
         tables = []
         if np.sum(~self.jams) > 1:
-            rows = tuple((key, *each.cells, each.unit) for key, each in self.distributions.items())
+            rows = tuple((key, *item.cells, item.unit) for key, item in self.distributions.items())
             tables.append(Table(f"{self.design}: {self.samples_text}", DISTRIBUTION_HEADER, rows))
         if self.budget:
             budget = tuple(
-                (each.source, f"{each.first_order:.3f}", f"{each.total:.3f}", "{:.3f} to {:.3f}".format(*each.ci95))
-                for each in self.budget
+                (item.source, f"{item.first_order:.3f}", f"{item.total:.3f}", "{:.3f} to {:.3f}".format(*item.ci95))
+                for item in self.budget
             )
             tables.append(Table(f"error budget: shares in the variance of {self.budget_of}", BUDGET_HEADER, budget))
         if compared := tuple(row for check in self.verified for row in table_rows(check)):
@@ -254,7 +265,7 @@ class Tolerances(Tabular):
             "yield": float(self.good.mean()),
             "yield_ci95": list(self.yield_interval),
             "jam_probability": float(self.jams.mean()),
-            "pressed_unloaded": preloaded_pairs(self.figures),
+            "pressed_unloaded": compute_preload_shares(self.figures),
             "jammed_by": self.jammed_by,
             "quantities": {key: vars(distribution) for key, distribution in self.distributions.items()},
             "budget_of": self.budget_of,
@@ -291,9 +302,10 @@ def tolerance(
     verify: int = 0,
     solver: Solver = "planar",
 ) -> Tolerances:
-    """Draw samples of a design within its tolerances, balance them, and compute yield and error budget.
+    """Compute yield, distributions and error budget of a design by Monte Carlo within its tolerances.
 
-    Equal seeds yield equal bits, on any machine and with any number of workers.
+    Each sample is a drive with random errors, whose static equilibrium is solved. Equal seeds yield equal bits, on any
+    machine and with any number of workers.
 
     Parameters
     ----------
@@ -303,29 +315,24 @@ def tolerance(
         Number of samples, and random seed.
     limits
         Limits on figures of the catalogue, such as ``"backlash_arcmin<=1"``; the error budget is that of the first
-        one's figure. Figures that are not in `SAMPLED` are computed for each sample as a design, which takes longer.
+        limit's figure. Figures that are not in `SAMPLED` are computed for each sample as a design, which takes longer.
     progress
         Called with the numbers of balanced samples and of all, including those of the budget.
     engine
         Where the samples are balanced.
-    verify
-        Number of the worst samples that are run in full dynamics.
-    solver
-        Solver of these runs.
+    verify, solver
+        Number of the worst samples that are run in full dynamics, and the solver of these runs.
 
     Returns
     -------
-    Tolerances
-        Yield, distributions of the figures, and the share of each tolerance in their variance.
+    Yield, distributions of the figures, and the share of each tolerance in their variance.
 
     Raises
     ------
     UsageError
         The design has no tolerances, a limit is not valid, or limits contradict each other.
-    DesignError
-        A tolerance does not have a known form.
     TooManyJams
-        99 % or more of the first 200 samples jam, or of all, where there are fewer; it holds their figures.
+        99 % or more of the first 200 samples jam, or of all if there are fewer; it holds their figures.
     StudyInterrupted
         Ctrl-C; it holds the figures of the first samples, up to the first batch that is missing.
     """
@@ -335,27 +342,31 @@ def tolerance(
         )
     reducer = reducer_of(resolve(design))
     if isinstance(reducer, RvReducer):
-        return _rv_result(reducer, samples, seed, limits, verify)
-    study = _define_study(reducer, samples, seed, limits)
-    done: dict[int, dict[str, Array]] = {}
-    checked: dict[int, DynamicsCheck] = {}
+        return _study_rv_reducer(reducer, samples, seed, limits, verify)
+    return _run_study(_define_study(reducer, samples, seed, limits), verify, solver, progress, engine)
+
+
+def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress, engine: Engine) -> Tolerances:
+    """Balance the samples of a study, and run the worst `verify` of them in full dynamics; raise as `tolerance`."""
+    figures_by_batch: dict[int, dict[str, Array]] = {}
+    checks: dict[int, DynamicsCheck] = {}
     try:
-        if not _solve_batches(study, done, progress, engine):
-            raise TooManyJams(study.result({0: done[0]}))
-        result = study.result(done)
+        if not _solve_batches(study, figures_by_batch, progress, engine):
+            raise TooManyJams(study.result({0: figures_by_batch[0]}))
+        result = study.result(figures_by_batch)
         drives = [Reducer(worst) for worst in result.worst[:verify]]
-        checked.update(engine.stream(partial(verify_design, solver=solver), drives))
+        checks.update(engine.stream(partial(verify_design, solver=solver), drives))
     except KeyboardInterrupt as stop:
-        if 0 not in done:
+        if 0 not in figures_by_batch:
             raise
-        raise StudyInterrupted(stop, _with_dynamics(study.result(done), checked)) from stop
-    return _with_dynamics(result, checked)
+        raise StudyInterrupted(stop, _add_dynamics(study.result(figures_by_batch), checks)) from stop
+    return _add_dynamics(result, checks)
 
 
-def _rv_result(
+def _study_rv_reducer(
     reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str], verify: int
 ) -> Tolerances:
-    """Return the study of an RV reducer, whose samples have a closed form; errors as `tolerance`."""
+    """Return the tolerance study of an RV reducer, which has a closed form; raises as `tolerance`."""
     parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed)
     if other := [limit.key for limit in parsed if limit.key != rv_samples.FIGURE]:
@@ -367,28 +378,34 @@ def _rv_result(
         raise UsageError(
             "--verify does not apply to an RV reducer, because its samples cannot be simulated: remove --verify"
         )
-    drawn = rv_samples.draw_rv_samples(reducer, samples, seed, MAX_WORST)
+    drawn_samples = rv_samples.draw_rv_samples(reducer, samples, seed, MAX_WORST)
     return Tolerances(
         design=reducer.design.name,
         condition="closed form with ring and sun fixed, without clearance and load, over a turn of the carrier",
         samples=samples,
         asked=samples,
         seed=seed,
-        figures={rv_samples.FIGURE: drawn.values},
-        drawn=drawn.drawn,
+        figures={rv_samples.FIGURE: drawn_samples.values},
+        drawn=drawn_samples.drawn,
         jams=np.zeros(samples, dtype=bool),
         jammed_by="",
         limits=parsed,
         budget_of=rv_samples.FIGURE,
-        budget=drawn.budget,
+        budget=drawn_samples.budget,
         no_budget="",
-        worst=drawn.worst,
+        worst=drawn_samples.worst,
         left_out=("the error budget states shares in the mean square of the transmission error over the turn",),
     )
 
 
 def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> "_Study":
-    """Return the study of a design with tolerances and consistent limits."""
+    """Return a study that is still to be balanced: its tolerance zones, limits, batches and sets of the error budget.
+
+    Raises
+    ------
+    UsageError
+        The design has no tolerances, a limit is not valid, or limits contradict each other.
+    """
     require_one_ring(reducer, "tolerances: parts that press each other without a load count as jammed")
     zones = sampling.tolerance_zones(reducer)
     if not zones:
@@ -406,8 +423,8 @@ def _solve_batches(
 ) -> bool:
     """Solve the static equilibrium of all samples of a study and of its error budget, batch by batch.
 
-    Add the figures of each batch to `figures_by_batch`, by its index. Return whether all batches are solved: False if
-    too many samples of the first one jam.
+    The figures of each batch are added to `figures_by_batch`, by the index of the batch. Return whether all batches are
+    solved: False if so many samples of the first one jam that the study stops.
     """
     total, solved = sum(batch.count for batch, _ in study.work), 0
     solve = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)
@@ -415,12 +432,12 @@ def _solve_batches(
         figures_by_batch[index] = figures
         solved += study.work[index][0].count
         progress(solved, total)
-        if index == 0 and jams_too_often(find_jams(figures)):
+        if index == 0 and stops_study(find_jams(figures)):
             return False
     return True
 
 
-def _with_dynamics(tolerances: Tolerances, checked: Mapping[int, DynamicsCheck]) -> Tolerances:
+def _add_dynamics(tolerances: Tolerances, checked: Mapping[int, DynamicsCheck]) -> Tolerances:
     return replace(tolerances, verified=tuple(check for _, check in sorted(checked.items())))
 
 
@@ -445,8 +462,8 @@ class _Study:
 
     @cached_property
     def budget_sets(self) -> dict[str, sampling.Batch]:
-        count = budget_samples(self.samples)
-        return budget_blocks(self.zones, count) if count and len(self.zones) > 1 else {}
+        count = size_of_budget_sets(self.samples)
+        return list_budget_sets(self.zones, count) if count and len(self.zones) > 1 else {}
 
     @cached_property
     def work(self) -> list[tuple[sampling.Batch, tuple[str, ...]]]:
@@ -460,17 +477,26 @@ class _Study:
         """Figures of the samples: all that are balanced together, and those with limits."""
         return tuple(dict.fromkeys((*SAMPLED, *(limit.key for limit in self.limits))))
 
-    def result(self, done: Mapping[int, Mapping[str, Array]]) -> Tolerances:
-        """Gather the result of the batches that are done, the first at least."""
-        main = self.main[: next((index for index in range(len(self.main)) if index not in done), len(self.main))]
-        figures = {key: np.concatenate([done[index][key] for index in range(len(main))]) for key in self.keys}
+    def result(self, figures_by_batch: Mapping[int, Mapping[str, Array]]) -> Tolerances:
+        """Assemble the result of the leading batches that are solved; the first one must be.
+
+        `figures_by_batch` has the figures by index of the batch and by key, shape (samples,) each.
+        """
+        batches = self.main[
+            : next((index for index in range(len(self.main)) if index not in figures_by_batch), len(self.main))
+        ]
+        figures = {
+            key: np.concatenate([figures_by_batch[index][key] for index in range(len(batches))]) for key in self.keys
+        }
         jams = find_jams(figures)
-        stopped = len(main) == 1 and jams_too_often(jams)
-        parts = [sampling.draw_departures(self.reducer, self.zones, self.seed, batch) for batch in main]
-        departures = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
+        stopped = len(batches) == 1 and stops_study(jams)
+        departures_by_batch = [
+            sampling.draw_departures(self.reducer, self.zones, self.seed, batch) for batch in batches
+        ]
+        departures = {key: np.concatenate([part[key] for part in departures_by_batch]) for key in self.zones}
         samples = sampling.apply_departures(self.reducer, identical_samples(self.reducer, jams.size), departures)
         can_be_written = sampling.has_design_file(self.reducer, samples)
-        budget, no_budget = ((), "") if stopped else self._budget(done, figures[self.budget_key][~jams])
+        budget, no_budget = ((), "") if stopped else self._budget(figures_by_batch, figures[self.budget_key][~jams])
         return Tolerances(
             design=self.reducer.design.name,
             condition=condition(self.reducer),
@@ -496,24 +522,34 @@ class _Study:
         numbers = ranked[eligible[ranked]][:MAX_WORST].tolist()
         return tuple(sampling.sample_design(self.reducer, self.zones, self.seed, number) for number in numbers)
 
-    def _budget(self, done: Mapping[int, Mapping[str, Array]], values: Array) -> tuple[tuple[Share, ...], str]:
-        """Return the error budget, or none and the reason; `values` are those of the samples that do not jam."""
+    def _budget(
+        self, figures_by_batch: Mapping[int, Mapping[str, Array]], unjammed_values: Array
+    ) -> tuple[tuple[Share, ...], str]:
+        """Compute the error budget of the study's figure; return its shares, and a sentence if there are none.
+
+        `figures_by_batch` are the figures by index of the batch and key; `unjammed_values` are those of the figure for
+        the samples that do not jam, shape (n,).
+        """
         key = self.budget_key
-        if values.size > 1 and np.ptp(values) <= CONSTANT_RTOL * np.abs(values).max():
-            return (), f"{key} does not vary with these tolerances: it is {values[0]:.6g} in every sample"
-        if len(self.zones) == 1 and values.size > 1:
+        if unjammed_values.size > 1 and np.ptp(unjammed_values) <= CONSTANT_RTOL * np.abs(unjammed_values).max():
+            return (), f"{key} does not vary with these tolerances: it is {unjammed_values[0]:.6g} in every sample"
+        if len(self.zones) == 1 and unjammed_values.size > 1:
             return (Share(next(iter(self.zones)), 1.0, 1.0, (1.0, 1.0)),), ""
         if not self.budget_sets:
             return (), f"it takes {SOBOL.min_samples} samples or more (--samples)"
         indices = range(len(self.main), len(self.work))
-        if any(index not in done for index in indices):
+        if any(index not in figures_by_batch for index in indices):
             return (), "the study was stopped before its samples were balanced"
-        figures = {name: done[index] for name, index in zip(self.budget_sets, indices, strict=True)}
-        sets = {name: np.where(find_jams(each), np.nan, each[key]) for name, each in figures.items()}
-        drawn = [sampling.draw_departures(self.reducer, self.zones, self.seed, self.budget_sets[name]) for name in "AB"]
-        if budget := shares(self.zones, drawn, sets):
+        figures = {name: figures_by_batch[index] for name, index in zip(self.budget_sets, indices, strict=True)}
+        values_by_set = {
+            name: np.where(find_jams(set_figures), np.nan, set_figures[key]) for name, set_figures in figures.items()
+        }
+        departures = [
+            sampling.draw_departures(self.reducer, self.zones, self.seed, self.budget_sets[name]) for name in "AB"
+        ]
+        if budget := compute_shares(self.zones, departures, values_by_set):
             return budget, ""
-        used, count = usable_rows(sets).size, self.budget_sets["A"].count
+        used, count = find_usable_rows(values_by_set).size, self.budget_sets["A"].count
         remedy = "" if count == SOBOL.max_samples else ", or draw more samples (--samples)"
         return (), (
             f"{used} of its {count} samples do not jam in any of the sets that it compares, and it takes "
@@ -524,34 +560,35 @@ class _Study:
 def balance_batch(
     reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[sampling.Batch, Sequence[str]]
 ) -> dict[str, Array]:
-    """Balance the samples of a batch, and compute figures of them.
+    """Draw the samples of a batch, solve their static equilibrium, and compute their figures.
 
     Parameters
     ----------
     reducer, zones, seed
-        The study.
+        Nominal reducer, its tolerances by key, and random seed.
     angles
-        Crank angles at which the samples are balanced.
+        Number of crank angles at which the samples are balanced.
     work
         The batch, and the keys of the figures.
 
     Returns
     -------
-    The figures by key, shape (samples,) each; those that are not in `SAMPLED` are NaN where a sample is no design.
+    The figures by key, shape (samples,) each. Figures that are not in `SAMPLED` are NaN for samples that cannot be
+    written as a design.
     """
     batch, keys = work
     samples = sampling.draw_samples(reducer, zones, seed, batch)
-    separate = {
-        key: np.array([_of_sample(reducer, samples, number, figure(key)) for number in range(len(samples))])
+    computed_alone = {
+        key: np.array([_figure_of_sample(reducer, samples, index, figure(key)) for index in range(len(samples))])
         for key in keys
         if figure(key).sampled is None
     }
-    return compute_sampled(reducer, samples, keys, angles) | separate
+    return compute_sampled(reducer, samples, keys, angles) | computed_alone
 
 
-def _of_sample(reducer: Reducer, samples: Samples, number: int, row: Figure) -> float:
+def _figure_of_sample(reducer: Reducer, samples: Samples, index: int, catalogue_figure: Figure) -> float:
     """Compute a figure of a sample as a design; NaN where there is none."""
     try:
-        return row.value(Reducer(sampling.design_of_sample(reducer, samples, number, reducer.design.name)))
+        return catalogue_figure.value(Reducer(sampling.design_of_sample(reducer, samples, index, reducer.design.name)))
     except CycloidError:
         return math.nan

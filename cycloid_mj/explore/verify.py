@@ -45,22 +45,22 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
     """Run a design, and return its figures with those of statics; the note has the error of a run that fails."""
     statics = compute(reducer, SAMPLED)
     try:
-        return DynamicsCheck(reducer.design.name, statics, _dynamics(reducer, solver), solver=solver)
+        return DynamicsCheck(reducer.design.name, statics, _simulate_figures(reducer, solver), solver=solver)
     except CycloidError as error:
         return DynamicsCheck(reducer.design.name, statics, {}, str(error), solver)
 
 
-def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
-    """Run a design over a crank turn under its nominal torque; return its figures by key."""
+def _simulate_figures(reducer: Reducer, solver: Solver) -> dict[str, float]:
+    """Simulate a crank turn at nominal torque; return loaded transmission error and largest contact forces by key."""
     design = reducer.design
     loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
     run = run_steady(loaded, STEADY.settling_time, design.ring.teeth, solver)
-    error = run["output_angle"] - reducer.member.output_angle(run["crank_angle"])
+    transmission_error = run["output_angle"] - reducer.member.output_angle(run["crank_angle"])
     contacts = contact_pressures(run, loaded)
-    kinds = {"tooth_force_n": design.tooth_pair, **CONTACT_KINDS}
+    pair_of_figure = {"tooth_force_n": design.tooth_pair, **CONTACT_KINDS}
     return {
-        "te_loaded_arcsec": ARCSECONDS * float(np.ptp(error)),
-        **{key: contacts[kind].peak_force for key, kind in kinds.items()},
+        "te_loaded_arcsec": ARCSECONDS * float(np.ptp(transmission_error)),
+        **{key: contacts[pair].peak_force for key, pair in pair_of_figure.items()},
     }
 
 

@@ -45,24 +45,26 @@ class Zone:
         return self.width if self.kind == "normal" else self.width / 3.0**0.5
 
 
-def zone(text: str, key: str, size: float, clearance: float | None = None, table: str = "tolerance") -> Zone | None:
-    """Parse a tolerance; None where there is none.
+def parse_zone(
+    text: str, key: str, size: float, clearance: float | None = None, table: str = "tolerance"
+) -> Zone | None:
+    """Parse a tolerance of the design file into its distribution; return None for an empty text or 0.
 
     Parameters
     ----------
     text, key
-        Text of the design file, and its key.
+        Text of the design file in one of the `FORMS`, and its key.
     size
-        Diameter that grades and fits refer to [m].
+        Diameter to which ISO tolerance grades and fits refer [m].
     clearance
-        Clearance of the design [m], to which the departures of a fit refer; None where a fit is not allowed.
+        Nominal clearance [m], to which the departures of a fit refer; None if a fit is not allowed.
     table
         Table of the design file that has the key.
 
     Raises
     ------
     DesignError
-        It does not have one of the `FORMS`, or its numbers are not finite.
+        The text does not have one of the `FORMS`, or its numbers are not finite.
     """
     words = text.split()
     try:
@@ -93,12 +95,14 @@ def _finite(text: str) -> float:
 
 
 def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
-    """Parse the zones of the amplitudes of waves by order, 1 to `highest`, as in ``2: normal 1, 35: uniform 2``.
+    """Parse the tolerances of profile waves, ``2: normal 1, 35: uniform 2``, into amplitude distributions by order.
+
+    `highest` is the highest order that is allowed, `size` the diameter for ISO tolerance grades [m].
 
     Raises
     ------
     DesignError
-        An order is not valid or repeated, or its zone does not have one of the `FORMS`.
+        An order is not valid or repeated, or its tolerance does not have one of the `FORMS`.
     """
     zones: dict[int, Zone] = {}
     for part in filter(str.strip, text.split(",")):
@@ -109,7 +113,7 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
                 f"tolerance.profile = {text!r}: {part.strip()!r} is not an order with its tolerance. Write orders from "
                 f'1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
             )
-        if parsed := zone(words, "profile", size):
+        if parsed := parse_zone(words, "profile", size):
             zones[number] = parsed
     return zones
 

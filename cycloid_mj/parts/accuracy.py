@@ -44,3 +44,7 @@ def drawing_error(reducer: Reducer, chord_error: float | None) -> float:
             f"the chord error is {chord_error} m: give a length greater than 0 m, e.g. {VISUAL_CHORD_ERROR} m"
         )
     return chord_error
+
+
+SCREEN_CHORD_ERROR = 1e-5
+"""Chord error of outlines and meshes on a screen [m]: a tenth of a pixel."""

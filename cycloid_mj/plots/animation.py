@@ -10,24 +10,20 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cycloid_mj.analysis import Series, series
+from cycloid_mj.base.animation import ANIMATION
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
-from cycloid_mj.plots.movie import RATE, write_movie
-from cycloid_mj.plots.stage import AnimatedFigure, Script, set_stage, show
+from cycloid_mj.plots.movie import write_movie
+from cycloid_mj.plots.stage import AnimatedFigure, Script, create_stage, update_stage
 from cycloid_mj.plots.style import with_style
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
 from cycloid_mj.scene import contact_forces, drawn_radii, ideal_forces, magnify_gaps, measure_gaps
 
 Image = npt.NDArray[np.uint8]
-
-FRAMES = 90
-WIDTH = 640
-MIN_WIDTH, MAX_WIDTH = 200, 4000
-"""Defaults, and the range of the width [px]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +41,9 @@ def animate(
     out: Path | str,
     magnify: float = 1.0,
     turns: float = 1.0,
-    frames: int = FRAMES,
-    fps: int = RATE,
-    width: int = WIDTH,
+    frames: int = ANIMATION.frames,
+    fps: int = ANIMATION.rate,
+    width: int = ANIMATION.width,
     progress: Progress = silent,
 ) -> None:
     """Write an animation of a run in its plane, with forces and loads, as ``.gif`` or ``.mp4``.
@@ -76,18 +72,20 @@ def animate(
     CycloidError
         The file cannot be written, or the extra ``video`` is not installed.
     """
-    scene = take(run, magnify, frames, turns)
+    samples = select_samples(run, magnify, frames, turns)
 
-    def counted() -> Iterator[Image]:
-        for number, image in enumerate(film(scene, width), 1):
-            progress(number, len(scene.rows))
+    def counted_frames() -> Iterator[Image]:
+        for count, image in enumerate(draw_frames(samples, width), 1):
+            progress(count, len(samples.rows))
             yield image
 
-    write_movie(counted(), out, fps)
+    write_movie(counted_frames(), out, fps)
 
 
-def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: float = 1.0, disc: int = 0) -> Take:
-    """Select samples to animate: settled crank turns, or the last ones of a ramp, as evenly spaced as possible.
+def select_samples(
+    run: Run, magnification: float = 1.0, frames: int = ANIMATION.frames, turns: float = 1.0, disc: int = 0
+) -> Take:
+    """Select evenly spaced samples of a run to animate: settled crank turns, or the last turns of a ramp.
 
     Parameters
     ----------
@@ -130,8 +128,8 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
 
 
 @with_style
-def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
-    """Yield the frames of an animation, shape (height, width, 3), height and width even.
+def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
+    """Yield the pictures of an animation as RGB arrays, shape (height, width, 3), with even height and width.
 
     Raises
     ------
@@ -140,31 +138,35 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
     DesignError
         A part cannot be drawn.
     """
-    if not MIN_WIDTH <= width <= MAX_WIDTH:
+    narrowest, widest = ANIMATION.widths
+    if not narrowest <= width <= widest:
         raise UsageError(
-            f"the width of the animation is {width} pixels, which is out of range: choose {MIN_WIDTH} to {MAX_WIDTH} "
+            f"the width of the animation is {width} pixels, which is out of range: choose {narrowest} to {widest} "
             "pixels"
         )
-    motion = scene.motion
-    columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
+    motion = samples.motion
+    columns = {name: values[samples.rows] for name, values in motion.run.columns.items()}
     reducer, in_ring = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.reducer, columns)
-    poses = magnify_gaps(reducer, measure_gaps(reducer, in_ring, motion.disc), scene.magnification)
+    poses = magnify_gaps(reducer, measure_gaps(reducer, in_ring, motion.disc), samples.magnification)
     script = Script(
         reducer=motion.reducer,
         drawn=poses,
         acting=contact_forces(reducer, in_ring, poses).of_disc(motion.disc),
         ideal=ideal_forces(reducer, in_ring, motion.disc),
     )
-    return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
+    return _render_frames(script, create_stage(script, width), columns["crank_angle"], motion.time[samples.rows])
 
 
-def _frames(script: Script, stage: AnimatedFigure, crank_angle: Array, time: Array) -> Iterator[Image]:
-    """Draw frame after frame, with crank angle [rad] and time [s]."""
+def _render_frames(script: Script, stage: AnimatedFigure, crank_angle: Array, time: Array) -> Iterator[Image]:
+    """Yield the picture of each frame, shape (height, width, 3), after moving the parts of the figure.
+
+    `crank_angle` [rad] and `time` [s] are printed in the picture, shape (frames,) each.
+    """
     canvas = FigureCanvasAgg(stage.figure)
-    for row, now in enumerate(time.tolist()):
-        show(stage, script, row)
+    for row, time_of_frame in enumerate(time.tolist()):
+        update_stage(stage, script, row)
         angle = math.degrees(crank_angle[row]) % 360.0
-        stage.clock.set_text(f"crank {angle:5.1f}\N{DEGREE SIGN},  {now:.4f} s")
+        stage.clock.set_text(f"crank {angle:5.1f}\N{DEGREE SIGN},  {time_of_frame:.4f} s")
         canvas.draw()
         picture = np.asarray(canvas.buffer_rgba())
         height, width = (2 * (size // 2) for size in picture.shape[:2])

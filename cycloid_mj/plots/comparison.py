@@ -56,20 +56,20 @@ ROW, HEAD = 1.25, 0.75
 
 
 def comparison_captions(designs: Sequence[str]) -> dict[str, str]:
-    """Return what each figure of a comparison shows, by its name."""
-    of_designs = " and ".join(designs)
+    """Return a sentence for each figure of a comparison, by the figure's name."""
+    names = " and ".join(designs)
     captions = {
-        f"compare_{name}": f"{title} over one crank turn of the settled hold: {of_designs}, one column for each load."
+        f"compare_{name}": f"{title} over one crank turn of the settled hold: {names}, one column for each load."
         for name, (title, _) in OVER_A_TURN.items()
     }
     return captions | {
-        "compare_vibration": f"Amplitude spectra of the vibration of {of_designs} about the closed form.",
-        "compare_curvature": f"Curvature of the tooth profiles of {of_designs}.",
+        "compare_vibration": f"Amplitude spectra of the vibration of {names} about the closed form.",
+        "compare_curvature": f"Curvature of the tooth profiles of {names}.",
     }
 
 
 def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
-    """Return the figures of a comparison by name: one crank turn of the settled hold, and spectra.
+    """Return the figures of a comparison by name: signals over one crank turn after settling, and vibration spectra.
 
     Parameters
     ----------
@@ -78,30 +78,31 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     """
     names = list(dict.fromkeys(motion.design.name for motion in motions))
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]
-    figures = {f"compare_{name}": _over_a_turn(grid, title, signal) for name, (title, signal) in OVER_A_TURN.items()}
-    return figures | {"compare_vibration": _spectra(grid)}
+    figures = {f"compare_{name}": _draw_signal(grid, title, signal) for name, (title, signal) in OVER_A_TURN.items()}
+    return figures | {"compare_vibration": _draw_spectra(grid)}
 
 
 @with_style
-def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
-    """Draw a signal of every run over one crank turn; axes of one load share their scale.
+def _draw_signal(grid: Grid, title: str, signal: Signal) -> Figure:
+    """Draw a signal of every run over one crank turn: a row of axes for each design, a column for each load.
 
-    The mean of a transmission error is subtracted and stated: backlash and wind-up would hide its variation.
+    Axes of one load share their scale. The mean of a transmission error is subtracted and stated, because backlash and
+    wind-up would hide its variation.
     """
     unit = signal.unit
-    figure, axes = _sheet(len(grid), len(grid[0]), f"{title}, {_speed(grid)}", sharey="col")
+    figure, axes = _empty_figure(len(grid), len(grid[0]), f"{title}, {_speed(grid)}", sharey="col")
     for row, runs in enumerate(grid):
         for column, motion in enumerate(runs):
             panel, values = axes[row][column], signal.simulated(motion)[motion.one_turn]
-            degrees, named = turn_degrees(motion), f"{motion.design.name}, {load_words(motion.design.load.torque)}"
+            degrees, heading = turn_degrees(motion), f"{motion.design.name}, {load_words(motion.design.load.torque)}"
             if signal in ABOUT_MEAN:
                 mean = float(values.mean())
-                values, named = values - mean, typeset(f"{named}: mean {mean:.4g} {unit}")
+                values, heading = values - mean, typeset(f"{heading}: mean {mean:.4g} {unit}")
             panel.plot(degrees, values, color=_color(row), linewidth=0.8)
             if values.min() < 0.0 < values.max():
                 panel.axhline(0.0, color=BLACK, linewidth=0.5)
             panel.margins(y=0.1)
-            panel.set_title(named, **(SMALL if len(named) > MAX_TITLE else {}))
+            panel.set_title(heading, **(SMALL if len(heading) > MAX_TITLE else {}))
             crank_axis(panel, degrees)
             if row + 1 < len(grid):
                 panel.set_xlabel("")
@@ -110,10 +111,10 @@ def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
 
 
 @with_style
-def _spectra(grid: Grid) -> Figure:
-    """Draw amplitude spectral densities of the vibration; multiples of the mesh frequency are dotted."""
+def _draw_spectra(grid: Grid) -> Figure:
+    """Draw the spectral densities of the vibration by load, with dotted lines at multiples of the mesh frequency."""
     loads = len(grid[0])
-    figure, axes = _sheet(
+    figure, axes = _empty_figure(
         2, loads, f"Vibration about the closed form, {_speed(grid)}", sharey="row", sharex=True, row=1.9
     )
     for row, runs in enumerate(grid):
@@ -145,8 +146,8 @@ def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
             panel.axvline(multiple, color=GREY, linewidth=0.7, linestyle=":", zorder=0)
 
 
-def _sheet(rows: int, columns: int, title: str, row: float = ROW, **shared: Any) -> tuple[Figure, Any]:
-    """Return a figure with a grid of axes, each row of a height [in]."""
+def _empty_figure(rows: int, columns: int, title: str, row: float = ROW, **shared: Any) -> tuple[Figure, Any]:
+    """Return a figure with a title and a grid of axes; `row` is the height of each row [in]."""
     figure = NotebookFigure(figsize=(WIDTH, row * rows + HEAD), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)

@@ -31,7 +31,7 @@ MAX_LINE_WIDTH = 4.0
 
 @with_style
 def curvature_figure(designs: Sequence[Design]) -> Figure:
-    """Draw relative curvature and Hertz pressure of every contact line of one mesh period over its phase.
+    """Draw relative curvature and Hertz pressure of all contact lines in a mesh period over the phase of the contact.
 
     The pressure is that of the tooth force at the rated load on a single line. Phase 0 is a valley of the disc at the
     tooth, 180 deg the tip of a lobe.
@@ -42,8 +42,8 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
         gear = tooth_profile(design)
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
         look = {"color": COLORS[number % len(COLORS)], "linewidth": MAX_LINE_WIDTH * (1 - number / len(designs))}
-        _draw(top, lines, 1e-3 * lines.relative_curvature, look)
-        _draw(bottom, lines, 1e-6 * _pressure(lines, Reducer(design)), look)
+        _draw_flanks(top, lines, 1e-3 * lines.relative_curvature, look)
+        _draw_flanks(bottom, lines, 1e-6 * _pressure(lines, Reducer(design)), look)
     top.set_title("Relative normal curvature of the contact lines")
     top.set_ylabel("curvature [1/mm]")
     forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(Reducer(design)) for design in designs))
@@ -67,8 +67,8 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, lines: ContactLines, values: Any, look: dict[str, Any]) -> None:
-    """Draw values, shape (n,), over the phase, separately for both flanks."""
+def _draw_flanks(axes: Axes, lines: ContactLines, values: Any, look: dict[str, Any]) -> None:
+    """Draw values of contact lines, shape (n,), over their phase, with a style for each kind of flank."""
     for parts, style in PARTS:
         rows = np.flatnonzero(np.isin(lines.part, parts))
         rows = rows[np.argsort(lines.phase[rows])]

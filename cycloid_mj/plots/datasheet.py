@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,27 @@ from cycloid_mj.plots.style import NotebookFigure, with_style
 from cycloid_mj.plots.views import draw_views
 from cycloid_mj.reducer import Reducer
 
-PAGE = (8.27, 11.69)
-"""A4 [in]."""
 
-LEFT, RIGHT = 0.07, 0.93
+@dataclass(frozen=True)
+class PageLayout:
+    """Layout of the pages of a data sheet; lengths without a unit are relative to the page."""
+
+    size: tuple[float, float] = (8.27, 11.69)
+    """Width and height, A4 [in]."""
+    left: float = 0.07
+    right: float = 0.93
+    """Margins."""
+    row: float = 0.0166
+    """Height of a row of a table."""
+    columns: tuple[float, float, float] = (0.0, 0.41, 0.515)
+    """Start of name, unit and condition, relative to the width of a table; values end before the unit."""
+    note_width: int = 138
+    """Characters of a line of the notes."""
+
+
+LAYOUT = PageLayout()
+
+
 NAVY, ACCENT, INK, SOFT, RULE = "#12324F", "#0072B2", "#1A1F24", "#59636E", "#D3DAE0"
 KEYS = ("rated_torque", "momentary_torque", "backlash", "stiffness_ideal", "efficiency", "mass")
 """Quantities of the tiles below the title."""
@@ -27,90 +45,85 @@ MOUNTING = ("Mass and size", "Output bearing", "Interfaces")
 OPERATION = ("Without load", "Lubrication and environment", "Assembly")
 """Headings of the tables on the page of the drawing, and on that of the assumptions."""
 
-ROW = 0.0166
-"""Height of a row of a table, relative to the page."""
-
-COLUMNS = (0.0, 0.41, 0.515)
-"""Start of name, unit and condition relative to the width of a table; values end before the unit."""
-
-NOTE_WIDTH = 138
-"""Characters of a line of the notes."""
-
 
 @with_style
 def datasheet_pages(sheet: Datasheet) -> list[Figure]:
     """Return the pages: performance with curves, mounting with dimensions, assumptions."""
-    return [_first(sheet), _second(sheet), _third(sheet)]
+    return [_performance_page(sheet), _mounting_page(sheet), _operation_page(sheet)]
 
 
 @with_style
 def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
-    """Return the views and the curves as figures, for a page with its own text and tables."""
+    """Return the dimensioned views and the curves of a data sheet as figures by name, for an HTML page."""
     views = NotebookFigure(figsize=(9.0, 6.0))
     draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), Reducer(sheet.design))
     curves = NotebookFigure(figsize=(9.0, 2.7), layout="constrained")
-    panels = _panels(sheet)
+    panels = _curves_by_panel(sheet)
     for axes, panel in zip(curves.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
-        _panel(axes, panel)
+        _draw_panel(axes, panel)
     return {"views": views, "curves": curves}
 
 
-def _first(sheet: Datasheet) -> Figure:
-    """Draw the page of performance: tiles, tables and curves."""
-    figure = _page(sheet, 1)
-    _tiles(figure, sheet, 0.855)
+def _performance_page(sheet: Datasheet) -> Figure:
+    """Draw the first page of a data sheet: main figures, tables of performance, and curves."""
+    figure = _empty_page(sheet, 1)
+    _draw_tiles(figure, sheet, 0.855)
     top = 0.79
     for heading in [heading for heading in sheet.groups if heading not in (*MOUNTING, *OPERATION)]:
-        top = _table(figure, heading, sheet.groups[heading], top)
-    panels = _panels(sheet)
-    slot = (RIGHT - LEFT) / len(panels)
+        top = _draw_table(figure, heading, sheet.groups[heading], top)
+    panels = _curves_by_panel(sheet)
+    slot = (LAYOUT.right - LAYOUT.left) / len(panels)
     for column, panel in enumerate(panels):
-        _panel(figure.add_axes((LEFT + column * slot + 0.045, 0.085, slot - 0.06, 0.165)), panel)
+        _draw_panel(figure.add_axes((LAYOUT.left + column * slot + 0.045, 0.085, slot - 0.06, 0.165)), panel)
     return figure
 
 
-def _second(sheet: Datasheet) -> Figure:
-    """Draw the page of mounting: tables and dimensioned views."""
-    figure, top = _page(sheet, 2), 0.868
+def _mounting_page(sheet: Datasheet) -> Figure:
+    """Draw the second page of a data sheet: tables for mounting, and dimensioned views."""
+    figure, top = _empty_page(sheet, 2), 0.868
     for heading in [heading for heading in sheet.groups if heading in MOUNTING]:
-        top = _table(figure, heading, sheet.groups[heading], top)
-    _heading(figure, "Dimensions of the mechanism [mm]", top)
-    views = (LEFT - 0.02, 0.06, RIGHT - LEFT + 0.04, top - 0.08)
+        top = _draw_table(figure, heading, sheet.groups[heading], top)
+    _draw_heading(figure, "Dimensions of the mechanism [mm]", top)
+    views = (LAYOUT.left - 0.02, 0.06, LAYOUT.right - LAYOUT.left + 0.04, top - 0.08)
     draw_views(figure.add_axes(views, anchor="N"), Reducer(sheet.design))
     return figure
 
 
-def _third(sheet: Datasheet) -> Figure:
-    """Draw the page of operation and assembly, with the assumptions."""
-    figure, top = _page(sheet, 3), 0.868
+def _operation_page(sheet: Datasheet) -> Figure:
+    """Draw the third page of a data sheet: tables for operation and assembly, and the assumptions."""
+    figure, top = _empty_page(sheet, 3), 0.868
     for heading in [heading for heading in sheet.groups if heading in OPERATION]:
-        top = _table(figure, heading, sheet.groups[heading], top)
-    _heading(figure, "Assumptions", top)
+        top = _draw_table(figure, heading, sheet.groups[heading], top)
+    _draw_heading(figure, "Assumptions", top)
     line = top - 0.019
     for note in sheet.notes:
-        for number, part in enumerate(textwrap.wrap(note, NOTE_WIDTH, break_on_hyphens=False)):
-            figure.text(LEFT, line, "•" if number == 0 else "", fontsize=6.6, color=ACCENT, va="top")
-            figure.text(LEFT + 0.014, line, part, fontsize=6.4, color=INK, va="top")
+        for number, part in enumerate(textwrap.wrap(note, LAYOUT.note_width, break_on_hyphens=False)):
+            figure.text(LAYOUT.left, line, "•" if number == 0 else "", fontsize=6.6, color=ACCENT, va="top")
+            figure.text(LAYOUT.left + 0.014, line, part, fontsize=6.4, color=INK, va="top")
             line -= 0.0115
         line -= 0.004
     return figure
 
 
-def _page(sheet: Datasheet, number: int) -> Figure:
-    """Return a page with header and footer."""
-    figure, design = NotebookFigure(figsize=PAGE), sheet.design
+def _empty_page(sheet: Datasheet, number: int) -> Figure:
+    """Return a page of a data sheet with header and footer, numbered `number` of 3."""
+    figure, design = NotebookFigure(figsize=LAYOUT.size), sheet.design
     figure.add_artist(Rectangle((0.0, 0.913), 1.0, 0.087, facecolor=NAVY, edgecolor="none"))
     figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
-    figure.text(LEFT, 0.966, design.name, fontsize=_name_size(design.name), weight="bold", color="white", va="center")
+    figure.text(
+        LAYOUT.left, 0.966, design.name, fontsize=_name_size(design.name), weight="bold", color="white", va="center"
+    )
     size = f"Ø{2e3 * design.housing.outer_radius:.4g} mm"
     kind = "ring pins" if design.ring.kind == "pin" else "an internal gear"
     discs = "" if design.gear.discs == 1 else f", {design.gear.discs} discs"
-    figure.text(LEFT, 0.933, f"Cycloidal speed reducer with {kind}{discs}", fontsize=9.5, color="white", va="center")
-    figure.text(RIGHT, 0.966, f"{design.lobes} : 1", fontsize=21, color="white", ha="right", va="center")
-    figure.text(RIGHT, 0.933, size, fontsize=9.5, color="white", ha="right", va="center")
-    _rule(figure, 0.045, RULE)
-    figure.text(LEFT, 0.03, "Computed by cycloid_mj, not measured", fontsize=6.5, color=SOFT)
-    figure.text(RIGHT, 0.03, f"{number} / 3", fontsize=6.5, color=SOFT, ha="right")
+    figure.text(
+        LAYOUT.left, 0.933, f"Cycloidal speed reducer with {kind}{discs}", fontsize=9.5, color="white", va="center"
+    )
+    figure.text(LAYOUT.right, 0.966, f"{design.lobes} : 1", fontsize=21, color="white", ha="right", va="center")
+    figure.text(LAYOUT.right, 0.933, size, fontsize=9.5, color="white", ha="right", va="center")
+    _draw_rule(figure, 0.045, RULE)
+    figure.text(LAYOUT.left, 0.03, "Computed by cycloid_mj, not measured", fontsize=6.5, color=SOFT)
+    figure.text(LAYOUT.right, 0.03, f"{number} / 3", fontsize=6.5, color=SOFT, ha="right")
     return figure
 
 
@@ -119,26 +132,29 @@ def _name_size(name: str) -> float:
     return min(25.0, 25.0 * 22.0 / max(len(name), 1))
 
 
-def _tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
-    """Draw the main figures in a row of boxes."""
+def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
+    """Draw the main figures of a data sheet in a row of boxes at the height `bottom`, relative to the page."""
     by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
     gap, count = 0.012, len(KEYS)
-    width = (RIGHT - LEFT - (count - 1) * gap) / count
+    width = (LAYOUT.right - LAYOUT.left - (count - 1) * gap) / count
     for column, key in enumerate(KEYS):
-        left, quantity = LEFT + column * (width + gap), by_key[key]
-        figure.add_artist(Rectangle((left, bottom - 0.025), width, 0.062, facecolor="#EEF3F7", edgecolor="none"))
-        figure.add_artist(Rectangle((left, bottom - 0.025), 0.004, 0.062, facecolor=ACCENT, edgecolor="none"))
-        figure.text(left + 0.012, bottom + 0.023, quantity.name.split(",")[0], fontsize=6.0, color=SOFT, va="center")
+        x, quantity = LAYOUT.left + column * (width + gap), by_key[key]
+        figure.add_artist(Rectangle((x, bottom - 0.025), width, 0.062, facecolor="#EEF3F7", edgecolor="none"))
+        figure.add_artist(Rectangle((x, bottom - 0.025), 0.004, 0.062, facecolor=ACCENT, edgecolor="none"))
+        figure.text(x + 0.012, bottom + 0.023, quantity.name.split(",")[0], fontsize=6.0, color=SOFT, va="center")
         figure.text(
-            left + 0.012, bottom + 0.002, format_value(quantity), fontsize=13, weight="bold", color=NAVY, va="center"
+            x + 0.012, bottom + 0.002, format_value(quantity), fontsize=13, weight="bold", color=NAVY, va="center"
         )
-        figure.text(left + 0.012, bottom - 0.016, quantity.unit, fontsize=6.5, color=SOFT, va="center")
+        figure.text(x + 0.012, bottom - 0.016, quantity.unit, fontsize=6.5, color=SOFT, va="center")
 
 
-def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
-    """Draw a table with a row for each quantity; return the top of the next one."""
-    _heading(figure, heading, top)
-    name, unit, condition = (LEFT + share * (RIGHT - LEFT) for share in COLUMNS)
+def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
+    """Draw a table with name, value, unit and condition of each quantity, and return the height below it.
+
+    `top` is the height of the heading; heights are relative to the page.
+    """
+    _draw_heading(figure, heading, top)
+    name, unit, condition = (LAYOUT.left + share * (LAYOUT.right - LAYOUT.left) for share in LAYOUT.columns)
     line = top - 0.0185
     for quantity in quantities:
         look: dict[str, Any] = {"fontsize": 7.6, "va": "center", "color": INK}
@@ -146,8 +162,8 @@ def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: fl
         figure.text(unit - 0.012, line, format_value(quantity), weight="bold", ha="right", **look)
         figure.text(unit, line, "" if quantity.unit == "1" else quantity.unit, **look)
         figure.text(condition, line, _shorten(quantity.note), **{**look, "fontsize": 6.2, "color": SOFT})
-        line -= ROW
-        _rule(figure, line + 0.5 * ROW, RULE, 0.4)
+        line -= LAYOUT.row
+        _draw_rule(figure, line + 0.5 * LAYOUT.row, RULE, 0.4)
     return line - 0.012
 
 
@@ -165,16 +181,18 @@ def format_value(quantity: Quantity) -> str:
     return f"{quantity.value:.3g}" if abs(quantity.value) < 999.5 else f"{float(f'{quantity.value:.4g}'):.0f}"
 
 
-def _heading(figure: Figure, text: str, level: float) -> None:
-    figure.text(LEFT, level, text, fontsize=9.5, weight="bold", color=ACCENT, va="center")
-    _rule(figure, level - 0.0095, ACCENT)
+def _draw_heading(figure: Figure, text: str, level: float) -> None:
+    figure.text(LAYOUT.left, level, text, fontsize=9.5, weight="bold", color=ACCENT, va="center")
+    _draw_rule(figure, level - 0.0095, ACCENT)
 
 
-def _rule(figure: Figure, level: float, colour: str, width: float = 0.8) -> None:
-    figure.add_artist(Rectangle((LEFT, level), RIGHT - LEFT, 1e-3 * width, facecolor=colour, edgecolor="none"))
+def _draw_rule(figure: Figure, level: float, colour: str, width: float = 0.8) -> None:
+    figure.add_artist(
+        Rectangle((LAYOUT.left, level), LAYOUT.right - LAYOUT.left, 1e-3 * width, facecolor=colour, edgecolor="none")
+    )
 
 
-def _panels(sheet: Datasheet) -> list[list[Curve]]:
+def _curves_by_panel(sheet: Datasheet) -> list[list[Curve]]:
     """Return the curves of each panel, in their order."""
     by_panel: dict[str, list[Curve]] = {}
     for curve in sheet.curves:
@@ -182,8 +200,8 @@ def _panels(sheet: Datasheet) -> list[list[Curve]]:
     return list(by_panel.values())
 
 
-def _panel(axes: Axes, curves: Sequence[Curve]) -> None:
-    """Draw the curves of a panel."""
+def _draw_panel(axes: Axes, curves: Sequence[Curve]) -> None:
+    """Draw the curves of a panel with title, axis labels and legend."""
     for curve, colour in zip(curves, (ACCENT, SOFT), strict=False):
         axes.plot(curve.x, curve.y, color=colour, linewidth=1.4, marker="o", markersize=2.2, label=curve.name)
     first, values = curves[0], np.concatenate([curve.y for curve in curves])

@@ -16,49 +16,49 @@ OVERSHOOT = 0.012
 """Length of extension lines beyond a dimension line, relative to the height of the axes."""
 
 
-def along(
-    axes: Axes, ends: tuple[float, float], level: float, reach: tuple[float, float], text: str, upright: bool
+def draw_dimension(
+    axes: Axes, ends: tuple[float, float], level: float, starts: tuple[float, float], text: str, upright: bool
 ) -> None:
-    """Draw the dimension of a distance along x, or along y if it is `upright`.
+    """Draw a dimension line with arrows, extension lines and text, along x or, if `upright`, along y.
 
     Parameters
     ----------
     axes
         In mm, with their limits set.
     ends
-        Both ends of the distance.
+        Coordinates of both ends of the distance [mm].
     level
-        Position of the dimension line in the other direction.
-    reach
-        Start of the extension line of each end in the other direction.
+        Coordinate of the dimension line in the other direction [mm].
+    starts
+        Coordinate at which the extension line of each end starts, in the other direction [mm].
     text
         Text of the dimension.
     upright
         Whether the distance is along y.
     """
     low, high = axes.get_ylim()
-    beyond = OVERSHOOT * abs(high - low)
-    for end, begin in zip(ends, reach, strict=True):
-        last = level + (beyond if level >= begin else -beyond)
-        axes.plot(*_xy((end, end), (begin, last), upright), **LINE)
+    overshoot = OVERSHOOT * abs(high - low)
+    for end, start in zip(ends, starts, strict=True):
+        end_of_line = level + (overshoot if level >= start else -overshoot)
+        axes.plot(*_xy((end, end), (start, end_of_line), upright), **LINE)
     (x0, x1), (y0, y1) = _xy(ends, (level, level), upright)
-    short = abs(ends[1] - ends[0]) < 6.0 * beyond
-    inwards = {**ARROW, "arrowstyle": "-"} if short else ARROW
-    axes.annotate("", (x1, y1), (x0, y0), arrowprops=inwards)
-    if short:
-        _ticks(axes, ends, level, beyond, upright)
+    is_short = abs(ends[1] - ends[0]) < 6.0 * overshoot
+    arrow = {**ARROW, "arrowstyle": "-"} if is_short else ARROW
+    axes.annotate("", (x1, y1), (x0, y0), arrowprops=arrow)
+    if is_short:
+        _ticks(axes, ends, level, overshoot, upright)
     middle = 0.5 * (ends[0] + ends[1])
     x, y = (level, middle) if upright else (middle, level)
     axes.text(x, y, text, rotation=90 if upright else 0, bbox=PAPER, zorder=9, **TEXT)
 
 
-def leader(axes: Axes, point: tuple[float, float], text_at: tuple[float, float], text: str) -> None:
-    """Draw a leader line from a point [mm] to a text."""
-    side = "left" if text_at[0] >= point[0] else "right"
+def draw_leader(axes: Axes, point: tuple[float, float], text_position: tuple[float, float], text: str) -> None:
+    """Draw a leader line with an arrow from a text to a point; both positions are (x, y) in mm."""
+    side = "left" if text_position[0] >= point[0] else "right"
     axes.annotate(
         text,
         point,
-        text_at,
+        text_position,
         arrowprops={**ARROW, "arrowstyle": "-|>,head_length=0.28,head_width=0.09"},
         bbox=PAPER,
         zorder=9,
@@ -74,7 +74,7 @@ def _ticks(axes: Axes, ends: tuple[float, float], level: float, size: float, upr
 
 
 def _xy(
-    along: tuple[float, float], across: tuple[float, float], upright: bool
+    draw_dimension: tuple[float, float], across: tuple[float, float], upright: bool
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return coordinates along and across a dimension as x and y."""
-    return (across, along) if upright else (along, across)
+    return (across, draw_dimension) if upright else (draw_dimension, across)

@@ -25,7 +25,9 @@ ARROW = {"arrowstyle": "<->", "linewidth": 0.35, "shrinkA": 0.0, "shrinkB": 0.0}
 
 
 def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
-    """Return ``drawings.pdf`` with a page for each manufactured part, and ``NAME-drawing.dxf`` of each.
+    """Draw the manufactured parts of a drive: ``drawings.pdf`` with a page for each, and ``NAME-drawing.dxf`` of each.
+
+    Return the contents by name.
 
     Raises
     ------
@@ -41,7 +43,7 @@ def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 
 @with_style
 def drawing_figure(drawing: PartDrawing) -> Figure:
-    """Draw a part on a page: section with dimensions, front view, notes and title block."""
+    """Draw a manufactured part on an A3 page: section with dimensions, front view, notes and title block."""
     figure = Figure(figsize=PAGE)
     section, front = figure.add_axes((0.03, 0.28, 0.55, 0.68)), figure.add_axes((0.6, 0.34, 0.37, 0.6))
     for low, high, bottom, top in drawing.section:

@@ -46,59 +46,62 @@ def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 
 @with_style
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
-    """Draw the section through the axis, each part rotated into its plane: assembled, and exploded below."""
-    laid, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
-    prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in laid.items()}
+    """Draw the section of a drive through its axis, each part rotated into the plane: assembled, and exploded below."""
+    geometry, components = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
+    prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in geometry.items()}
     figure = NotebookFigure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
-    together, apart = figure.subplots(2, 1)
+    assembled_axes, exploded_axes = figure.subplots(2, 1)
     counts, gap = (
-        Counter(names.family(component.part) for component in placed),
+        Counter(names.family(component.part) for component in components),
         GAP * reducer.design.housing.outer_radius,
     )
     start = 0.0
-    for number, family in enumerate([family for family in ALONG if counts[family]]):
-        own = [component for component in placed if names.family(component.part) == family]
+    for position, family in enumerate([family for family in ALONG if counts[family]]):
+        members = [component for component in components if names.family(component.part) == family]
         ends = [
             component.origin[2] + z
-            for component in own
+            for component in members
             for prism in prisms[component.part]
             for z in (prism.z0, prism.z1)
         ]
         shift, top = start - min(ends), 0.0
-        for component in own:
-            _draw(together, component, prisms[component.part], 0.0)
-        for component in own:
-            top = max(top, _draw(apart, component, prisms[component.part], shift))
+        for component in members:
+            _draw_section(assembled_axes, component, prisms[component.part], 0.0)
+        for component in members:
+            top = max(top, _draw_section(exploded_axes, component, prisms[component.part], shift))
         start += max(ends) - min(ends) + gap
         middle = MILLIMETRES * (shift + 0.5 * (min(ends) + max(ends)))
         text = family.replace("_", " ") + (f" x{counts[family]}" if counts[family] > 1 else "")
-        apart.annotate(
-            f"{number + 1}  {text}",
+        exploded_axes.annotate(
+            f"{position + 1}  {text}",
             (middle, MILLIMETRES * top),
             (middle, 1.12 * MILLIMETRES * sizes.outer),
             rotation=60,
             fontsize=6.5,
             arrowprops={"arrowstyle": "-", "linewidth": 0.3, "color": "#7A8590"},
         )
-    for axes in (together, apart):
+    for axes in (assembled_axes, exploded_axes):
         axes.set_aspect("equal")
         axes.axis("off")
         axes.autoscale_view()
         axes.plot(axes.get_xlim(), (0.0, 0.0), **AXIS)
-    together.set_title(f"{reducer.design.name}, assembled: motor on the left, output on the right")
+    assembled_axes.set_title(f"{reducer.design.name}, assembled: motor on the left, output on the right")
     return figure
 
 
-def _draw(axes: Axes, component: Place, prisms: tuple[Prism, ...], shift: float) -> float:
-    """Draw the section of a part in the plane through the axis and its centre; return its largest radius [m]."""
+def _draw_section(axes: Axes, component: Place, prisms: tuple[Prism, ...], shift: float) -> float:
+    """Draw the section of a part in the plane through the axis and the part's centre; return its largest radius [m].
+
+    `shift` moves the part along the axis [m].
+    """
     x, y, z = component.origin
-    away = float(np.hypot(x, y))
+    distance = float(np.hypot(x, y))
     red, green, blue, _ = COLOURS[names.family(component.part)]
-    reach = 0.0
+    outer_radius = 0.0
     for prism in prisms:
-        for low, high in cut(prism, (0.0, away if names.family(component.part) != names.GEAR else y)):
+        for low, high in cut(prism, (0.0, distance if names.family(component.part) != names.GEAR else y)):
             corner = MILLIMETRES * (prism.z0 + z + shift), MILLIMETRES * low
             size = MILLIMETRES * (prism.z1 - prism.z0), MILLIMETRES * (high - low)
             axes.add_patch(Rectangle(corner, *size, facecolor=(red, green, blue), edgecolor="#26323D", linewidth=0.3))
-            reach = max(reach, high)
-    return reach
+            outer_radius = max(outer_radius, high)
+    return outer_radius

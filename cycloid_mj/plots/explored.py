@@ -55,6 +55,8 @@ SWEEP = SweepStyle()
 def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     """Draw quantities of a sweep over its inputs; failed points are marked on the input axes.
 
+    One input: a line; two inputs: a contour map or a line for each value; more inputs: a grid of points.
+
     Parameters
     ----------
     sweep
@@ -65,18 +67,20 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     keys = sweep.task.keys
     numbers = number_inputs(sweep)
     if len(keys) == 1:
-        return _panels(sweep, quantities, lambda axes, name: _line(axes, sweep, keys[0], name))
+        return _draw_panels(sweep, quantities, lambda axes, name: _draw_over_input(axes, sweep, keys[0], name))
     if len(keys) == len(numbers) == 2 and _spans_a_plane(_scaled_points(*(sweep.frame.numbers[key] for key in keys))):
-        return _panels(sweep, quantities, lambda axes, name: _map(axes, sweep, name))
-    if len(keys) == 2 and (over := numbers or keys):
-        parameter = next(key for key in keys if key != over[0])
+        return _draw_panels(sweep, quantities, lambda axes, name: _draw_map(axes, sweep, name))
+    if len(keys) == 2 and (inputs := numbers or keys):
+        parameter = next(key for key in keys if key != inputs[0])
         if len(set(sweep[parameter].tolist())) <= len(COLOURS):
-            return _panels(sweep, quantities, lambda axes, name: _lines(axes, sweep, over[0], parameter, name))
-    return _pairs(sweep, quantities)
+            return _draw_panels(
+                sweep, quantities, lambda axes, name: _draw_lines(axes, sweep, inputs[0], parameter, name)
+            )
+    return _draw_pairs(sweep, quantities)
 
 
-def _panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
-    """Return a figure with a panel for each quantity in two columns."""
+def _draw_panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
+    """Return a figure with two columns of panels, one for each quantity; `draw` draws a quantity by its name."""
     rows = max(1, math.ceil(len(quantities) / 2))
     figure = NotebookFigure(figsize=(WIDTH, SWEEP.row_height * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
@@ -85,11 +89,11 @@ def _panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str],
         axes.set_title(wrap_label(_title(sweep, name), SWEEP.title_width))
     for axes in panels[len(quantities) :]:
         axes.remove()
-    _head(figure, sweep)
+    _add_heading(figure, sweep)
     return figure
 
 
-def _head(figure: Figure, sweep: Sweep) -> None:
+def _add_heading(figure: Figure, sweep: Sweep) -> None:
     """Add design and number of points above a figure."""
     failed = f", {sweep.failed} failed" if sweep.failed else ""
     state(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed}")
@@ -110,33 +114,35 @@ def figure_words(column: str, unit: str = "") -> str:
     return f"{measure}: {words}" if measure else words
 
 
-def _line(axes: Axes, sweep: Sweep, key: str, name: str) -> None:
+def _draw_over_input(axes: Axes, sweep: Sweep, key: str, name: str) -> None:
     """Draw a quantity over one input."""
-    _draw_line(axes, _positions(axes, sweep, key), sweep.frame.numbers[name], COLOURS[0])
-    _failures(axes, sweep, key)
+    _draw_line(axes, _input_positions(axes, sweep, key), sweep.frame.numbers[name], COLOURS[0])
+    _mark_failures(axes, sweep, key)
 
 
-def _lines(axes: Axes, sweep: Sweep, over: str, parameter: str, name: str) -> None:
-    """Draw a quantity over one input, with a line for each value of the other."""
-    positions, values = _positions(axes, sweep, over), sweep.frame.numbers[name]
+def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: str) -> None:
+    """Draw the quantity `name` over the input `abscissa`, with a line for each value of the input `parameter`."""
+    positions, values = _input_positions(axes, sweep, abscissa), sweep.frame.numbers[name]
     for colour, value in zip(COLOURS, dict.fromkeys(sweep[parameter].tolist()), strict=False):
         rows = sweep[parameter] == value
         label = f"{value:g}" if isinstance(value, float) else str(value)
         _draw_line(axes, positions[rows], values[rows], colour, label)
     axes.legend(title=_title(sweep, parameter), title_fontsize=6.5, fontsize=6.5)
-    _failures(axes, sweep, over)
+    _mark_failures(axes, sweep, abscissa)
 
 
 def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
     """Draw a line sorted by x, with markers if there are few points."""
     order = np.argsort(x, kind="stable")
-    marked = len(x) <= SWEEP.max_markers
-    axes.plot(x[order], y[order], "o-" if marked else "-", color=colour, markersize=2.8, linewidth=1.1, label=label)
+    has_markers = len(x) <= SWEEP.max_markers
+    axes.plot(
+        x[order], y[order], "o-" if has_markers else "-", color=colour, markersize=2.8, linewidth=1.1, label=label
+    )
     axes.margins(x=0.03)
 
 
-def _positions(axes: Axes, sweep: Sweep, key: str) -> Array:
-    """Label the x axis with an input, and return the position of each point: words in order of appearance."""
+def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
+    """Label the x axis with an input, and return the abscissa of each point, 0, 1, ... for words."""
     axes.set_xlabel(_title(sweep, key))
     if key in sweep.frame.numbers:
         return sweep.frame.numbers[key]
@@ -145,11 +151,11 @@ def _positions(axes: Axes, sweep: Sweep, key: str) -> Array:
     return np.array([words.index(str(value)) for value in sweep[key].tolist()], dtype=float)
 
 
-def _failures(axes: Axes, sweep: Sweep, key: str) -> None:
-    """Mark failed points on the x axis."""
+def _mark_failures(axes: Axes, sweep: Sweep, key: str) -> None:
+    """Mark the points that failed by crosses on the x axis, at their values of an input."""
     failed = sweep["error"] != ""
     if failed.any():
-        positions = _positions(axes, sweep, key)[failed]
+        positions = _input_positions(axes, sweep, key)[failed]
         axes.plot(
             positions, np.zeros(failed.sum()), "x", color=VERMILION, markersize=5, clip_on=False,
             transform=axes.get_xaxis_transform(),
@@ -172,8 +178,8 @@ def _spans_a_plane(points: Array) -> bool:
     return len(points) > 2 and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2
 
 
-def _map(axes: Axes, sweep: Sweep, name: str) -> None:
-    """Draw a quantity over two inputs as a contour map on a triangulation of the points."""
+def _draw_map(axes: Axes, sweep: Sweep, name: str) -> None:
+    """Draw a quantity over two inputs as a contour map on a Delaunay triangulation of the points."""
     numbers = sweep.frame.numbers
     first, second = number_inputs(sweep)
     x, y, z = numbers[first], numbers[second], numbers[name]
@@ -191,8 +197,8 @@ def _map(axes: Axes, sweep: Sweep, name: str) -> None:
     axes.margins(0.03)
 
 
-def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
-    """Draw every quantity over every input, with the rank correlation of numeric pairs."""
+def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
+    """Draw every quantity over every input as points, with Spearman's rank correlation of numeric pairs."""
     keys = _main_inputs(sweep, quantities)
     rows = max(1, len(quantities))
     figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
@@ -207,19 +213,19 @@ def _pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
             strength = 0.0 if math.isnan(rho) else abs(rho)
             colour = VERMILION if strength > 0.5 else BLUE
             axes.plot(
-                _positions(axes, sweep, key)[::stride], values, ".", color=colour, markersize=2.0, rasterized=True
+                _input_positions(axes, sweep, key)[::stride], values, ".", color=colour, markersize=2.0, rasterized=True
             )
             axes.margins(x=0.05)
             axes.set_xlabel(wrap_label(_title(sweep, key), SWEEP.label_width) if row == rows - 1 else "", fontsize=7.0)
             axes.set_title("" if math.isnan(rho) else typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
             if column == 0:
                 axes.set_ylabel(wrap_label(_title(sweep, name), SWEEP.label_width), fontsize=6.5)
-    _head(figure, sweep)
+    _add_heading(figure, sweep)
     return figure
 
 
 def _main_inputs(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Return the inputs to draw in their order; of too many, those with the largest rank correlations."""
+    """Return the inputs to draw in their order; if there are too many, those with the largest rank correlations."""
     if len(sweep.task.keys) <= SWEEP.max_inputs:
         return sweep.task.keys
     correlated = rank_correlations(sweep, tuple(quantities))

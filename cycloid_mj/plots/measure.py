@@ -60,7 +60,7 @@ def measurement_figure(measurement: Measurement) -> Figure:
 
 @with_style
 def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
-    """Draw curves, one panel below the other."""
+    """Draw curves, grouped by their panels, one panel below the other."""
     panels: dict[str, list[Curve]] = {}
     for curve in curves:
         panels.setdefault(curve.panel, []).append(curve)
@@ -74,8 +74,8 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
         if polar:
             _draw_polar(axes, shown)
         else:
-            _draw(axes, shown)
-            _limit(axes, shown)
+            _draw_curves(axes, shown)
+            _limit_axes(axes, shown)
             axes.set(xlabel=shown[0].x_label, ylabel=shown[0].y_label)
         axes.yaxis.set_major_formatter(lambda value, _: typeset(f"{value:g}"))
         if axes.get_legend_handles_labels()[1]:
@@ -85,8 +85,8 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
     return figure
 
 
-def _draw(axes: Axes, curves: list[Curve]) -> None:
-    """Draw the curves of a panel, each in its style."""
+def _draw_curves(axes: Axes, curves: list[Curve]) -> None:
+    """Draw the curves of a panel as lines, bars or markers according to their styles, with labels and legend."""
     measured = [curve for curve in curves if curve.style not in ("theory", "rings")]
     colours = {id(curve): COLOURS[number % len(COLOURS)] for number, curve in enumerate(measured)}
     by_name = {curve.name: colours[id(curve)] for curve in measured}
@@ -127,7 +127,7 @@ def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None
 
 
 def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
-    """Draw forces around a ring, clockwise from +y; with a marker for each contact if there are few."""
+    """Draw forces around a ring in polar axes, clockwise from +y, with a marker for each contact if there are few."""
     for number, curve in enumerate(curves):
         about, colour = np.radians(curve.x), COLOURS[number % len(COLOURS)]
         if len(curve.x) > PANEL.max_markers:
@@ -149,8 +149,8 @@ def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
     polar.set_rlabel_position(float(curves[0].x[np.argmax(curves[0].y)]) + 180.0)
 
 
-def _limit(axes: Axes, curves: list[Curve]) -> None:
-    """Limit the axes to the values, with the minimal span of `PanelStyle.min_span`."""
+def _limit_axes(axes: Axes, curves: list[Curve]) -> None:
+    """Set the limits of the y axis to the values of the curves, with the smallest span of `PanelStyle.min_span`."""
     x, y = (np.concatenate([getattr(curve, name) for curve in curves]) for name in ("x", "y"))
     x, y = x[np.isfinite(x)], y[np.isfinite(y)]
     if not len(x) or not len(y):

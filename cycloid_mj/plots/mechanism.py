@@ -44,7 +44,7 @@ MAX_ARROW = 0.3
 
 @with_style
 def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | None = None) -> Figure:
-    """Draw ring, discs, output pins, cam and shaft.
+    """Draw ring, discs, output pins, cam and shaft to scale, for a run with the contact forces on the discs.
 
     Parameters
     ----------
@@ -58,9 +58,9 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
     figure = NotebookFigure(figsize=(6.5, 6.9), layout="constrained")
     axes = figure.subplots()
     if run is None:
-        columns = _ideal(reducer, CRANK_ANGLE if crank_angle is None else crank_angle)
+        columns = _ideal_pose(reducer, CRANK_ANGLE if crank_angle is None else crank_angle)
     else:
-        sample = _sample(run, crank_angle)
+        sample = _nearest_sample(run, crank_angle)
         columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
         degrees = math.degrees(float(columns["crank_angle"][0])) % 360
         axes.set_title(f"crank angle {degrees:.1f} deg, {run.time[sample]:.4f} s", loc="center")
@@ -71,15 +71,19 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
     reach = 1.02e3 * reducer.design.housing.outer_radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     axes.axis("off")
-    several = run is not None and reducer.design.gear.discs > 1
+    shows_forces = run is not None and reducer.design.gear.discs > 1
     figure.legend(
-        handles=_legend(reducer, several), loc="outside lower center", ncols=6, handlelength=1.2, columnspacing=1.4
+        handles=_list_legend(reducer, shows_forces),
+        loc="outside lower center",
+        ncols=6,
+        handlelength=1.2,
+        columnspacing=1.4,
     )
     return figure
 
 
-def _ideal(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
-    """Return the columns of the ideal mechanism at a crank angle [rad], one row each."""
+def _ideal_pose(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
+    """Compute the columns of a log for the ideal mechanism at a crank angle [rad], shape (1,) each."""
     design = reducer.design
     gear, crank = reducer.tooth_profile, np.array([crank_angle])
     turn = reducer.member.gear_angle(crank)
@@ -89,18 +93,21 @@ def _ideal(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
     return columns
 
 
-def _sample(run: Run, crank_angle: float | None) -> int:
-    """Return the sample of the last turn nearest to a crank angle, modulo a turn; without one the last sample."""
+def _nearest_sample(run: Run, crank_angle: float | None) -> int:
+    """Return the index of the sample in the last turn that is nearest to a crank angle [rad]; the last one for None."""
     angle = run["crank_angle"]
     if crank_angle is None:
         return len(run) - 1
-    away = np.abs((angle - crank_angle + np.pi) % (2 * np.pi) - np.pi)
+    distance = np.abs((angle - crank_angle + np.pi) % (2 * np.pi) - np.pi)
     last_turn = np.abs(angle[-1] - angle) < 2 * np.pi
-    return int(np.argmin(np.where(last_turn, away, np.inf)))
+    return int(np.argmin(np.where(last_turn, distance, np.inf)))
 
 
 def _draw_parts(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None:
-    """Draw the parts from back to front; discs in front of others are translucent."""
+    """Draw the parts from back to front at the poses of a sample; discs in front of others are translucent.
+
+    `pose` has x [m], y [m] and angle [rad] of each part by name, shape (3,).
+    """
     design = reducer.design
     solids = parts(reducer, VISUAL_CHORD_ERROR)
     axis = np.zeros(3)
@@ -135,25 +142,25 @@ def draw_output_pins(axes: Axes, reducer: Reducer, centres: Array) -> None:
 
 
 def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None:
-    """Mark the axis and the centres of the discs, and the sense of rotation of the crank and the front disc."""
+    """Mark the axis and the centres of the discs, and draw arrows for the rotation of crank and front disc."""
     design = reducer.design
     direction = math.copysign(1.0, design.drive.speed)
     centres = [1e3 * pose[gear][:2] for gear in gears(design.gear.discs)]
     centre = centres[-1]
     axes.plot(0.0, 0.0, marker="+", markersize=9, color="white", markeredgewidth=1.0)
-    for middle in centres:
-        axes.plot(*middle, marker="o", markersize=2.5, color="white")
+    for disc_centre in centres:
+        axes.plot(*disc_centre, marker="o", markersize=2.5, color="white")
     ring, output = design.ring, design.output
-    between = (ring.pin_circle_radius - ring.pin_radius + output.pin_circle_radius + output.hole_radius) / 2
+    radius = (ring.pin_circle_radius - ring.pin_radius + output.pin_circle_radius + output.hole_radius) / 2
     start = math.pi / 2 + pose[SHAFT][2]
     _rotation_arrow(axes, np.zeros(2), (design.shaft.radius + design.gear.bore_radius) / 2, start, 1.9 * direction)
     _rotation_arrow(
-        axes, centre, between - design.gear.eccentricity / 2, math.pi / 2 + 0.25 * direction, -0.5 * direction
+        axes, centre, radius - design.gear.eccentricity / 2, math.pi / 2 + 0.25 * direction, -0.5 * direction
     )
 
 
 def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
-    """Draw the forces of ring and output pins on the discs with a common scale; those of the cams are not drawn."""
+    """Draw the forces of ring and output pins on the discs as arrows with a common scale, in a colour for each disc."""
     loaded = acting.size[0] > 0.0
     if not loaded.any():
         return
@@ -172,16 +179,16 @@ def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float
     """Draw a region with holes at a pose: x [m], y [m] and angle [rad]."""
     rings = [1e3 * transform(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
-    axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_look(part, opacity)))
+    axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_style_of(part, opacity)))
 
 
 def draw_disc(axes: Axes, centre: Array, radius: float, part: str, opacity: float = 1.0) -> None:
     """Draw a circular disc of a radius [m] about a centre [m]."""
-    look = _look(part, opacity)
+    look = _style_of(part, opacity)
     axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **look))
 
 
-def _look(part: str, opacity: float) -> dict[str, Any]:
+def _style_of(part: str, opacity: float) -> dict[str, Any]:
     """Return the style of a part with an opacity of its fill."""
     look = LOOKS[part]
     return look if opacity == 1.0 else look | {"facecolor": (look["facecolor"], opacity)}
@@ -195,8 +202,8 @@ def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, swee
     axes.add_patch(FancyArrowPatch(path=Path(arc), **look))
 
 
-def _legend(reducer: Reducer, forces: bool) -> list[Patch]:
-    """Return the legend of the parts, and of the forces on each disc."""
+def _list_legend(reducer: Reducer, forces: bool) -> list[Patch]:
+    """List the legend entries of the parts, and with `forces` those of the forces on each disc."""
     pinned = reducer.design.ring.kind == "pin"
     names = {"ring": "ring" if pinned else "internal gear", "pins": "ring pins" if pinned else ""}
     names |= {"gear": "cycloid disc", "output": "output pins", "cam": "cam", "shaft": "input shaft"}

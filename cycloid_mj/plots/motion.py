@@ -32,8 +32,8 @@ SPEED_SPAN = 0.01
 
 @with_style
 def input_figure(motion: Series) -> Figure:
-    """Draw prescribed and simulated crank speed over the entire run, and their difference (Fig. 5)."""
-    figure, top, bottom = _speed(motion, "crank_speed", slice(None), motion.time, height_ratios=[3, 2])
+    """Draw prescribed and simulated crank speed over the entire run, and their difference (Hsieh 2014, Fig. 5)."""
+    figure, top, bottom = _draw_speed(motion, "crank_speed", slice(None), motion.time, height_ratios=[3, 2])
     top.axhline(0.0, color=BLACK, linewidth=0.5)
     top.margins(y=0.08)
     top.set_title("Crank speed")
@@ -44,22 +44,25 @@ def input_figure(motion: Series) -> Figure:
 
 @with_style
 def gear_speed_figure(motion: Series) -> Figure:
-    """Draw the disc speed over a crank turn with Eq. 12, and the magnified error (Fig. 6)."""
+    """Draw the disc speed over a crank turn with Eq. 12 of Hsieh 2014, and the error magnified below (Fig. 6)."""
     degrees = turn_degrees(motion)
-    figure, top, bottom = _speed(motion, "gear_speed", motion.one_turn, degrees)
+    figure, top, bottom = _draw_speed(motion, "gear_speed", motion.one_turn, degrees)
     speed = motion.gear_speed.select(motion.one_turn)
     middle = float(np.mean(speed.theory))
-    swing = max(float(np.abs(part - middle).max()) for part in (speed.theory, speed.simulated))
-    reach = max(SPEED_SPAN * abs(middle), 1.2 * swing, 1e-9)
-    top.set_ylim(middle - reach, middle + reach)
+    largest_deviation = max(float(np.abs(values - middle).max()) for values in (speed.theory, speed.simulated))
+    half_span = max(SPEED_SPAN * abs(middle), 1.2 * largest_deviation, 1e-9)
+    top.set_ylim(middle - half_span, middle + half_span)
     top.set_title("Speed of the cycloid disc")
     crank_axis(bottom, degrees)
     figure.align_ylabels()
     return figure
 
 
-def _speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tuple[Figure, Axes, Axes]:
-    """Draw a speed with its closed form, and the error below."""
+def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tuple[Figure, Axes, Axes]:
+    """Draw a speed with its closed form over `x`, and the error below; return the figure and both axes.
+
+    `key` names the signal, `rows` the samples that belong to `x`.
+    """
     figure = sheet(3.6)
     top, bottom = figure.subplots(2, 1, sharex=True, **layout)
     speed, error = SIGNALS[key], SIGNALS[f"{key}_error"]
@@ -78,7 +81,7 @@ def _speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tu
 
 @with_style
 def transmission_error_figure(motion: Series) -> Figure:
-    """Draw the transmission error of output and disc over a crank turn."""
+    """Draw the transmission errors of output and disc over a crank turn, with their means and peak-to-peak values."""
     figure, degrees = sheet(3.6), turn_degrees(motion)
     parts = (("output", "output_te", BLUE), ("cycloid disc", "gear_te", ORANGE))
     for axes, (part, key, color) in zip(figure.subplots(2, 1, sharex=True), parts, strict=True):
@@ -86,8 +89,8 @@ def transmission_error_figure(motion: Series) -> Figure:
         axes.plot(degrees, error, color=color, linewidth=1.0)
         axes.axhline(float(error.mean()), color=color, linewidth=0.7, linestyle=(0, (4, 3)))
         axes.set_ylabel("angle [arcsec]")
-        swing, mean = (typeset(f"{value:.4g}") for value in (np.ptp(error), error.mean()))
-        axes.set_title(f"Transmission error of the {part}: {swing} arcsec peak to peak, mean {mean} arcsec")
+        peak_to_peak, mean = (typeset(f"{value:.4g}") for value in (np.ptp(error), error.mean()))
+        axes.set_title(f"Transmission error of the {part}: {peak_to_peak} arcsec peak to peak, mean {mean} arcsec")
         axes.margins(y=0.12)
         crank_axis(axes, degrees)
         axes.label_outer()

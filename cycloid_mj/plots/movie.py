@@ -8,24 +8,23 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from cycloid_mj.base.animation import ANIMATION
 from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.extras import extra
 
 Frame = npt.NDArray[np.uint8]
 
-RATE = 25
-MIN_RATE, MAX_RATE = 1, 50
-"""Frames per second: the clock of GIF has hundredths of a second, and viewers slow down faster files."""
 
 COLOURS = 128
 """Colours of a GIF: smaller files, no visible difference."""
+
 
 QUALITY = "10"
 """Constant rate factor of H.264, from 0 (lossless) to 51: no visible artefacts at edges."""
 
 
-def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> None:
+def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = ANIMATION.rate) -> None:
     """Write frames of equal size as an endless ``.gif`` or as ``.mp4`` (H.264).
 
     The file appears under its name when it is complete.
@@ -50,26 +49,27 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> 
     writers = {".gif": _write_gif, ".mp4": _write_mp4}
     if path.suffix.lower() not in writers:
         raise UsageError(f"cannot write {path}: unknown animation format. Use a file name that ends in .gif or .mp4")
-    if not MIN_RATE <= rate <= MAX_RATE:
+    slowest, fastest = ANIMATION.rates
+    if not slowest <= rate <= fastest:
         raise UsageError(
-            f"the frame rate is {rate:g} per second, which is out of range: choose {MIN_RATE} to {MAX_RATE} per second"
+            f"the frame rate is {rate:g} per second, which is out of range: choose {slowest} to {fastest} per second"
         )
     with atomic_file(path) as temporary:
         writers[path.suffix.lower()](frames, temporary, rate)
 
 
 def _write_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    """Write a GIF whose frames share the palette of the first frame, which avoids flicker."""
+    """Write RGB frames as a GIF; all frames share the palette of the first one, which avoids flicker."""
     pictures = (Image.fromarray(frame) for frame in frames)
     first = next(pictures).quantize(COLOURS, dither=Image.Dither.NONE)
-    others = (picture.quantize(palette=first, dither=Image.Dither.NONE) for picture in pictures)
+    further = (picture.quantize(palette=first, dither=Image.Dither.NONE) for picture in pictures)
     # GIF has hundredths of a second
     duration = 10 * round(100 / rate)
-    first.save(path, format="GIF", save_all=True, append_images=others, duration=duration, loop=0, disposal=1)
+    first.save(path, format="GIF", save_all=True, append_images=further, duration=duration, loop=0, disposal=1)
 
 
 def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    """Write an MP4 file by PyAV; raise OSError if a frame cannot be written."""
+    """Write RGB frames as an MP4 file (H.264) by PyAV; raise OSError if a frame cannot be written."""
     av = extra("av", "MP4", "video", "write a .gif")
     stream = iter(frames)
     first = next(stream)

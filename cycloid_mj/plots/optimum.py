@@ -25,7 +25,7 @@ LOOKS: tuple[tuple[str, dict[str, Any]], ...] = (
 
 @with_style
 def tradeoff_figure(optimum: Optimum) -> Figure:
-    """Draw every evaluated point: objective over objective or over the evaluations, and over each varied key.
+    """Draw every evaluated point: one objective over the other, or over the evaluations, and over each varied key.
 
     The axes cover the feasible points and the start.
     """
@@ -33,20 +33,20 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
     rows = -(-len(varied) // 3)
     figure = sheet(3.0 + 1.9 * rows)
     grid = figure.add_gridspec(1 + rows, 3, height_ratios=[3.0, *([1.9] * rows)])
-    first = figure.add_subplot(grid[0, :])
+    main_axes = figure.add_subplot(grid[0, :])
     columns = optimum.frame.columns
     if len(objectives) > 1:
         x, y = (np.asarray(columns[objective.key], dtype=float) for objective in objectives)
-        _scatter(first, optimum, x, y)
+        _scatter(main_axes, optimum, x, y)
         front = list(optimum.front)
-        first.step(x[front], y[front], where="post", color=BLUE, linewidth=0.9)
-        first.set(xlabel=_label(optimum, objectives[0].key), ylabel=_label(optimum, objectives[1].key))
+        main_axes.step(x[front], y[front], where="post", color=BLUE, linewidth=0.9)
+        main_axes.set(xlabel=_axis_label(optimum, objectives[0].key), ylabel=_axis_label(optimum, objectives[1].key))
     else:
         y = np.asarray(columns[objectives[0].key], dtype=float)
-        _scatter(first, optimum, np.asarray(columns["evaluation"], dtype=float), y)
-        first.set(xlabel="evaluation", ylabel=_label(optimum, objectives[0].key))
+        _scatter(main_axes, optimum, np.asarray(columns["evaluation"], dtype=float), y)
+        main_axes.set(xlabel="evaluation", ylabel=_axis_label(optimum, objectives[0].key))
     infeasible = len(optimum.feasible) < np.isfinite(y).sum()
-    legend_above(first, *(look for look in LOOKS if infeasible or look is not LOOKS[1]))
+    legend_above(main_axes, *(look for look in LOOKS if infeasible or look is not LOOKS[1]))
     for number, key_range in enumerate(varied):
         axes = figure.add_subplot(grid[1 + number // 3, number % 3])
         _scatter(
@@ -55,30 +55,33 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
             np.asarray(columns[key_range.key], dtype=float),
             np.asarray(columns[objectives[0].key], float),
         )
-        axes.set(xlabel=_label(optimum, key_range.key), ylabel="" if number % 3 else _label(optimum, objectives[0].key))
+        axes.set(
+            xlabel=_axis_label(optimum, key_range.key),
+            ylabel="" if number % 3 else _axis_label(optimum, objectives[0].key),
+        )
     state(figure, optimum.words)
     return figure
 
 
-def _label(optimum: Optimum, key: str) -> str:
+def _axis_label(optimum: Optimum, key: str) -> str:
     """Return the axis label of a key of the design or of a figure, with its unit."""
     return in_words(key, optimum.frame.units.get(key, "")) if key in optimum.task.keys else figure_words(key)
 
 
 def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
-    """Draw the points of an optimisation, with the start and the best one marked."""
-    known = np.isfinite(x) & np.isfinite(y)
-    good = np.zeros(len(x), dtype=bool)
-    good[optimum.feasible] = True
-    for rows, (_, look) in ((known & ~good, LOOKS[1]), (known & good, LOOKS[0])):
+    """Draw the points of an optimisation at coordinates of shape (n,), with start and best point marked."""
+    has_values = np.isfinite(x) & np.isfinite(y)
+    is_feasible = np.zeros(len(x), dtype=bool)
+    is_feasible[optimum.feasible] = True
+    for rows, (_, look) in ((has_values & ~is_feasible, LOOKS[1]), (has_values & is_feasible, LOOKS[0])):
         axes.plot(x[rows], y[rows], **look)
-    marked = [(0, LOOKS[2][1]), *([(optimum.best, LOOKS[3][1])] if optimum.best is not None else [])]
-    for row, look in marked:
-        if known[row]:
+    highlighted = [(0, LOOKS[2][1]), *([(optimum.best, LOOKS[3][1])] if optimum.best is not None else [])]
+    for row, look in highlighted:
+        if has_values[row]:
             axes.plot(x[row], y[row], **look)
-    shown = known & good
-    shown[0] |= known[0]
-    for values, limit in ((x[shown], axes.set_xlim), (y[shown], axes.set_ylim)):
+    inside = has_values & is_feasible
+    inside[0] |= has_values[0]
+    for values, limit in ((x[inside], axes.set_xlim), (y[inside], axes.set_ylim)):
         if values.size and np.ptp(values) > 0.0:
             low, high = float(values.min()), float(values.max())
             limit(low - 0.06 * (high - low), high + 0.06 * (high - low))

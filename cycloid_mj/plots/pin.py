@@ -30,7 +30,7 @@ CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
 
 @with_style
 def pin_figure(motion: Series, pin: PinPath) -> Figure:
-    """Draw the path of the centre of pin 1 within its clearance, its distance and its spin over a crank turn."""
+    """Draw the path of the centre of pin 1 within its clearance, and its distance and spin over a crank turn."""
     figure = sheet(3.2)
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
     distance, spin, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
@@ -39,7 +39,7 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     position, radial, speed = (
         SIGNALS[key].simulated(motion)[motion.one_turn] for key in ("pin_path", "pin_radial", "pin_spin")
     )
-    _path(axes["p"], position, _limit(motion.reducer, clearance, float(np.abs(position).max())), part)
+    _draw_path(axes["p"], position, _limit_of_centre(motion.reducer, clearance, float(np.abs(position).max())), part)
     for panel, values, title in ((distance, radial, "Distance from the centre"), (spin, speed, "Spin")):
         panel.plot(degrees, values, color=BLUE, linewidth=0.9)
         panel.set_title(title)
@@ -58,25 +58,26 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     return figure
 
 
-def _limit(reducer: Reducer, clearance: float, reach: float) -> Array:
-    """Return the limit of the position of a pin's centre [um], shape (2, n), in a closed seat or an open socket.
+def _limit_of_centre(reducer: Reducer, clearance: float, reach: float) -> Array:
+    """Compute the curve that limits the position of a pin's centre [um], shape (2, n), in a closed seat or open socket.
 
     On the arc of the socket it is the circle of the clearance. Beyond, the pin rolls over an edge of the socket: its
-    centre moves on a circle of its own radius about the edge, drawn up to `reach` or to the contact with both edges.
+    centre moves on a circle of its own radius about the edge, drawn up to `reach` [um] or to the contact with both
+    edges.
     """
     design = reducer.design
-    half = socket_half_angle(design) if design.ring.has_sockets else np.pi
-    limit = clearance * unit(np.linspace(0.0, half, 100))
-    if half < np.pi:
+    half_angle = socket_half_angle(design) if design.ring.has_sockets else np.pi
+    limit = clearance * unit(np.linspace(0.0, half_angle, 100))
+    if half_angle < np.pi:
         radius = 1e6 * design.ring.pin_radius
-        rolled = half - np.linspace(0.0, 3.0 * (reach + clearance) / radius, 100)
-        beyond = (radius + clearance) * unit([half]) - radius * unit(rolled)
-        limit = np.concatenate([limit, beyond[np.minimum.accumulate(beyond[:, 0] > 0.0)]])
+        angles_of_rolling = half_angle - np.linspace(0.0, 3.0 * (reach + clearance) / radius, 100)
+        rolling_path = (radius + clearance) * unit([half_angle]) - radius * unit(angles_of_rolling)
+        limit = np.concatenate([limit, rolling_path[np.minimum.accumulate(rolling_path[:, 0] > 0.0)]])
     return np.concatenate([(limit * [-1.0, 1.0])[::-1], limit]).T
 
 
-def _path(axes: Axes, position: Array, limit: Array, part: str) -> None:
-    """Draw a path [um] within its limit."""
+def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:
+    """Draw the path of a centre [um], shape (n, 2), in its limit, shape (2, m); `part` names the part."""
     axes.plot(*limit, **CLEARANCE)
     axes.plot(*position.T, **SIMULATED)
     axes.plot(*position[0], marker="o", markersize=4, color=BLUE)

@@ -32,21 +32,21 @@ _LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
 
 @with_style
 def path_figure(motion: Series) -> Figure:
-    """Draw the path of q over a crank turn and Eq. 16, a detail at the largest error, and the error (Fig. 7)."""
+    """Draw the path of point q over a crank turn with Eq. 16, a detail at its largest error, and the error (Fig. 7)."""
     figure = sheet(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
     degrees, position = turn_degrees(motion), motion.q_position.select(motion.one_turn)
     worst = int(np.argmax(position.error_size))
-    _path(axes["p"], position, motion.q)
-    _detail(axes["n"], position, worst)
-    _pointer(axes["p"], axes["n"], 1e3 * position.theory[worst])
-    _path_error(axes["e"], degrees, position, worst)
+    _draw_path(axes["p"], position, motion.q)
+    _draw_detail(axes["n"], position, worst)
+    _connect_detail(axes["p"], axes["n"], 1e3 * position.theory[worst])
+    _draw_error(axes["e"], degrees, position, worst)
     return figure
 
 
 @with_style
 def velocity_figure(motion: Series) -> Figure:
-    """Draw the velocity of q over a crank turn with Eqs 17 and 18, and its error (Fig. 8)."""
+    """Draw the velocity of point q over a crank turn with Eqs 17 and 18, and its error below (Fig. 8)."""
     figure = sheet(4.2)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
     degrees, velocity = turn_degrees(motion), motion.q_velocity.select(motion.one_turn)
@@ -59,8 +59,8 @@ def velocity_figure(motion: Series) -> Figure:
     top.set_ylabel("velocity of q [mm/s]")
     top.set_title("Velocity of q")
     entries = [(label, {"color": color, "linewidth": 1.2}) for label, _, color in parts]
-    under = {"color": "#C9C9C9", "linewidth": 3.2}
-    legend_above(top, *entries, ("closed form", under), ("simulation", {"color": BLACK, "linewidth": 0.9}))
+    closed_form_style = {"color": "#C9C9C9", "linewidth": 3.2}
+    legend_above(top, *entries, ("closed form", closed_form_style), ("simulation", {"color": BLACK, "linewidth": 0.9}))
     centre_on_zero(bottom, *(1e3 * part.error for _, part, _ in parts))
     bottom.set_ylabel("error [mm/s]")
     crank_axis(bottom, degrees)
@@ -68,8 +68,8 @@ def velocity_figure(motion: Series) -> Figure:
     return figure
 
 
-def _path(axes: Axes, position: Compared, q: Array) -> None:
-    """Draw the path of q [mm]."""
+def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
+    """Draw simulated path and closed form of point q [mm]; `q` is the point in the disc's frame [m]."""
     axes.plot(*(1e3 * position.theory.T), **THEORY)
     axes.plot(*(1e3 * position.simulated.T), **SIMULATED)
     axes.set_aspect("equal", adjustable="datalim")
@@ -80,19 +80,19 @@ def _path(axes: Axes, position: Compared, q: Array) -> None:
     axes.legend(handles=keys(*BOTH), loc="best", frameon=True, framealpha=0.9, edgecolor="none")
 
 
-def _detail(axes: Axes, position: Compared, worst: int) -> None:
-    """Draw both paths around sample `worst` [um], with a line between corresponding samples."""
+def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
+    """Draw both paths around the sample with index `worst` [um], with lines between corresponding samples."""
     centre = position.theory[worst]
     theory, simulated = (1e6 * (path - centre).T for path in (position.theory, position.simulated))
     steps = np.linalg.norm(np.diff(theory.T, axis=0), axis=1)
     pitch = float(steps[max(0, worst - 1) : worst + 1].mean()) if steps.size else 1.0
-    reach = max(2.5e6 * float(position.error_size[worst]), 1.3 * pitch, 1e-3)
+    half_span = max(2.5e6 * float(position.error_size[worst]), 1.3 * pitch, 1e-3)
     axes.plot(*theory, marker="o", markersize=5, **THEORY)
     axes.plot(*simulated, marker="o", markersize=2.5, **SIMULATED)
-    close = np.abs(theory).max(axis=0) < 3 * reach
-    for start, end in zip(theory.T[close], simulated.T[close], strict=True):
+    is_inside = np.abs(theory).max(axis=0) < 3 * half_span
+    for start, end in zip(theory.T[is_inside], simulated.T[is_inside], strict=True):
         axes.plot(*zip(start, end, strict=True), **ERROR)
-    square(axes, reach)
+    square(axes, half_span)
     axes.set_title("largest difference")
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")
@@ -100,8 +100,8 @@ def _detail(axes: Axes, position: Compared, worst: int) -> None:
         spine.set(visible=True, color=VERMILION)
 
 
-def _pointer(axes: Axes, near: Axes, point: Array) -> None:
-    """Mark a point of the path, and connect it with the axes of the detail."""
+def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
+    """Mark a point of the path [mm], shape (2,), and connect it with the axes of the detail."""
     axes.plot(*point, marker="o", markersize=7, markerfacecolor="none", markeredgecolor=VERMILION, markeredgewidth=1.0)
     for corner in ((0.0, 0.0), (0.0, 1.0)):
         axes.annotate(
@@ -109,14 +109,14 @@ def _pointer(axes: Axes, near: Axes, point: Array) -> None:
             xy=(float(point[0]), float(point[1])),
             xycoords="data",
             xytext=corner,
-            textcoords=near.transAxes,
+            textcoords=detail.transAxes,
             arrowprops={"arrowstyle": "-", "color": VERMILION, "linewidth": 0.6, "alpha": 0.6, "shrinkB": 3.5},
             annotation_clip=False,
         ).set_in_layout(False)
 
 
-def _path_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
-    """Draw the components and the size of the path error [um], with the largest marked."""
+def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
+    """Draw components and size of the path error over the crank angle [um], with the sample `worst` marked."""
     error, size = 1e6 * position.error, 1e6 * position.error_size
     axes.plot(degrees, error[:, 0], color=BLUE, linewidth=0.8)
     axes.plot(degrees, error[:, 1], color=ORANGE, linewidth=0.8)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import singledispatch
 
 import numpy as np
@@ -54,24 +55,31 @@ from cycloid_mj.stress.study import StressStudy
 
 Figures = Mapping[str, Figure]
 
-ROW, HEAD = 0.26, 1.1
-"""Height of a bar, and of title and axis label [in]."""
 
-POINTS = 201
-"""Points of a curve over the torque."""
+@dataclass(frozen=True)
+class ResultStyle:
+    """Sizes and limits of the figures of results."""
 
-MIN_DRAWN_MARGIN = 0.01
-"""Left end of the axis of margins: a far smaller margin would hide the differences of the others."""
+    row: float = 0.26
+    head: float = 1.1
+    """Height of a bar, and of title and axis [in]."""
+    points: int = 201
+    """Points of a curve over the torque."""
+    min_margin: float = 0.01
+    """Left end of the axis of margins: a far smaller margin would hide the differences of the others."""
+    max_checks: int = 20
+    """Checks or rated items that are drawn, those with the smallest margins."""
 
-MAX_CHECKS = 20
-"""Checks or rated items that are drawn, those with the smallest margins."""
+
+RESULT = ResultStyle()
+
 
 SIZING_FIGURES = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm_per_arcmin", "life_h")
 """Figures of drives that are compared."""
 
 
 def figure_of(result: object, name: str = "") -> Figure:
-    """Return the figure of a result with a name; without a name, its first figure.
+    """Return one figure of a result: that of the name, or the first figure.
 
     Raises
     ------
@@ -135,18 +143,18 @@ def _of_comparison(comparison: Comparison) -> Figures:
 
 @figures_of.register
 def _of_loop(loop: MeasuredLoop) -> Figures:
-    return {"loop": _curve(loop.torque, loop.deflection / DEGREE, "deflection [deg]", loop.line)}
+    return {"loop": _draw_curve(loop.torque, loop.deflection / DEGREE, "deflection [deg]", loop.line)}
 
 
 @figures_of.register
 @with_style
 def _of_prediction(prediction: Prediction) -> Figures:
-    """Draw measured and modelled loops next to each other."""
+    """Draw measured loops next to those of the model, a panel for each loop."""
     figure = empty_figure(2.8)
     panels: Sequence[Axes] = figure.subplots(1, len(prediction.loops), squeeze=False)[0]
-    for axes, loop, turn in zip(panels, prediction.loops, prediction.turns, strict=True):
+    for axes, loop, model_angles in zip(panels, prediction.loops, prediction.turns, strict=True):
         axes.plot(loop.torque, loop.deflection / DEGREE, ".", color=GREY, markersize=2.0, label="measured")
-        axes.plot(loop.torque, turn / DEGREE, color=BLUE, label="model")
+        axes.plot(loop.torque, model_angles / DEGREE, color=BLUE, label="model")
         axes.set_title(loop.name)
         axes.set_xlabel("torque at the output [N m]")
     panels[0].set_ylabel("deflection [deg]")
@@ -157,9 +165,9 @@ def _of_prediction(prediction: Prediction) -> Figures:
 
 @figures_of.register
 def _of_checks(checks: Checks) -> Figures:
-    tightest = dict(sorted(checks.margins.items(), key=lambda item: item[1])[:MAX_CHECKS])
+    tightest = dict(sorted(checks.margins.items(), key=lambda item: item[1])[: RESULT.max_checks])
     label = "margin: factor between value and limit [1]"
-    return {"margins": _bars(tightest, label, f"{checks.line[:120]}; below 1: not passed", fails_below_1=True)}
+    return {"margins": _draw_bars(tightest, label, f"{checks.line[:120]}; below 1: not passed", fails_below_1=True)}
 
 
 @figures_of.register
@@ -167,22 +175,26 @@ def _of_export(exported: Export) -> Figures:
     ratios = {pair.pair: 0.5 * (pair.least + pair.most) / pair.asked for pair in exported.clearances if pair.asked}
     if not ratios:
         raise UsageError("this export has no clearances to draw: use .to_frame() for the list of files")
-    return {"clearances": _bars(ratios, "clearance of the exported parts / nominal clearance", exported.line)}
+    return {"clearances": _draw_bars(ratios, "clearance of the exported parts / nominal clearance", exported.line)}
 
 
 @figures_of.register
 def _of_orders(orders: Orders) -> Figures:
-    return {"orders": _stems(orders.order, orders.amplitude, orders.line)}
+    return {"orders": _draw_stems(orders.order, orders.amplitude, orders.line)}
 
 
 @figures_of.register
 def _of_joint(joint: ReducedJoint) -> Figures:
     """Draw the output's angle over the torque at a locked crank; the step at zero torque is the backlash."""
-    torque = joint.rated_torque * np.linspace(0.0, 1.0, POINTS)
-    wound = np.array([joint.wind_up(load) for load in torque])
+    torque = joint.rated_torque * np.linspace(0.0, 1.0, RESULT.points)
+    wind_up = np.array([joint.wind_up(load) for load in torque])
     low, high = joint.stops
-    turn = np.concatenate([(low - wound)[::-1], high + wound]) / ARCMINUTE
-    return {"wind_up": _curve(np.concatenate([-torque[::-1], torque]), turn, "output angle [arcmin]", joint.line)}
+    output_angle = np.concatenate([(low - wind_up)[::-1], high + wind_up]) / ARCMINUTE
+    return {
+        "wind_up": _draw_curve(
+            np.concatenate([-torque[::-1], torque]), output_angle, "output angle [arcmin]", joint.line
+        )
+    }
 
 
 @figures_of.register
@@ -204,16 +216,18 @@ def _of_stress(study: StressStudy) -> Figures:
 def _of_findings(findings: Findings) -> Figures:
     watts = {loss.pair: loss.friction_w + loss.normal_w for loss in findings.losses}
     condition = f"{findings.design}, {findings.condition_words}"
-    return {"losses": _bars(watts, "loss by kind of contact [W]", condition)}
+    return {"losses": _draw_bars(watts, "loss by kind of contact [W]", condition)}
 
 
 @figures_of.register
 def _of_rating(rating: Rating) -> Figures:
     margins = {item.name: item.margin(rating.life) for item in rating.items.values() if item.decisive}
     limited = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
-    tightest = dict(sorted(limited.items(), key=lambda item: item[1])[:MAX_CHECKS])
+    tightest = dict(sorted(limited.items(), key=lambda item: item[1])[: RESULT.max_checks])
     condition = f"{rating.design}, {rating.duty}, for {rating.life:g} h; below 1: not passed"
-    return {"margins": _bars(tightest, "safety factor, or life / required life [1]", condition, fails_below_1=True)}
+    return {
+        "margins": _draw_bars(tightest, "safety factor, or life / required life [1]", condition, fails_below_1=True)
+    }
 
 
 @figures_of.register
@@ -229,13 +243,15 @@ def _of_wear_life(result: WearLife) -> Figures:
 @figures_of.register
 def _of_sheet(sheet: Sheet) -> Figures:
     ratios = {item.name: item.value / item.reference for item in sheet.quantities.values() if item.reference}
-    return {"closed_form": _bars(ratios, "static equilibrium / closed form [1]", f"{sheet.design}, {sheet.condition}")}
+    return {
+        "closed_form": _draw_bars(ratios, "static equilibrium / closed form [1]", f"{sheet.design}, {sheet.condition}")
+    }
 
 
 @figures_of.register
 @with_style
 def _of_answer(answer: Answer) -> Figures:
-    """Draw a bar chart of each figure of the drives."""
+    """Draw a bar chart of each figure in `SIZING_FIGURES`, a bar for each drive of a sizing."""
     if not answer.drives:
         raise UsageError(f"there is no drive to draw: {answer.refusal}")
     keys = [key for key in SIZING_FIGURES if key in answer.drives[0].figures]
@@ -251,11 +267,11 @@ def _of_answer(answer: Answer) -> Figures:
 
 
 @with_style
-def _curve(torque: Array, turn: Array, label: str, condition: str) -> Figure:
-    """Draw the rotation of the output over the torque."""
+def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figure:
+    """Draw an angle of the output over the torque on it; `label` names the angle with its unit."""
     figure = empty_figure(2.8)
     axes = figure.subplots()
-    axes.plot(torque, turn, color=BLUE)
+    axes.plot(torque, angle, color=BLUE)
     axes.set_xlabel("torque at the output [N m]")
     axes.set_ylabel(label)
     state(figure, condition)
@@ -263,8 +279,8 @@ def _curve(torque: Array, turn: Array, label: str, condition: str) -> Figure:
 
 
 @with_style
-def _stems(order: Array, amplitude: Array, condition: str) -> Figure:
-    """Draw a vertical line for each order."""
+def _draw_stems(order: Array, amplitude: Array, condition: str) -> Figure:
+    """Draw the amplitude of each order as a vertical line, arrays of shape (n,)."""
     figure = empty_figure(2.4)
     axes = figure.subplots()
     axes.vlines(order, 0.0, amplitude, color=BLUE, linewidth=1.0)
@@ -275,9 +291,9 @@ def _stems(order: Array, amplitude: Array, condition: str) -> Figure:
 
 
 @with_style
-def _bars(values: Mapping[str, float], label: str, condition: str, fails_below_1: bool = False) -> Figure:
-    """Draw a bar for each value, the first on top; margins on a logarithmic scale, starting from 1."""
-    figure = empty_figure(HEAD + ROW * len(values))
+def _draw_bars(values: Mapping[str, float], label: str, condition: str, fails_below_1: bool = False) -> Figure:
+    """Draw a horizontal bar for each value, the first on top; with `fails_below_1`, a log axis with bars from 1."""
+    figure = empty_figure(RESULT.head + RESULT.row * len(values))
     axes = figure.subplots()
     names, numbers = list(values), list(values.values())
     if fails_below_1:
@@ -285,7 +301,7 @@ def _bars(values: Mapping[str, float], label: str, condition: str, fails_below_1
         axes.axvline(1.0, color=GREY, linewidth=0.8)
         colours = [BLUE if value >= 1.0 else VERMILION for value in numbers]
         axes.barh(names, [value - 1.0 for value in numbers], left=1.0, color=colours, height=0.6)
-        axes.set_xlim(left=max(axes.get_xlim()[0], MIN_DRAWN_MARGIN))
+        axes.set_xlim(left=max(axes.get_xlim()[0], RESULT.min_margin))
     else:
         axes.barh(names, numbers, color=BLUE, height=0.6)
     axes.invert_yaxis()

@@ -30,7 +30,7 @@ class FigureError(CycloidError):
 
 @with_style
 def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ("png",)) -> list[Path]:
-    """Write figures as ``folder/name.format``, all or none, and return their paths; the folder is created.
+    """Write figures as ``folder/name.format``, all or none, and return their paths; create the folder.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]
 
 @with_style
 def encode_figure(figure: Figure, form: str) -> bytes:
-    """Encode a figure in a format; the first encoding fixes the layout of all later encodings."""
+    """Encode a figure in a format (png, svg or pdf); the first encoding fixes the layout for later encodings."""
     for text in figure.findobj(Text):  # undecodable bytes of file names have no glyphs
         text.set_text(encodable_text(text.get_text()))
     content = BytesIO()
@@ -85,7 +85,7 @@ def encode_figure(figure: Figure, form: str) -> bytes:
 
 @with_style
 def document(pages: Sequence[Figure]) -> bytes:
-    """Encode figures as the pages of one PDF file."""
+    """Encode figures as the pages of one PDF file, and return its bytes."""
     from matplotlib.backends.backend_pdf import PdfPages  # imports font subsetting, half the import time of matplotlib
 
     content = BytesIO()

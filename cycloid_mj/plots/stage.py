@@ -18,23 +18,18 @@ from cycloid_mj.base.names import GEAR, OUTPUT, SHAFT
 from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.parts import circle, gear_solid, housing_solid
+from cycloid_mj.parts.accuracy import SCREEN_CHORD_ERROR
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.parts.polygon import arc
-from cycloid_mj.plots.mechanism import LOOKS
+from cycloid_mj.plots.mechanism import LOOKS, MAX_ARROW
 from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import socket_half_angle
 from cycloid_mj.scene import ContactForces, Drawing, ring_outline
 from cycloid_mj.scene.pose import ring_places
 
-CHORD_ERROR = 1e-5
-"""Chord error of outlines [m]: a tenth of a pixel."""
-
 WIDTH, HEIGHT = 6.4, 8.0
 """Size of the figure [in]."""
-
-MAX_ARROW = 0.3
-"""Length of the largest force arrow of a kind, relative to the outer radius of the housing."""
 
 FORCES = {
     "pin_gear": ("ring pins", VERMILION),
@@ -84,56 +79,56 @@ class Script:
     ideal: Array | None
 
 
-def set_stage(script: Script, width: int) -> AnimatedFigure:
-    """Return the figure with a width [px], everything drawn once."""
+def create_stage(script: Script, width: int) -> AnimatedFigure:
+    """Draw everything of an animation once, and return the figure with its movable artists; `width` is in pixels."""
     reducer, acting = script.reducer, script.acting
     figure = Figure(figsize=(WIDTH, HEIGHT), dpi=width / WIDTH)
     axes = figure.add_axes((0.02, 0.262, 0.96, 0.7), aspect="equal")
     reach = 1.02e3 * reducer.design.housing.outer_radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
     axes.axis("off")
-    wall = _wall(axes, reducer)
-    parts = _parts(axes, reducer, script.drawn)
-    arrows = {kind: _arrows(axes, reducer, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
+    wall = _draw_wall(axes, reducer)
+    parts = _draw_parts(axes, reducer, script.drawn)
+    arrows = {kind: _draw_arrows(axes, reducer, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
     figure.text(0.025, 0.972, _title(reducer, script.drawn), fontsize=9.5, weight="bold")
     lines = (str(condition(reducer)), *_view_words(script.drawn, reducer))
     figure.text(0.025, 0.961, "\n".join(lines), fontsize=8.5, va="top")
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
-    _legend(figure, acting)
-    bars, steps = _load_axes(figure, acting.of(*RING), script.ideal)
+    _add_legend(figure, acting)
+    bars, steps = _draw_load_bars(figure, acting.of(*RING), script.ideal)
     return AnimatedFigure(figure, axes, clock, parts, wall, arrows, bars, steps)
 
 
-def show(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Update the figure to a frame."""
+def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
+    """Move parts, arrows and bars of an animation to the frame with index `row`."""
     poses = script.drawn
-    _move(stage, GEAR, [poses.gear[row]])
-    _move(stage, OTHERS, _others(script, row))
-    _move(stage, SHAFT, [poses.shaft[row]])
-    _move(stage, OUTPUT, poses.output_pins[row])
+    _move_part(stage, GEAR, [poses.gear[row]])
+    _move_part(stage, OTHERS, _other_disc_poses(script, row))
+    _move_part(stage, SHAFT, [poses.shaft[row]])
+    _move_part(stage, OUTPUT, poses.output_pins[row])
     outwards = np.arctan2(*ring_places(script.reducer).T[::-1])
-    _move(stage, SOCKET, np.column_stack([poses.sockets[row], outwards]))
-    _move(stage, PIN, np.column_stack([poses.ring[row], poses.gaps.pin_angle[row]]))
+    _move_part(stage, SOCKET, np.column_stack([poses.sockets[row], outwards]))
+    _move_part(stage, PIN, np.column_stack([poses.ring[row], poses.gaps.pin_angle[row]]))
     if script.reducer.design.ring.kind != "pin":
-        _set_ring(stage.wall, script, row)
-    _show_forces(stage, script, row)
+        _update_ring(stage.wall, script, row)
+    _update_forces(stage, script, row)
 
 
-def _move(stage: AnimatedFigure, part: str, poses: Any) -> None:
+def _move_part(stage: AnimatedFigure, part: str, poses: Any) -> None:
     """Move copies of a part to poses: x [m], y [m] and optionally an angle [rad]."""
     for artists, (x, y, *angle) in zip(stage.parts[part], poses, strict=False):
-        moved = Affine2D().rotate(*(angle or [0.0])).translate(1e3 * x, 1e3 * y) + stage.axes.transData
+        transform = Affine2D().rotate(*(angle or [0.0])).translate(1e3 * x, 1e3 * y) + stage.axes.transData
         for artist in artists:
-            artist.set_transform(moved)
+            artist.set_transform(transform)
 
 
-def _show_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Update arrows and bars to a frame."""
+def _update_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
+    """Set force arrows and load bars to the frame with index `row`; contacts without force have no arrow."""
     for kind, arrows in stage.arrows.items():
         forces = script.acting.of(kind)
         arrows.set_offsets(1e3 * forces.point[row])
-        idle = forces.size[row] <= 0.0
-        arrows.set_UVC(*(np.ma.masked_array(component, idle) for component in forces.force[row].T))
+        is_unloaded = forces.size[row] <= 0.0
+        arrows.set_UVC(*(np.ma.masked_array(component, is_unloaded) for component in forces.force[row].T))
     if stage.bars is not None:
         for bar, size in zip(stage.bars, script.acting.of(*RING).size[row], strict=True):
             bar.set_height(size)
@@ -158,60 +153,64 @@ def _other_discs(reducer: Reducer, disc: int) -> list[int]:
     return [other for other in range(reducer.design.gear.discs) if other != disc]
 
 
-def _others(script: Script, row: int) -> list[Array]:
-    """Return the ideal poses of the other discs, shape (3,) each."""
-    gaps, mesh, ahead = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
-    crank, turn = gaps.crank_angle[row], gaps.gear[row, 2]
+def _other_disc_poses(script: Script, row: int) -> list[Array]:
+    """Compute the ideal poses (x [m], y [m], angle [rad]) of the discs that are shown as outlines, shape (3,) each."""
+    gaps, mesh, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
+    crank, angle = gaps.crank_angle[row], gaps.gear[row, 2]
     return [
-        np.array([*gear_centre(mesh, crank + ahead[other]), turn]) for other in _other_discs(script.reducer, gaps.disc)
+        np.array([*gear_centre(mesh, crank + phases[other]), angle])
+        for other in _other_discs(script.reducer, gaps.disc)
     ]
 
 
-def _wall(axes: Axes, reducer: Reducer) -> Any:
+def _draw_wall(axes: Axes, reducer: Reducer) -> Any:
     """Draw the housing: a plain ring below the pins and sockets, or the internal gear."""
-    housing = housing_solid(reducer, CHORD_ERROR).prisms[0]
+    housing = housing_solid(reducer, SCREEN_CHORD_ERROR).prisms[0]
     hole = housing.holes[0]
     if reducer.design.ring.kind == "pin":
-        hole = circle(float(np.linalg.norm(hole, axis=1).min()), CHORD_ERROR)
-    return _region(axes, [housing.outline, hole[::-1]], "ring", 1)
+        hole = circle(float(np.linalg.norm(hole, axis=1).min()), SCREEN_CHORD_ERROR)
+    return _draw_region(axes, [housing.outline, hole[::-1]], "ring", 1)
 
 
-def _set_ring(wall: Any, script: Script, row: int) -> None:
+def _update_ring(wall: Any, script: Script, row: int) -> None:
     """Update the outline of an internal gear to a frame."""
-    ring = sample_ring_by_sagitta(script.reducer.tooth_profile, CHORD_ERROR)
+    ring = sample_ring_by_sagitta(script.reducer.tooth_profile, SCREEN_CHORD_ERROR)
     hole = ring_outline(script.reducer, ring.points, ring.normals, script.drawn, row)
-    outline = circle(script.reducer.design.housing.outer_radius, CHORD_ERROR)
-    wall.set_path(_path([outline, hole]))
+    outline = circle(script.reducer.design.housing.outer_radius, SCREEN_CHORD_ERROR)
+    wall.set_path(_closed_path([outline, hole]))
 
 
-def _parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]:
-    """Draw the parts from back to front, each copy in its own frame; return lists of artists that move together."""
+def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]:
+    """Draw the parts from back to front, each copy in its own frame.
+
+    Return lists of artists that move together, one for each copy, by part.
+    """
     design = reducer.design
     ring, output, gear, radii, disc = design.ring, design.output, design.gear, poses.radii, poses.gaps.disc
-    pinned = design.ring.kind == "pin"
-    prism = gear_solid(reducer, CHORD_ERROR, disc).prisms[0]
+    has_pins = design.ring.kind == "pin"
+    prism = gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0]
     cam_x, cam_y = gear_centre(tooth_profile(design), reducer.phases[disc])
     valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
-    between = 0.5 * (valley + output.pin_circle_radius + output.hole_radius)
-    mark = (0.0, between, 0.2 * output.pin_radius)
+    mark_radius = 0.5 * (valley + output.pin_circle_radius + output.hole_radius)
+    mark_on_disc = (0.0, mark_radius, 0.2 * output.pin_radius)
     return {
         SOCKET: [
-            [_socket(axes, radii.socket, socket_half_angle(design))] for _ in range(ring.has_sockets * ring.mates)
+            [_draw_socket(axes, radii.socket, socket_half_angle(design))] for _ in range(ring.has_sockets * ring.mates)
         ],
-        PIN: [_pin(axes, radii.pin) for _ in range(pinned * ring.mates)],
+        PIN: [_draw_pin(axes, radii.pin) for _ in range(has_pins * ring.mates)],
         GEAR: [
             [
-                _region(axes, [prism.outline, *(hole[::-1] for hole in prism.holes)], "gear", 1.5),
-                _disc(axes, mark, DARK, 3),
+                _draw_region(axes, [prism.outline, *(hole[::-1] for hole in prism.holes)], "gear", 1.5),
+                _draw_disc(axes, mark_on_disc, DARK, 3),
             ]
         ],
         OTHERS: [[_dashed_outline(axes, reducer, other)] for other in _other_discs(reducer, disc)],
-        OUTPUT: [[_disc(axes, (0.0, 0.0, radii.output_pin), LOOKS["output"], 3)] for _ in range(output.pins)],
+        OUTPUT: [[_draw_disc(axes, (0.0, 0.0, radii.output_pin), LOOKS["output"], 3)] for _ in range(output.pins)],
         SHAFT: [
             [
-                _disc(axes, (float(cam_x), float(cam_y), radii.cam), LOOKS["cam"], 3),
-                _disc(axes, (0.0, 0.0, design.shaft.radius), LOOKS["shaft"], 3),
-                _disc(axes, (0.0, 0.8 * gear.bore_radius, 0.06 * gear.bore_radius), DARK, 3),
+                _draw_disc(axes, (float(cam_x), float(cam_y), radii.cam), LOOKS["cam"], 3),
+                _draw_disc(axes, (0.0, 0.0, design.shaft.radius), LOOKS["shaft"], 3),
+                _draw_disc(axes, (0.0, 0.8 * gear.bore_radius, 0.06 * gear.bore_radius), DARK, 3),
             ]
         ],
     }
@@ -219,38 +218,40 @@ def _parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]
 
 def _dashed_outline(axes: Axes, reducer: Reducer, disc: int) -> Any:
     """Draw the outline of another disc."""
-    outline = gear_solid(reducer, CHORD_ERROR, disc).prisms[0].outline
+    outline = gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0].outline
     look = {"facecolor": "none", "edgecolor": LOOKS["gear"]["edgecolor"], "linestyle": (0, (4, 2)), "zorder": 1.6}
-    return axes.add_patch(PathPatch(_path([outline]), linewidth=0.5, **look))
+    return axes.add_patch(PathPatch(_closed_path([outline]), linewidth=0.5, **look))
 
 
-def _socket(axes: Axes, radius: float, half: float) -> Any:
+def _draw_socket(axes: Axes, radius: float, half_angle: float) -> Any:
     """Draw the arc of a socket of a half angle [rad] about +x, which points outward."""
-    return axes.add_patch(PathPatch(Path(1e3 * arc(radius, -half, half, CHORD_ERROR)), linewidth=0.6, **SOCKET_LOOK))
+    return axes.add_patch(
+        PathPatch(Path(1e3 * arc(radius, -half_angle, half_angle, SCREEN_CHORD_ERROR)), linewidth=0.6, **SOCKET_LOOK)
+    )
 
 
-def _pin(axes: Axes, radius: float) -> list[Any]:
+def _draw_pin(axes: Axes, radius: float) -> list[Any]:
     """Draw a pin with a line that shows its rotation."""
     (line,) = axes.plot([0.0, 0.8e3 * radius], [0.0, 0.0], color=LOOKS["pins"]["edgecolor"], linewidth=0.8, zorder=2.1)
-    return [_disc(axes, (0.0, 0.0, radius), LOOKS["pins"], 2), line]
+    return [_draw_disc(axes, (0.0, 0.0, radius), LOOKS["pins"], 2), line]
 
 
-def _region(axes: Axes, rings: Sequence[Array], look: str, order: float) -> Any:
-    return axes.add_patch(PathPatch(_path(rings), linewidth=0.6, joinstyle="round", zorder=order, **LOOKS[look]))
+def _draw_region(axes: Axes, rings: Sequence[Array], look: str, order: float) -> Any:
+    return axes.add_patch(PathPatch(_closed_path(rings), linewidth=0.6, joinstyle="round", zorder=order, **LOOKS[look]))
 
 
-def _path(rings: Sequence[Array]) -> Path:
+def _closed_path(rings: Sequence[Array]) -> Path:
     return Path.make_compound_path(*(Path(1e3 * np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
 
 
-def _disc(axes: Axes, circle: tuple[float, float, float], look: Mapping[str, Any], order: float) -> Any:
+def _draw_disc(axes: Axes, circle: tuple[float, float, float], look: Mapping[str, Any], order: float) -> Any:
     """Draw a circle of x, y and radius [m]."""
     x, y, radius = (1e3 * length for length in circle)
     return axes.add_patch(PathPatch(Path.circle((x, y), radius), linewidth=0.6, zorder=order, **look))
 
 
-def _arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
-    """Draw the force arrows of one kind with a common scale, tips at the contacts."""
+def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
+    """Draw the force arrows of one kind of contact with a common scale, tips at the contacts, and return them."""
     largest = max(float(forces.size.max(initial=0.0)), 1e-9)
     return axes.quiver(
         *(1e3 * forces.point[0]).T,
@@ -267,8 +268,8 @@ def _arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
     )
 
 
-def _legend(figure: Figure, acting: ContactForces) -> None:
-    """Add a legend of the arrows with the largest force of each kind."""
+def _add_legend(figure: Figure, acting: ContactForces) -> None:
+    """Add a legend of the force arrows that states the largest force of each kind of contact."""
     entries = [
         Patch(color=colour, label=f"{name}: at most {acting.of(kind).size.max():.4g} N")
         for kind, (name, colour) in FORCES.items()
@@ -280,8 +281,11 @@ def _legend(figure: Figure, acting: ContactForces) -> None:
         figure.legend(handles=entries, ncols=len(entries), title=title, title_fontsize=8.0, handlelength=1.2, **anchor)
 
 
-def _load_axes(figure: Figure, ring: ContactForces, ideal: Array | None) -> tuple[Any, Any]:
-    """Draw the force on each pin or lobe of the ring as bars, and the closed form as a step line."""
+def _draw_load_bars(figure: Figure, ring: ContactForces, ideal: Array | None) -> tuple[Any, Any]:
+    """Draw the force on each pin or lobe of the ring as bars, and the closed form as a step line; return both artists.
+
+    `ideal` is the closed form [N], shape (frames, pins), or None.
+    """
     if not ring.names:
         return None, None
     axes = figure.add_axes((0.095, 0.06, 0.88, 0.125))

@@ -44,21 +44,25 @@ PANEL = 2.9
 
 @with_style
 def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
-    """Draw the largest stress of a part over the crank angle: in bulk, and below the contacts by Hertz.
+    """Draw the largest stress of a part over the crank angle for each design: in bulk, and below the contacts by Hertz.
 
-    Dashed: the range of Hsieh 2014 for its designs, if they run without load as there.
+    Dashed: the range of Hsieh 2014 for its designs, if they run without load as in the paper.
     """
-    studies = [(number, each, each[part]) for number, each in enumerate(findings) if part in each]
+    studies = [
+        (index, findings_of_design, findings_of_design[part])
+        for index, findings_of_design in enumerate(findings)
+        if part in findings_of_design
+    ]
     figure = sheet(4.0)
     top, bottom = figure.subplots(2, 1, sharex=True)
-    for number, each, maxima in studies:
-        degrees, look = np.degrees(maxima.angle), _look(number)
+    for index, findings_of_design, maxima in studies:
+        degrees, look = np.degrees(maxima.angle), _look(index)
         top.plot(degrees, maxima.bulk / MEGAPASCAL, **look)
         peak = maxima.bulk_peak
         top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **look)
         bottom.plot(degrees, maxima.contact / MEGAPASCAL, **look)
-        if published := each.published_limit(part):
-            top.axhline(published / MEGAPASCAL, color=_color(number), **RANGE)
+        if published := findings_of_design.published_limit(part):
+            top.axhline(published / MEGAPASCAL, color=_color(index), **RANGE)
     top.set_title(f"Largest bulk stress of {TITLES[part]} (von Mises, away from contacts)")
     bottom.set_title("Largest stress below a contact (von Mises, by Hertz)")
     for panel in (top, bottom):
@@ -66,8 +70,11 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
         panel.set_ylim(0.0, 1.05 * panel.get_ylim()[1])
         crank_axis(panel, np.concatenate([np.degrees(maxima.angle) for _, _, maxima in studies]))
     top.set_xlabel("")
-    entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in studies]
-    if any(each.published_limit(part) for _, each, _ in studies):
+    entries: Entries = [
+        (f"{findings_of_design.design}, {findings_of_design.load:g} N m", {"color": _color(index)})
+        for index, findings_of_design, _ in studies
+    ]
+    if any(findings_of_design.published_limit(part) for _, findings_of_design, _ in studies):
         entries.append(("range of Hsieh 2014", {"color": GREY, **RANGE}))
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
     return figure
@@ -75,7 +82,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
 
 @with_style
 def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
-    """Draw the von Mises stress of every part at its crank angle; the colours end at its largest bulk stress.
+    """Draw the von Mises stress of every part at its crank angle; the colours end at the part's largest bulk stress.
 
     Parameters
     ----------
@@ -84,7 +91,7 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
     condition
         Design and load, for the title.
     """
-    figure, panels = _panels(list(maps), f"{condition}: von Mises stress")
+    figure, panels = _create_panels(list(maps), f"{condition}: von Mises stress")
     for axes, (part, stress) in zip(panels, maps.items(), strict=False):
         top = float(stress.von_mises[stress.bulk].max()) / MEGAPASCAL
         image = _draw_map(axes, stress, stress.von_mises / MEGAPASCAL, top)
@@ -95,10 +102,10 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
 
 @with_style
 def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
-    """Draw the grid of every part, and a magnified lobe of a planar disc."""
+    """Draw the finite-element grid of every part, and a magnified lobe of a planar disc."""
     magnified = [part for part, grid in grids.items() if part in GEARS and grid.dimension == 2]
     names = [name for part in grids for name in ([part, f"{part}, magnified"] if part in magnified else [part])]
-    figure, panels = _panels(names, f"{design}: grids of quadratic elements")
+    figure, panels = _create_panels(names, f"{design}: grids of quadratic elements")
     for axes, name in zip(panels, names, strict=False):
         part = name.partition(",")[0]
         grid = grids[part]
@@ -111,19 +118,19 @@ def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
 
 @with_style
 def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
-    """Draw the largest bulk stress of every part over the number of unknowns, relative to the finest grid."""
+    """Draw the largest bulk stress of each part over the unknowns of its grids, relative to the finest grid."""
     figure = sheet(3.4)
     axes = figure.subplots()
     marks = dict(zip(TITLES, "osspPXD^v", strict=True))
-    for number, each in enumerate(findings):
-        for maxima in each.parts:
+    for index, findings_of_design in enumerate(findings):
+        for maxima in findings_of_design.parts:
             largest = maxima.refinement.stress.max(axis=1)
             axes.plot(
                 maxima.refinement.unknowns,
                 100 * (largest / largest[-1] - 1.0),
                 marker=marks[maxima.part],
                 markersize=4.0,
-                **_look(number),
+                **_look(index),
             )
     axes.axhspan(-100 * MAX_CHANGE, 100 * MAX_CHANGE, color="#EFEFEF", zorder=0)
     axes.axhline(0.0, color=BLACK, linewidth=0.5)
@@ -132,8 +139,10 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     axes.set_xlabel("unknowns")
     axes.set_ylabel("largest bulk stress relative to the finest grid [%]")
     axes.set_title(f"Mesh refinement; allowed change per refinement: {100 * MAX_CHANGE:g} % (grey)")
-    parts = dict.fromkeys(part.part for each in findings for part in each.parts)
-    entries: Entries = [(each.design, {"color": _color(number)}) for number, each in enumerate(findings)]
+    parts = dict.fromkeys(part.part for findings_of_design in findings for part in findings_of_design.parts)
+    entries: Entries = [
+        (findings_of_design.design, {"color": _color(index)}) for index, findings_of_design in enumerate(findings)
+    ]
     entries += [(TITLES[part], {"color": GREY, "marker": marks[part], **MARK}) for part in parts]
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=4)
     return figure
@@ -158,8 +167,8 @@ def _color(number: int) -> str:
     return COLORS[number % len(COLORS)]
 
 
-def _panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:
-    """Return a figure with a panel [mm] for each name."""
+def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:
+    """Return a figure with a title and a panel for each name, axes in mm, in up to two columns."""
     columns = 2 if len(names) > 1 else 1
     rows = -(-len(names) // columns)
     figure = sheet(PANEL * rows + 0.4)
@@ -176,18 +185,21 @@ def _panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:
 
 
 def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
-    """Draw nodal values as colours, interpolated within each element."""
+    """Draw nodal values, shape (n,), as colours on a part, interpolated linearly; return the coloured triangles.
+
+    A solid part is drawn in its view, with visible faces only; `top` is the value at the end of the colours.
+    """
     look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
     if stress.points.shape[1] == 2:
-        flat = _flat(stress.points / MILLIMETRE, stress.cells)
+        flat = _triangulate(stress.points / MILLIMETRE, stress.cells)
         return axes.tripcolor(flat, values, **look)
     points, faces, _ = _project(stress.points, stress.cells, stress.part)
     axes.set_axis_off()
-    return axes.tripcolor(_flat(points, faces), values, **look)
+    return axes.tripcolor(_triangulate(points, faces), values, **look)
 
 
 def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
-    """Draw the edges of a grid with a line width [pt]; of a solid its visible faces."""
+    """Draw the element edges of a planar grid, or the visible faces of a solid grid; `width` is the line width [pt]."""
     points, cells = grid.points, grid.cells
     look: dict[str, Any] = {"linewidths": width, "rasterized": True}
     if points.shape[1] == 2:
@@ -206,42 +218,46 @@ def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
 def _magnify(axes: Axes, grid: Grid) -> None:
     """Limit the axes to the lobes at +y."""
     top = grid.points[:, 1].max()
-    half = 0.09 * top
-    axes.set_xlim(-1.3 * half / MILLIMETRE, 1.3 * half / MILLIMETRE)
-    axes.set_ylim((top - 2 * half) / MILLIMETRE, 1.01 * top / MILLIMETRE)
+    half_height = 0.09 * top
+    axes.set_xlim(-1.3 * half_height / MILLIMETRE, 1.3 * half_height / MILLIMETRE)
+    axes.set_ylim((top - 2 * half_height) / MILLIMETRE, 1.01 * top / MILLIMETRE)
 
 
-def _flat(points: Array, cells: Integers) -> Triangulation:
+def _triangulate(points: Array, cells: Integers) -> Triangulation:
     x, y = points.T
-    return Triangulation(x, y, _quarters(cells))
+    return Triangulation(x, y, _split_quadratic(cells))
 
 
-def _quarters(cells: Integers) -> Integers:
+def _split_quadratic(cells: Integers) -> Integers:
     """Split quadratic triangles (m, 6) into four linear ones each, (4 m, 3); midside nodes on edges 01, 12, 02."""
     return cells[:, [[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]]].reshape(-1, 3)
 
 
 def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
-    """Project the surface of a solid [mm]: nodes (n, 2), visible faces from far to near, and their depth."""
+    """Project the surface of a solid part in its view.
+
+    Return the nodes [mm], shape (n, 2), the visible faces from far to near, shape (f, 6), and their depth, shape (f,).
+    """
     view = VIEWS.get(part, FRONT)
     right = view[0] / np.linalg.norm(view[0])
     up = view[1] - (view[1] @ right) * right
     up = up / np.linalg.norm(up)
     towards = np.cross(right, up)
-    faces, inside = _surface(cells)
+    faces, opposite_corner = _outer_faces(cells)
     corners = points[faces[:, :3]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    outward = np.sign(np.sum(normal * (corners.mean(axis=1) - points[inside]), axis=1))
+    outward = np.sign(np.sum(normal * (corners.mean(axis=1) - points[opposite_corner]), axis=1))
     visible = outward * (normal @ towards) > 0.0
     depth = corners.mean(axis=1) @ towards
     order = np.flatnonzero(visible)[np.argsort(depth[visible])]
     return points @ np.stack([right, up], axis=1) / MILLIMETRE, faces[order], depth[order]
 
 
-def _surface(cells: Integers) -> tuple[Integers, Integers]:
-    """Return the outer faces (f, 6) of quadratic tetrahedra (m, 10), and the corner (f,) opposite each.
+def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
+    """Find the outer faces of quadratic tetrahedra: those that belong to one tetrahedron only.
 
-    Midside nodes of a tetrahedron are on its edges 01, 12, 02, 03, 13, 23.
+    `cells` are node indices, shape (m, 10), midside nodes on the edges 01, 12, 02, 03, 13, 23. Return the faces, shape
+    (f, 6), and for each the corner opposite to it in its tetrahedron, shape (f,).
     """
     sides = ((0, 1, 2, 4, 5, 6, 3), (0, 1, 3, 4, 8, 7, 2), (1, 2, 3, 5, 9, 8, 0), (0, 2, 3, 6, 9, 7, 1))
     faces = np.concatenate([cells[:, side] for side in sides])

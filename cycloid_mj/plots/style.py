@@ -72,7 +72,7 @@ STYLE: dict[str, Any] = {
 
 
 def with_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorate a drawing function: it uses the style of the package without changing settings of matplotlib."""
+    """Decorate a drawing function so that it uses the package's style without changing matplotlib's global settings."""
 
     @wraps(draw)
     def in_style(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -145,7 +145,7 @@ def typeset(text: str) -> str:
 
 
 def in_words(key: str, unit: str = "") -> str:
-    """Return the name of a column in words with its unit: ``clearance.cam_um`` in um is ``clearance: cam [um]``."""
+    """Return a column's name in words with its unit: ``clearance.cam_um`` in um becomes ``clearance: cam [um]``."""
     table, _, name = key.rpartition(".")
     ending = unit_suffix(unit)
     for end in (ending, ending.replace("_", "_per_")):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,21 +10,24 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore.constraints import FigureLimit
-from cycloid_mj.explore.tolerances import Tolerances
+from cycloid_mj.explore.tolerances import CONSTANT_RTOL, Tolerances
 from cycloid_mj.figures import figure as row_of
 from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, with_style, wrap_label
 
-MAX_BINS = 60
-"""Bins of a histogram."""
 
-NAME_WIDTH = 34
-"""Characters of a line of a title."""
+@dataclass(frozen=True)
+class HistogramSettings:
+    """Settings of the histograms and of the error budget."""
 
-CONSTANT_RTOL = 1e-9
-"""Relative spread up to which a figure counts as constant: rounding errors of the balance."""
+    max_bins: int = 60
+    """Bins of a histogram."""
+    name_width: int = 34
+    """Characters of a line of a title."""
+    outlier_share: float = 0.001
+    """Share of the samples at either end that a histogram leaves out."""
 
-OUTLIER_SHARE = 0.001
-"""Share of the samples at either end that a histogram leaves out."""
+
+HISTOGRAM = HistogramSettings()
 
 
 def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
@@ -36,7 +40,7 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
 
 @with_style
 def budget_figure(tolerances: Tolerances) -> Figure:
-    """Draw the share of each tolerance in the variance, the largest on top."""
+    """Draw the error budget: the share of each tolerance in the figure's variance as bars, the largest on top."""
     figure = sheet(1.3 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()
     rows = np.arange(len(tolerances.budget))
@@ -62,7 +66,7 @@ def budget_figure(tolerances: Tolerances) -> Figure:
 
 @with_style
 def distributions_figure(tolerances: Tolerances) -> Figure:
-    """Draw a histogram of every figure over the samples that do not jam, with its limits."""
+    """Draw a histogram of every figure over the samples that do not jam, with lines at its limits."""
     keys_of = list(tolerances.figures)
     rows = -(-len(keys_of) // 3)
     figure = sheet(1.75 * rows + 0.4)
@@ -70,7 +74,7 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
     for axes in panels[len(keys_of) :]:
         axes.remove()
     for axes, key in zip(panels, keys_of, strict=False):
-        _histogram(
+        _draw_histogram(
             axes,
             key,
             tolerances.figures[key][~tolerances.jams],
@@ -80,22 +84,28 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
     return figure
 
 
-def _histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
-    """Draw the histogram of a figure, or its value in words if it is constant."""
-    axes.set_title(wrap_label(row_of(key).name, NAME_WIDTH), fontsize=8.0)
+def _draw_histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
+    """Draw the histogram of a figure, values of shape (n,), with its limits; a constant figure is stated as text."""
+    axes.set_title(wrap_label(row_of(key).name, HISTOGRAM.name_width), fontsize=8.0)
     axes.set_yticks([])
     axes.grid(visible=False, axis="y")
     unit = row_of(key).unit
     axes.set_xlabel("" if unit == "1" else f"[{unit}]")
     axes.locator_params(axis="x", nbins=3)
     values = values[np.isfinite(values)]
-    low, high = np.quantile(values, [OUTLIER_SHARE, 1.0 - OUTLIER_SHARE]) if values.size else (math.nan, math.nan)
+    low, high = (
+        np.quantile(values, [HISTOGRAM.outlier_share, 1.0 - HISTOGRAM.outlier_share])
+        if values.size
+        else (math.nan, math.nan)
+    )
     if not high - low > CONSTANT_RTOL * max(abs(low), abs(high)):
         words = f"constant: {low:.4g}" if values.size else "no value"
         axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes)
         axes.set_xticks([])
         return
-    axes.hist(values, bins=min(MAX_BINS, round(values.size**0.5) + 1), range=(float(low), float(high)), color=BLUE)
+    axes.hist(
+        values, bins=min(HISTOGRAM.max_bins, round(values.size**0.5) + 1), range=(float(low), float(high)), color=BLUE
+    )
     for limit in limits:
         axes.axvline(limit.bound, color=VERMILION, linewidth=1.2)
         axes.set_title(str(limit), fontsize=8.0, color=VERMILION)

@@ -12,15 +12,13 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gears
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, body_solids, output_centres, parts
+from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cut import cut
 from cycloid_mj.parts.polygon import rotate_points
-from cycloid_mj.plots.dimension import TEXT, along, leader
+from cycloid_mj.plots.dimension import TEXT, draw_dimension, draw_leader
 from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_output_pins, draw_region, draw_ring_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
-
-CHORD_ERROR = 5e-6
-"""Chord error of outlines [m]."""
 
 AXIS: dict[str, Any] = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
 HATCHES = {HOUSING: "////", GEAR: "\\\\\\\\", OUTPUT: "////", PIN: "", SHAFT: ""}
@@ -32,7 +30,7 @@ STEP = 0.19
 
 
 def draw_views(axes: Axes, reducer: Reducer) -> None:
-    """Draw both views next to each other with the same scale, the eccentricity upward."""
+    """Draw the dimensioned front view and axial section of a reducer at one scale, at crank angle 0."""
     outer, mm = MILLIMETRES * reducer.design.housing.outer_radius, MILLIMETRES
     z = [mm * end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     shift = outer * (1.0 + 4.0 * STEP) - min(z)
@@ -40,24 +38,24 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
     axes.set(xlim=(-outer * (1.0 + 2.0 * STEP), right), ylim=(-outer * (1.0 + 4.2 * STEP), outer * (1.0 + 2.6 * STEP)))
     axes.set_aspect("equal")
     axes.axis("off")
-    _front(axes, reducer, outer)
-    _section(axes, reducer, shift)
-    _lengths(axes, reducer, shift, outer)
-    _diameters(axes, reducer, shift, outer, (min(z), max(z)))
+    _draw_front_view(axes, reducer, outer)
+    _draw_section(axes, reducer, shift)
+    _draw_lengths(axes, reducer, shift, outer)
+    _draw_diameters(axes, reducer, shift, outer, (min(z), max(z)))
 
 
-def _front(axes: Axes, reducer: Reducer, outer: float) -> None:
-    """Draw ring, pins, last disc, output pins and cam with their dimensions."""
+def _draw_front_view(axes: Axes, reducer: Reducer, outer: float) -> None:
+    """Draw ring, pins, last disc, output pins and cam with their dimensions; `outer` is the housing's radius [mm]."""
     design = reducer.design
-    solids, ring, output, mm = parts(reducer, CHORD_ERROR), design.ring, design.output, MILLIMETRES
-    here, name = np.zeros(3), gears(design.gear.discs)[-1]
-    centre = _centres(reducer)[-1]
-    draw_region(axes, solids[HOUSING].prisms[0], "ring", here)
+    solids, ring, output, mm = parts(reducer, VISUAL_CHORD_ERROR), design.ring, design.output, MILLIMETRES
+    origin, name = np.zeros(3), gears(design.gear.discs)[-1]
+    centre = _disc_centres(reducer)[-1]
+    draw_region(axes, solids[HOUSING].prisms[0], "ring", origin)
     draw_ring_pins(axes, reducer)
     draw_region(axes, solids[name].prisms[0], "gear", np.array([*centre, 0.0]))
     draw_output_pins(axes, reducer, output_centres(reducer))
     draw_disc(axes, centre, design.gear.bore_radius, "cam")
-    draw_disc(axes, here[:2], design.shaft.radius, "shaft")
+    draw_disc(axes, origin[:2], design.shaft.radius, "shaft")
     for radius in (ring.pin_circle_radius, output.pin_circle_radius):
         axes.add_patch(Circle((0.0, 0.0), mm * radius, fill=False, **AXIS))
     reach = outer * (1.0 + 0.4 * STEP)
@@ -70,8 +68,8 @@ def _front(axes: Axes, reducer: Reducer, outer: float) -> None:
         (_pin_angle(reducer), output.pin_circle_radius, _pins_label(reducer), 1.0),
     ):
         point = (mm * radius * math.cos(angle), mm * radius * math.sin(angle))
-        leader(axes, point, (side * outer * (0.78 + STEP), outer * (0.86 + 1.0 * STEP)), text)
-    along(axes, (-outer, outer), -outer * (1.0 + 1.6 * STEP), (0.0, 0.0), f"Ø{2 * outer:.4g}", upright=False)
+        draw_leader(axes, point, (side * outer * (0.78 + STEP), outer * (0.86 + 1.0 * STEP)), text)
+    draw_dimension(axes, (-outer, outer), -outer * (1.0 + 1.6 * STEP), (0.0, 0.0), f"Ø{2 * outer:.4g}", upright=False)
 
 
 def _pin_angle(reducer: Reducer) -> float:
@@ -87,32 +85,35 @@ def _pins_label(reducer: Reducer) -> str:
     return f"{output.pins} output pins {round_}\non Ø{2 * mm * output.pin_circle_radius:.4g}"
 
 
-def _centres(reducer: Reducer) -> list[Array]:
+def _disc_centres(reducer: Reducer) -> list[Array]:
     """Return the centre of each disc at crank angle 0 [m], shape (2,) each."""
     up = np.array([[0.0, reducer.design.gear.eccentricity]])
     return [rotate_points(up, phase)[0] for phase in reducer.phases]
 
 
-def _section(axes: Axes, reducer: Reducer, shift: float) -> None:
-    """Draw what the plane of the cam's eccentricity cuts, and the axis."""
-    for name, prism, centre, plane in _prisms(reducer):
+def _draw_section(axes: Axes, reducer: Reducer, shift: float) -> None:
+    """Draw the cross sections of all parts with the plane through axis and eccentricity, hatched, and the axis.
+
+    `shift` moves the section along x [mm].
+    """
+    for name, prism, centre, plane in _placed_prisms(reducer):
         part = family(name)
         look = {**LOOKS[PARTS[part]], "linewidth": 0.6, "hatch": HATCHES[part]}
         for low, high in cut(prism, (float(centre[0]), float(centre[1]))):
             corner = (MILLIMETRES * (prism.z0 + plane) + shift, MILLIMETRES * low)
             axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, MILLIMETRES * (high - low), **look))
-    ends = [MILLIMETRES * end + shift for _, prism, _, plane in _prisms(reducer) for end in (prism.z0, prism.z1)]
-    beyond = 0.08 * (max(ends) - min(ends))
-    axes.plot((min(ends) - beyond, max(ends) + beyond), (0.0, 0.0), **AXIS)
+    ends = [MILLIMETRES * end + shift for _, prism, _, plane in _placed_prisms(reducer) for end in (prism.z0, prism.z1)]
+    overhang = 0.08 * (max(ends) - min(ends))
+    axes.plot((min(ends) - overhang, max(ends) + overhang), (0.0, 0.0), **AXIS)
     outer = MILLIMETRES * reducer.design.housing.outer_radius
     axes.text(0.5 * (min(ends) + max(ends)), outer * (1.0 + 2.2 * STEP), "section", **{**TEXT, "fontsize": 7.0})
 
 
-def _prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
-    """Yield each prism with the name of its part and the position of the part's frame: (x, y) and z [m]."""
+def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
+    """Yield each prism with its part's name and the position of the part's frame: (x, y) [m], shape (2,), and z [m]."""
     design = reducer.design
     discs = dict(
-        zip(gears(design.gear.discs), zip(_centres(reducer), design.gear.disc_planes, strict=True), strict=True)
+        zip(gears(design.gear.discs), zip(_disc_centres(reducer), design.gear.disc_planes, strict=True), strict=True)
     )
     for name, solid in body_solids(reducer).items():
         origins = [discs.get(name, (np.zeros(2), 0.0))]
@@ -122,36 +123,44 @@ def _prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
             yield from ((name, prism, centre, plane) for prism in solid.prisms)
 
 
-def _lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> None:
-    """Draw the dimensions along the axis below the section: stack of discs, output disc, total length."""
+def _draw_lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> None:
+    """Draw the axial dimensions below the section: stack of discs, output disc, total length.
+
+    `shift` is that of the section and `outer` the housing's radius [mm].
+    """
     mm, half = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     solids = body_solids(reducer)
     disc = solids[OUTPUT].prisms[0]
     ends = [mm * end for solid in solids.values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     rows = (
         ((-half, half), 1, -outer),
-        ((mm * disc.z0, mm * disc.z1), 2, -mm * _reach(disc)),
+        ((mm * disc.z0, mm * disc.z1), 2, -mm * _outer_radius(disc)),
         ((min(ends), max(ends)), 3, 0.0),
     )
-    for (low, high), row, begin in rows:
+    for (low, high), row, start in rows:
         level, text = -outer * (1.0 + row * STEP), f"{high - low:.4g}"
-        begins = (begin, begin) if row < 3 else (-mm * reducer.design.shaft.radius, -mm * _reach(disc))
-        along(axes, (low + shift, high + shift), level, begins, text, upright=False)
+        starts = (start, start) if row < 3 else (-mm * reducer.design.shaft.radius, -mm * _outer_radius(disc))
+        draw_dimension(axes, (low + shift, high + shift), level, starts, text, upright=False)
 
 
-def _diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, ends: tuple[float, float]) -> None:
-    """Draw the diameters: input journal on the left, output disc and housing on the right."""
+def _draw_diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, ends: tuple[float, float]) -> None:
+    """Draw the diameters next to the section: input journal on the left, output disc and housing on the right.
+
+    `shift` is that of the section, `outer` the housing's radius, and `ends` the ends of the drive along its axis [mm].
+    """
     mm, half = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     shaft, disc = mm * reducer.design.shaft.radius, body_solids(reducer)[OUTPUT].prisms[0]
-    left = ends[0] + shift
-    along(axes, (-shaft, shaft), left - STEP * outer, (left, left), f"Ø{2 * shaft:.4g}", upright=True)
-    right = ends[1] + shift
-    reach = mm * _reach(disc)
-    for radius, begin, row in ((reach, mm * disc.z1 + shift, 1.3), (outer, half + shift, 2.8)):
-        level = right + row * STEP * outer
-        along(axes, (-radius, radius), level, (begin, begin), f"Ø{2 * radius:.4g}", upright=True)
+    left_end = ends[0] + shift
+    draw_dimension(
+        axes, (-shaft, shaft), left_end - STEP * outer, (left_end, left_end), f"Ø{2 * shaft:.4g}", upright=True
+    )
+    right_end = ends[1] + shift
+    disc_radius = mm * _outer_radius(disc)
+    for radius, start, row in ((disc_radius, mm * disc.z1 + shift, 1.3), (outer, half + shift, 2.8)):
+        level = right_end + row * STEP * outer
+        draw_dimension(axes, (-radius, radius), level, (start, start), f"Ø{2 * radius:.4g}", upright=True)
 
 
-def _reach(prism: Prism) -> float:
+def _outer_radius(prism: Prism) -> float:
     """Return the largest radius of a prism [m]."""
     return float(np.linalg.norm(prism.outline, axis=1).max())

@@ -14,24 +14,24 @@ PANEL_HEIGHT = 2.0
 
 @with_style
 def wear_figure(result: WearLife) -> Figure:
-    """Draw lost motion over the hours, and the depth of wear along each surface that does not wear evenly."""
-    worn = [item for item in result.surfaces if item.surface.place is not None]
-    figure = sheet(PANEL_HEIGHT * (1 + len(worn)) + 0.4)
-    panels = figure.subplots(1 + len(worn), 1, squeeze=False)[:, 0]
+    """Draw lost motion over the hours, and below the depth of wear along each surface that wears unevenly."""
+    unevenly_worn = [item for item in result.surfaces if item.surface.place is not None]
+    figure = sheet(PANEL_HEIGHT * (1 + len(unevenly_worn)) + 0.4)
+    panels = figure.subplots(1 + len(unevenly_worn), 1, squeeze=False)[:, 0]
     panels[0].set_title(f"{result.design}: lost motion, {result.condition}", fontsize="small")
-    _draw_motion(panels[0], result)
+    _draw_lost_motion(panels[0], result)
     panels[0].set(xlabel="time [h]", ylabel="lost motion [arcmin]", xlim=(0.0, result.hours), ylim=(0.0, None))
     panels[0].legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
     end = result.courses["typical"].hours[-1]
-    for axes, item in zip(panels[1:], worn, strict=True):
+    for axes, item in zip(panels[1:], unevenly_worn, strict=True):
         axes.plot(1e3 * item.surface.coordinates, 1e6 * item.depth, color=BLUE, linewidth=0.9)
         axes.set_title(f"{item.surface.name}: depth of wear after {end:.4g} h, typical")
         axes.set(xlabel="along the section [mm]", ylabel="depth [um]", ylim=(0.0, None))
     return figure
 
 
-def _draw_motion(axes: Axes, result: WearLife) -> None:
-    """Draw the lost motion of each case, the interval between them, and the limit."""
+def _draw_lost_motion(axes: Axes, result: WearLife) -> None:
+    """Draw the lost motion over the hours for each case of wear coefficients, their interval, and the limit."""
     courses = {case: (course.hours, course.lost_motion / ARCMINUTE) for case, course in result.courses.items()}
     if {"low", "high"} <= courses.keys():
         hours, high = courses["high"]

@@ -38,7 +38,7 @@ class ReportPage(str):
 
 
 def review_page(log: Path, run: Run | None = None) -> str:
-    """Return the report of one logged run; errors as `report`.
+    """Return the HTML report of one logged run; raises as `report`.
 
     Forces, which are most of a long log, are read only for the samples in which the page shows the mechanism.
 

@@ -1,6 +1,7 @@
 """The data of a report's charts as JSON values."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,17 +13,23 @@ from cycloid_mj.report.encode import decimate, encode_array
 from cycloid_mj.report.mechanism import mechanism
 from cycloid_mj.report.reviewed import Reviewed
 
-MAX_VALUES = 1_000_000
-"""Values of all curves of a page: 5 MB."""
 
-MAX_SAMPLES = 40_000
-"""Samples of a curve, of a page with few runs."""
+@dataclass(frozen=True)
+class ChartLimits:
+    """Size of the charts of a report, so that its file stays small."""
 
-MAX_MESH_ORDERS = 5
-"""Highest order of the spectrum, as a multiple of the mesh order."""
+    max_values: int = 1_000_000
+    """Values of all curves of a page: 5 MB."""
+    max_samples: int = 40_000
+    """Samples of a curve, of a page with few runs."""
+    max_mesh_orders: int = 5
+    """Highest order of the spectrum, as a multiple of the mesh order."""
+    max_spectrum_turns: int = 50
+    """Crank turns of the hold from which the spectrum is computed."""
 
-MAX_SPECTRUM_TURNS = 50
-"""Crank turns of the hold from which the spectrum is computed."""
+
+CHARTS = ChartLimits()
+
 
 HEIGHTS = {1: 2.2, 2: 1.1, 3: 0.8}
 """Number of panels of a chart -> relative height of each, so that charts next to each other are about equally high."""
@@ -34,10 +41,10 @@ def figures(reviewed: Sequence[Reviewed]) -> list[SignalFigure]:
 
 
 def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
-    """Return the data of all charts and mechanisms of a page."""
+    """Return the data of all charts and mechanisms of a report page as JSON values."""
     return {
         "figures": [
-            {"name": figure.name, "panels": [_panel(key, HEIGHTS[len(figure.panels)]) for key in figure.panels]}
+            {"name": figure.name, "panels": [_panel_json(key, HEIGHTS[len(figure.panels)]) for key in figure.panels]}
             for figure in figures(reviewed)
         ],
         "runs": [_run_data(item, len(reviewed)) for item in reviewed],
@@ -45,7 +52,10 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 
 
 def curves(motion: Series) -> dict[str, Array]:
-    """Return the curves of a run in the units of their panels, shape (n,) each; closed forms end in _theory."""
+    """Compute the curves of a run in the units of their panels, shape (n,) each.
+
+    Names of closed forms end in ``_theory``.
+    """
     by_name = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):
         signal = SIGNALS[key]
@@ -55,8 +65,8 @@ def curves(motion: Series) -> dict[str, Array]:
     return by_name
 
 
-def _panel(key: str, height: float) -> dict[str, Any]:
-    """Return label, curves and height of a panel."""
+def _panel_json(key: str, height: float) -> dict[str, Any]:
+    """Return label, names of curves, and height of a chart's panel as JSON values."""
     signal = SIGNALS[key]
     return {
         "label": signal.label,
@@ -73,11 +83,11 @@ def _theory(key: str) -> str:
 
 
 def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
-    """Return the data of a run on a page with a number of runs."""
+    """Return the data of one of `runs` runs on a page: curves, paths, mechanism and spectrum as JSON values."""
     motion, signals = item.motion, curves(item.motion)
-    max_samples = min(MAX_SAMPLES, MAX_VALUES // (runs * len(signals)))
+    max_samples = min(CHARTS.max_samples, CHARTS.max_values // (runs * len(signals)))
     time, values = decimate(motion.time, np.stack(list(signals.values()), axis=1), max_samples)
-    judged, turn = motion.time[motion.evaluation_mask], motion.time[motion.one_turn]
+    evaluated, one_turn = motion.time[motion.evaluation_mask], motion.time[motion.one_turn]
     paths = [figure.path for figure in FIGURES if figure.path and figure.shows(motion)]
     return {
         "name": item.name,
@@ -85,14 +95,14 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
         "start": float(time[0]),
         "time": encode_array(time - time[0]),
         "curves": {key: encode_array(values[:, column]) for column, key in enumerate(signals)},
-        "paths": {path: _path(path, motion) for path in paths},
-        "spans": {"hold": _span(judged), "turn": _span(turn), "all": _span(motion.time)},
+        "paths": {path: _path_json(path, motion) for path in paths},
+        "spans": {"hold": _ends(evaluated), "turn": _ends(one_turn), "all": _ends(motion.time)},
         "mechanism": mechanism(motion.reducer, item.shown),
         "spectrum": spectrum_data(item),
     }
 
 
-def _path(key: str, motion: Series) -> dict[str, Any]:
+def _path_json(key: str, motion: Series) -> dict[str, Any]:
     """Return a path over one crank turn, shape (m, 2), and the unit of both axes; for pin 1 also its clearance."""
     signal, turn = SIGNALS[key], motion.one_turn
     path = {"unit": signal.unit, "simulated": encode_array(signal.simulated(motion)[turn])}
@@ -101,19 +111,22 @@ def _path(key: str, motion: Series) -> dict[str, Any]:
     return path | ({"circle": 1e6 * motion.pin_1.clearance} if key == "pin_path" and motion.pin_1 else {})
 
 
-def _span(time: Array) -> list[float]:
+def _ends(time: Array) -> list[float]:
     return [float(time[0]), float(time[-1])]
 
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
-    """Return the order spectra of output and disc speed; None if the hold has no complete crank turn."""
+    """Compute the order spectra of output and disc speed [mrad/s] as JSON values.
+
+    Return None if the steady part has no complete crank turn.
+    """
     motion, teeth = item.motion, item.motion.reducer.mesh_periods
     if motion.phase != "hold":
         return None
-    swept = np.abs(motion.crank_angle - motion.crank_angle[motion.hold][0]) / (2.0 * np.pi)
-    rows = motion.hold & (swept < MAX_SPECTRUM_TURNS)
+    turns_since_start = np.abs(motion.crank_angle - motion.crank_angle[motion.hold][0]) / (2.0 * np.pi)
+    rows = motion.hold & (turns_since_start < CHARTS.max_spectrum_turns)
     output, gear = (
-        tapered_orders(motion.crank_angle[rows], part.simulated[rows], MAX_MESH_ORDERS * teeth * 1.02)
+        tapered_orders(motion.crank_angle[rows], part.simulated[rows], CHARTS.max_mesh_orders * teeth * 1.02)
         for part in (motion.output_speed, motion.gear_speed)
     )
     if output is None or gear is None:

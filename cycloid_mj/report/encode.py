@@ -40,9 +40,9 @@ def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array
     spans = -(-count // width)
     # the last span is padded with its last sample, which changes no extreme
     rows = np.minimum(np.arange(spans * width), count - 1).reshape(spans, width)
-    kept = np.empty((2 * spans, values.shape[1]))
+    indices = np.empty((2 * spans, values.shape[1]))
     for column, samples in enumerate(values.T):  # column by column: a copy of all would be as large as the run
         block = samples[rows]
         both = np.sort(np.stack([block.argmin(axis=1), block.argmax(axis=1)], axis=1), axis=1)
-        kept[:, column] = np.take_along_axis(block, both, axis=1).ravel()
-    return time[rows[:, [0, width // 2]]].ravel(), kept
+        indices[:, column] = np.take_along_axis(block, both, axis=1).ravel()
+    return time[rows[:, [0, width // 2]]].ravel(), indices

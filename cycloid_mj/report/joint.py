@@ -29,45 +29,61 @@ FRICTION_LOADS = (0.0, 0.5, 1.0)
 
 def joint_page(
     reduced: ReducedJoint,
-    against: ModelComparison,
+    comparison: ModelComparison,
     steps: Sequence[StepTrial],
-    requested: StepTrial,
+    scene: StepTrial,
     bam: Mapping[str, Any],
     drives: Population | None = None,
 ) -> str:
-    """Return the page as HTML that needs no network."""
-    panels = list(dict.fromkeys(curve.panel for curve in against.curves))
-    figures = [_figure([curve for curve in against.curves if curve.panel == panel]) for panel in panels]
+    """Return the report of a reduced joint as one HTML page that needs no network.
+
+    Parameters
+    ----------
+    reduced
+        The joint.
+    comparison
+        Its comparison with the full model.
+    steps
+        Trials of time steps.
+    scene
+        Trial of the scene's time step.
+    bam
+        Parameters of the friction models of BAM, from `fit_bam_models`.
+    drives
+        Joints of random drives, if they were drawn.
+    """
+    panels = list(dict.fromkeys(curve.panel for curve in comparison.curves))
+    figures = [_chart_data([curve for curve in comparison.curves if curve.panel == panel]) for panel in panels]
     return (
         environment()
         .get_template("joint.html")
         .render(
             title=f"cycloid_mj: {reduced.name} as a joint",
             reducer=reduced,
-            numbers=list(_numbers(reduced).items()),
-            quantities=_quantities(reduced),
+            numbers=list(_main_figures(reduced).items()),
+            quantities=_quantity_table(reduced),
             population=[
-                {"title": each.title, "text": TextTable.of(each)} for each in (drives.tables() if drives else ())
+                {"title": table.title, "text": TextTable.of(table)} for table in (drives.tables() if drives else ())
             ],
-            comparison=TextTable.of(against.table()),
-            missed=against.outside_bounds,
+            comparison=TextTable.of(comparison.table()),
+            missed=comparison.outside_bounds,
             figures=figures,
             steps=TextTable.of(trials_table(tuple(steps))),
             longest=TextTable.of(recommended_table(tuple(steps))),
-            asked=requested,
-            dynamics=_dynamics(reduced),
-            efficiency=TextTable.of(_efficiency(reduced)),
-            harmonics=_harmonics(reduced),
-            te_rpm=against.highest_speed_rpm,
-            bam=_bam(bam),
+            asked=scene,
+            dynamics=_friction_table(reduced),
+            efficiency=TextTable.of(_efficiency_table(reduced)),
+            harmonics=_harmonics_table(reduced),
+            te_rpm=comparison.highest_speed_rpm,
+            bam=_bam_table(bam),
             data=Markup(json.dumps({"figures": figures}, separators=(",", ":")).replace("</", "<\\/")),
             scripts=SCRIPTS,
         )
     )
 
 
-def _numbers(reduced: ReducedJoint) -> dict[str, str]:
-    """Return the main figures with their units, by name."""
+def _main_figures(reduced: ReducedJoint) -> dict[str, str]:
+    """Return the main figures of a joint as text with units: ratio, backlash, stiffness, efficiencies and inertia."""
     quantities = reduced.quantities
     return {
         "ratio": f"{reduced.ratio:g}:1",
@@ -79,8 +95,8 @@ def _numbers(reduced: ReducedJoint) -> dict[str, str]:
     }
 
 
-def _quantities(reduced: ReducedJoint) -> TextTable:
-    """Return the quantities of the joint with their numerical errors."""
+def _quantity_table(reduced: ReducedJoint) -> TextTable:
+    """Tabulate all identified quantities of a joint with units and numerical errors."""
     rows = [
         (
             quantity.name,
@@ -93,8 +109,8 @@ def _quantities(reduced: ReducedJoint) -> TextTable:
     return TextTable([("quantity", "value", "unit", "numerical error")], rows)
 
 
-def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
-    """Return the data of a chart: curves sorted by x, the full model as a broad line below the joint."""
+def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
+    """Return the data of a chart as JSON values: curves sorted by x, the full model marked as theory."""
     first = curves[0]
     data = []
     for curve in curves:
@@ -111,23 +127,24 @@ def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
     return {"title": first.panel, "x_label": first.x_label, "y_label": first.y_label, "span": span, "curves": data}
 
 
-def _dynamics(reduced: ReducedJoint) -> TextTable:
-    """Tabulate constant friction and damping at the joint, for formats that have nothing else."""
-    slow, fast = reduced.friction.speeds[0], reduced.friction.speeds[-1]
-    low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (slow, fast))
-    damping = max(0.0, reduced.ratio**2 * (high - low) / (fast - slow))
+def _friction_table(reduced: ReducedJoint) -> TextTable:
+    """Tabulate constant friction and damping at the joint for simulators without other models, by load."""
     rows = []
     for share in FRICTION_LOADS:
         torque, speed = share * reduced.rated_torque, reduced.rated_speed
-        both = (reduced.ratio * reduced.friction.torque(torque, speed, driving) for driving in (True, False))
+        torques = (reduced.ratio * reduced.friction.torque(torque, speed, driving) for driving in (True, False))
         rows.append(
-            (f"correct at {share:.0%} of the nominal torque", *(f"{each:.4g}" for each in both), f"{damping:.3g}")
+            (
+                f"correct at {share:.0%} of the nominal torque",
+                *(f"{torque_at_joint:.4g}" for torque_at_joint in torques),
+                f"{reduced.no_load_damping_at_output:.3g}",
+            )
         )
     return TextTable([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
 
 
-def _efficiency(reduced: ReducedJoint) -> Table:
-    """Return the efficiency over torque and speed, driving and driven."""
+def _efficiency_table(reduced: ReducedJoint) -> Table:
+    """Tabulate the efficiency over torque and speed [%], with the crank driving and with the output driving."""
     friction = reduced.friction
     header = ["output torque [N m]"]
     rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]
@@ -139,31 +156,35 @@ def _efficiency(reduced: ReducedJoint) -> Table:
     return Table("Efficiency", tuple(header), tuple(map(tuple, rows)))
 
 
-def _harmonics(reduced: ReducedJoint) -> TextTable:
-    """Tabulate the harmonics under the nominal torque in both directions, down to `MIN_HARMONIC` of the largest."""
+def _harmonics_table(reduced: ReducedJoint) -> TextTable:
+    """Tabulate the harmonics of the transmission error at nominal torque, down to `MIN_HARMONIC` of the largest."""
     load = reduced.ripple.loads[-1] * reduced.rated_torque
     rated = [
         harmonic
         for harmonic in reduced.ripple.harmonics(reduced.way, reduced.rated_torque)
         if harmonic["load_nm"] == load
     ]
-    least = MIN_HARMONIC * max((each["value"] for each in rated), default=0.0)
+    smallest = MIN_HARMONIC * max((harmonic["value"] for harmonic in rated), default=0.0)
     by_order: dict[float, list[dict[str, Any]]] = {}
-    for each in rated:
-        by_order.setdefault(each["order"], []).append(each)
+    for harmonic in rated:
+        by_order.setdefault(harmonic["order"], []).append(harmonic)
     rows = [
         (
             f"{order:.5g}",
-            *(text for each in both for text in (f"{each['value']:.4g}", f"{each['numerical_error']:.1g}")),
+            *(
+                text
+                for harmonic in directions
+                for text in (f"{harmonic['value']:.4g}", f"{harmonic['numerical_error']:.1g}")
+            ),
         )
-        for order, both in by_order.items()
-        if max(each["value"] for each in both) >= least
+        for order, directions in by_order.items()
+        if max(harmonic["value"] for harmonic in directions) >= smallest
     ]
     head = ("order of the crank", "forward [arcsec]", "num. error", "reverse [arcsec]", "num. error")
     return TextTable([head], rows)
 
 
-def _bam(bam: Mapping[str, Any]) -> TextTable:
+def _bam_table(bam: Mapping[str, Any]) -> TextTable:
     models = [bam["m3"], bam["m5"]]
     keys = [key for key in models[1] if key != "model"]
     keys = list(dict.fromkeys([*(key for key in models[0] if key != "model"), *keys]))

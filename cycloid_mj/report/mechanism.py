@@ -8,6 +8,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
 from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.parts import gear_solid, housing_solid
+from cycloid_mj.parts.accuracy import SCREEN_CHORD_ERROR
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
 from cycloid_mj.report.encode import encode_array
@@ -23,29 +24,32 @@ from cycloid_mj.scene import (
 from cycloid_mj.scene.drawing import tooth_clearance
 from cycloid_mj.scene.pose import ring_places
 
-CHORD_ERROR = 1e-5
-"""Chord error of outlines [m]."""
-
 MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Factors by which clearances can be magnified, as far as the parts leave space."""
 
 
-def mechanism(reducer: Reducer, shown: Run) -> dict[str, Any]:
-    """Return the outlines of the mechanism [mm] and its motion in the samples of a run over one crank turn."""
-    from_ring, in_ring = Reducer(seen_from_ring(reducer.design)), columns_from_ring(reducer, shown.columns)
+def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
+    """Return the outlines of the mechanism [mm] and its motion over one crank turn as JSON values.
+
+    `samples` has the samples of a run that are shown, with forces.
+    """
+    from_ring, in_ring = Reducer(seen_from_ring(reducer.design)), columns_from_ring(reducer, samples.columns)
     widest = widest_gap(from_ring, measure_gaps(from_ring, in_ring))
-    return _shape(reducer) | {
+    return _outlines_json(reducer) | {
         "usual": fitting_magnification(from_ring, widest, MAGNIFICATIONS),
         "widest": 1e3 * widest,
-        "frames": _frames(from_ring, in_ring, shown.time),
+        "frames": _frames_json(from_ring, in_ring, samples.time),
     }
 
 
-def _shape(reducer: Reducer) -> dict[str, Any]:
-    """Return radii, angles and outlines [mm], and the radii at each magnification of clearances."""
+def _outlines_json(reducer: Reducer) -> dict[str, Any]:
+    """Return radii, angles and outlines [mm] of the parts as JSON values.
+
+    The radii are those at each magnification of clearances.
+    """
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
-    hole = housing_solid(reducer, CHORD_ERROR).prisms[0].holes[0]
+    hole = housing_solid(reducer, SCREEN_CHORD_ERROR).prisms[0].holes[0]
     largest = largest_magnification(reducer)
     shape = {
         "kind": ring.kind,
@@ -63,9 +67,12 @@ def _shape(reducer: Reducer) -> dict[str, Any]:
         "housing": 1e3 * design.housing.outer_radius,
         "wall": 1e3 * float(np.linalg.norm(hole, axis=1).min()),
         "clearance": 1e3 * tooth_clearance(reducer),
-        "gear": encode_array(1e3 * gear_solid(reducer, CHORD_ERROR).prisms[0].outline),
+        "gear": encode_array(1e3 * gear_solid(reducer, SCREEN_CHORD_ERROR).prisms[0].outline),
         "others": [
-            {"phase": phase, "gear": encode_array(1e3 * gear_solid(reducer, CHORD_ERROR, disc).prisms[0].outline)}
+            {
+                "phase": phase,
+                "gear": encode_array(1e3 * gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0].outline),
+            }
             for disc, phase in list(enumerate(reducer.phases))[1:]
         ],
         "magnifications": [
@@ -75,13 +82,16 @@ def _shape(reducer: Reducer) -> dict[str, Any]:
         ],
     }
     if ring.kind != "pin":
-        outline = sample_ring_by_sagitta(reducer.tooth_profile, CHORD_ERROR)
+        outline = sample_ring_by_sagitta(reducer.tooth_profile, SCREEN_CHORD_ERROR)
         shape |= {"ring": encode_array(1e3 * outline.points), "ringNormals": encode_array(outline.normals)}
     return shape
 
 
-def _frames(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:
-    """Return the motion [mm, rad] and the forces [N] of each sample, from columns of a run in the frame of the ring."""
+def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:
+    """Return the motion [mm, rad] and the forces [N] of each sample as JSON values.
+
+    `columns` are those of a run in the frame of the ring, shape (n,) each.
+    """
     measured, acting = measure_gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
     deviation = measured.deviation * [1e3, 1e3, 1.0]
     frames = {

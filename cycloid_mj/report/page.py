@@ -13,7 +13,7 @@ from cycloid_mj.checks import Checks
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report import tables
-from cycloid_mj.report.data import MAX_SPECTRUM_TURNS, figures, page_data
+from cycloid_mj.report.data import CHARTS, figures, page_data
 from cycloid_mj.report.reviewed import Reviewed
 from cycloid_mj.statics.sheet import load_of
 
@@ -30,7 +30,7 @@ def environment() -> Environment:
 
 
 def page(reviewed: Sequence[Reviewed]) -> str:
-    """Return the report of runs as HTML."""
+    """Return the report of one or more runs as one HTML page."""
     data = page_data(reviewed)
     spectra = {item.name: run["spectrum"] for item, run in zip(reviewed, data["runs"], strict=True)}
     return (
@@ -44,14 +44,14 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             conditions=_conditions(reviewed),
             warnings=[(item.name, line) for item in reviewed for line in item.findings.warnings],
             unmet=list(_unmet(reviewed)),
-            numbers=_numbers,
+            numbers=_main_figures,
             magnified=min(run["mechanism"]["usual"] for run in data["runs"]),
             widest=[1e3 * run["mechanism"]["widest"] for run in data["runs"]],
             tables=tables,
             figures=figures(reviewed),
             bands=[spectrum["band"] for spectrum in spectra.values() if spectrum],
             without_spectrum=[name for name, spectrum in spectra.items() if not spectrum],
-            most_turns=MAX_SPECTRUM_TURNS,
+            most_turns=CHARTS.max_spectrum_turns,
             # JSON that cannot end the script element that contains it
             data=Markup(json.dumps(data, separators=(",", ":")).replace("</", "<\\/")),
             scripts=SCRIPTS,
@@ -67,8 +67,8 @@ def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
             yield item.name, checks
 
 
-def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield name and value of the main figures."""
+def _main_figures(item: Reviewed) -> Iterator[tuple[str, str]]:
+    """Yield name and text of the main figures of a run."""
     findings = item.findings
     none = "not evaluated in a ramp" if findings.condition.load else "no load"
     yield "efficiency", none if findings.efficiency is None else f"{100 * findings.efficiency:.2f} %"

@@ -31,7 +31,7 @@ def _source(picture: Picture) -> str:
 
 
 def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[str] = ()) -> str:
-    """Return a calibration as one HTML page.
+    """Return a calibration as one HTML page: parameters with intervals, loops, residuals and remarks.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.base.text import four_digits
 from cycloid_mj.design import dump
 from cycloid_mj.explore import Sweep
-from cycloid_mj.explore.ranks import tables
+from cycloid_mj.explore.ranks import tabulate_quantities
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import TextTable
 
@@ -19,7 +19,7 @@ MAX_ROWS = 500
 
 
 def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
-    """Return a sweep as one HTML page; the figure is an SVG."""
+    """Return a sweep as one HTML page: inputs, ranges of quantities, correlations, errors and the figure, an SVG."""
     task = sweep.task
     return (
         environment()
@@ -29,7 +29,7 @@ def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
             sweep=sweep,
             varied=_inputs_table(sweep),
             figure=b64encode(figure).decode(),
-            tables=tables(sweep, tuple(quantities)),
+            tables=tabulate_quantities(sweep, tuple(quantities)),
             errors=list(sweep.errors.items())[:MAX_ERRORS],
             more_errors=max(0, len(sweep.errors) - MAX_ERRORS),
             rows=_rows(sweep, quantities),
@@ -42,7 +42,7 @@ def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
 
 
 def _inputs_table(sweep: Sweep) -> Table:
-    """Return the inputs with their values."""
+    """Tabulate the varied keys of a sweep and their values."""
     rows = []
     for key in sweep.task.keys:
         values = list(dict.fromkeys(sweep[key].tolist()))

@@ -39,13 +39,13 @@ class TextTable(NamedTuple):
 
 def setup(reviewed: Sequence[Reviewed]) -> TextTable:
     """Return design and conditions, one column for each run."""
-    columns = [dict(_facts(item)) for item in reviewed]
+    columns = [dict(_setup_rows(item)) for item in reviewed]
     rows = [(name, *(column[name] for column in columns)) for name in columns[0]]
     return TextTable([("", *(item.name for item in reviewed))], rows)
 
 
 def findings(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Return simulation, closed form and error in groups, with the columns of the runs side by side."""
+    """Tabulate simulation, closed form and error of each finding in groups, the runs side by side."""
     tables = [
         {group.name: {row.quantity: row for row in group.rows} for group in groups(each.findings)} for each in reviewed
     ]
@@ -66,7 +66,7 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
 
 
 def losses(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Return the losses of each mating pair; without rows if there are none."""
+    """Tabulate the friction and contact losses of each mating pair, the runs side by side; no rows without losses."""
     rows = []
     for item in reviewed:
         power = item.findings.power.input_w
@@ -95,8 +95,8 @@ def design_checks(item: Reviewed) -> Checks:
     return check_design(item.motion.design)
 
 
-def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield name and value of each row of `setup`."""
+def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
+    """Yield name and text of each row in the table of a run's setup: design, drive, load, solver, time step."""
     design, run = item.motion.design, item.motion.run
     ring, drive, load = design.ring, design.drive, design.load
     yield "ring", f"{ring.teeth} {ring.pins} pins" if ring.kind == "pin" else f"internal gear with {ring.teeth} lobes"

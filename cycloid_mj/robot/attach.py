@@ -11,10 +11,10 @@ from cycloid_mj.robot.reducer import ReducedJoint
 
 
 def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
-    """Attach a reducer to a hinge of an editable model, at the reducer's level.
+    """Attach a reducer to a hinge of an editable MuJoCo model: crank body, springs to the hinge, motors on the crank.
 
-    Armature, friction loss and damping of the joint are replaced by those of the reducer. Its actuators act on the
-    crank, with a gear that keeps the meaning of their controls: a torque of the joint, or its angle as seen by the
+    Armature, friction loss and damping of the hinge are replaced by those of the reducer. Its actuators act on the
+    crank, with a gear that keeps the meaning of their controls: a torque at the joint, or its angle as seen by the
     motor. Keyframes get the angle of the crank. At the level `rigid` there is no crank.
 
     Parameters
@@ -34,18 +34,18 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     model = _compile(spec)
     hinge = spec.joint(joint)
     if hinge is None:
-        names = ", ".join(each.name for each in spec.joints if each.name) or "none has a name"
+        names = ", ".join(element.name for element in spec.joints if element.name) or "none has a name"
         raise UsageError(f"the model has no joint {joint!r}: choose one of {names}")
     if model.joint(joint).type[0] != mujoco.mjtJoint.mjJNT_HINGE:
         raise UsageError(
             f"the joint {joint!r} is not a hinge: choose a hinge joint, because reducers can be attached to hinges only"
         )
-    if any(each.name == reducer_name(joint) for each in spec.tuples):
+    if any(element.name == reducer_name(joint) for element in spec.tuples):
         raise UsageError(
             f"the joint {joint!r} already has a reducer, and only one is allowed: choose another joint, or attach the "
             "reducer to the original model"
         )
-    before = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
+    keyframes = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
     if reduced.level == "rigid":
         hinge.armature, hinge.frictionloss = reduced.reflected_inertia, reduced.no_load_torque_at_output
         hinge.solref_friction, hinge.solimp_friction = [MJCF.sticking_time, 1.0], MJCF.sticking_impedance
@@ -54,14 +54,14 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
         return
     hinge.armature, hinge.frictionloss = reduced.output_inertia, 0.0
     hinge.damping = constant_polynomial(0.0)
-    _add_rotor(hinge, model, reduced)
-    tendons = [_add_spring(spec, reduced, joint, number) for number in range(len(reduced.springs))]
+    _add_crank_body(hinge, model, reduced)
+    tendons = [_add_spring_tendon(spec, reduced, joint, number) for number in range(len(reduced.springs))]
     for number in range(len(reduced.slips)):
-        _add_slip(spec, hinge, model, reduced, number)
+        _add_slip_element(spec, hinge, model, reduced, number)
     _add_tuple(spec, reduced, joint, tendons)
-    _move_actuators(spec, reduced, joint)
-    if before:
-        _write_keys(spec, before, model, reduced, joint)
+    _move_actuators_to_crank(spec, reduced, joint)
+    if keyframes:
+        _write_keyframes(spec, keyframes, model, reduced, joint)
 
 
 def constant_polynomial(coefficient: float) -> list[float]:
@@ -78,11 +78,14 @@ def _compile(spec: Any) -> Any:
         ) from problem
 
 
-def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
-    """Add the body of the crank at that of the joint, with the joint's axis."""
+def _add_crank_body(joint: Any, model: Any, reduced: ReducedJoint) -> None:
+    """Add a body for the crank to the parent of the hinge's link, with a joint on the same axis.
+
+    `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer.
+    """
     hinge, name = model.joint(joint.name), rotor_name(joint.name)
-    carried = model.body(int(hinge.bodyid[0]))
-    body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
+    link = model.body(int(hinge.bodyid[0]))
+    body = joint.parent.parent.add_body(name=name, pos=link.pos, quat=link.quat)
     body.explicitinertial = True
     body.mass, body.inertia = MJCF.mass, [1e-12] * 3
     rotor_joint = body.add_joint(
@@ -108,30 +111,33 @@ def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
     )
 
 
-def _add_spring(spec: Any, reduced: ReducedJoint, joint: str, number: int) -> str:
-    """Add the tendon of a spring between crank and joint; return its name."""
-    spring, name = reduced.springs[number], reducer_name(joint, number)
+def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int) -> str:
+    """Add the fixed tendon of a spring between crank and hinge `joint`, with its dead band; return its name."""
+    spring, name = reduced.springs[index], reducer_name(joint, index)
     tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)
     tendon.wrap_joint(rotor_name(joint), reduced.coefficient)
     tendon.wrap_joint(joint, 1.0)
     tendon.springlength = [reduced.stops[0] - spring.start, reduced.stops[1] + spring.start]
     tendon.stiffness, tendon.damping = (
         constant_polynomial(spring.stiffness),
-        constant_polynomial(0.0 if number else reduced.damping),
+        constant_polynomial(0.0 if index else reduced.damping),
     )
     tendon.frictionloss = tendon.armature = 0.0
     return name
 
 
-def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: int) -> None:
-    """Add the body of a slip element at that of the joint, and the spring between it and the wind-up."""
-    slip, name = reduced.slips[number], slip_name(joint.name, number)
-    armature, damping = slip_inertias(reduced)[number]
-    carried = model.body(int(model.joint(joint.name).bodyid[0]))
-    body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
+def _add_slip_element(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, index: int) -> None:
+    """Add slip element number `index` of the hinge: a body with friction, and a spring between body and wind-up.
+
+    `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer.
+    """
+    slip, name = reduced.slips[index], slip_name(joint.name, index)
+    armature, damping = slip_inertias(reduced)[index]
+    link = model.body(int(model.joint(joint.name).bodyid[0]))
+    body = joint.parent.parent.add_body(name=name, pos=link.pos, quat=link.quat)
     body.explicitinertial = True
     body.mass, body.inertia = MJCF.mass, [1e-12] * 3
-    slipping = body.add_joint(
+    slip_joint = body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
         axis=model.joint(joint.name).axis,
@@ -141,10 +147,10 @@ def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: 
         solimp_friction=MJCF.sticking_impedance,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
     )
-    slipping.damping = slipping.stiffness = constant_polynomial(0.0)
+    slip_joint.damping = slip_joint.stiffness = constant_polynomial(0.0)
     tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)
-    for wrapped, share in ((rotor_name(joint.name), reduced.coefficient), (joint.name, 1.0), (name, -1.0)):
-        tendon.wrap_joint(wrapped, share)
+    for joint_name, coefficient in ((rotor_name(joint.name), reduced.coefficient), (joint.name, 1.0), (name, -1.0)):
+        tendon.wrap_joint(joint_name, coefficient)
     tendon.springlength = [0.0, 0.0]
     tendon.stiffness, tendon.damping = constant_polynomial(slip.stiffness), constant_polynomial(damping)
     tendon.frictionloss = tendon.armature = 0.0
@@ -158,8 +164,8 @@ def _add_tuple(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[str])
     spec.add_tuple(name=reducer_name(joint), objname=[*joints, *tendons], objtype=kinds, objprm=numbers)
 
 
-def _move_actuators(spec: Any, reduced: ReducedJoint, joint: str) -> None:
-    """Move the joint's motors to its crank, with a gear of -coefficient."""
+def _move_actuators_to_crank(spec: Any, reduced: ReducedJoint, joint: str) -> None:
+    """Move the actuators of a hinge to its crank, and multiply their gear by -coefficient (the signed ratio)."""
     kinds = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for actuator in spec.actuators:
         if actuator.trntype in kinds and actuator.target == joint:
@@ -168,19 +174,20 @@ def _move_actuators(spec: Any, reduced: ReducedJoint, joint: str) -> None:
             actuator.trntype, actuator.target, actuator.gear = mujoco.mjtTrn.mjTRN_JOINT, rotor_name(joint), gear
 
 
-def _write_keys(
-    spec: Any, before: list[tuple[list[float], list[float]]], model: Any, reduced: ReducedJoint, joint: str
+def _write_keyframes(
+    spec: Any, keyframes: list[tuple[list[float], list[float]]], model: Any, reduced: ReducedJoint, joint: str
 ) -> None:
-    """Set angle and speed of the crank in all keyframes: in the middle of the play, with the speed of the joint.
+    """Insert angle and speed of the crank into all keyframes: the middle of the play, and the speed of the hinge.
 
-    An empty list is the default of a keyframe.
+    `keyframes` are positions and speeds of each keyframe before the crank was added, an empty list for the default;
+    `model` is the compiled ``MjModel`` without the reducer.
     """
-    after = _compile(spec)
-    crank, output = after.joint(rotor_name(joint)), model.joint(joint)
-    at, along = int(crank.qposadr[0]), int(crank.dofadr[0])
-    for key, (positions, speeds) in zip(spec.keys, before, strict=True):
+    attached = _compile(spec)
+    crank, output = attached.joint(rotor_name(joint)), model.joint(joint)
+    qpos_address, dof_address = int(crank.qposadr[0]), int(crank.dofadr[0])
+    for key, (positions, speeds) in zip(spec.keys, keyframes, strict=True):
         positions, speeds = positions or model.qpos0.tolist(), speeds or [0.0] * model.nv
         angle = (reduced.middle - positions[int(output.qposadr[0])]) / reduced.coefficient
         speed = -speeds[int(output.dofadr[0])] / reduced.coefficient
-        key.qpos = [*positions[:at], angle, *positions[at:]]
-        key.qvel = [*speeds[:along], speed, *speeds[along:]]
+        key.qpos = [*positions[:qpos_address], angle, *positions[qpos_address:]]
+        key.qvel = [*speeds[:dof_address], speed, *speeds[dof_address:]]

@@ -31,15 +31,16 @@ WITHOUT_STRIBECK = {
 """Parameters without a Stribeck effect; the last two are BAM's start values, and have no effect."""
 
 
-def bam(reduced: ReducedJoint) -> dict[str, Any]:
-    """Return the parameters of M3 and M5 at the joint [N m, N m s/rad, 1], and their largest errors.
+def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
+    """Fit the friction models M3 and M5 of BAM to a joint; return parameters [N m, N m s/rad, 1] and errors.
 
-    Least squares over the loads from `MIN_FIT_SHARE` of the nominal torque on, driving and driven, at the rated speed.
+    Nonnegative least squares (Lawson and Hanson) over the loads from `MIN_FIT_SHARE` to 1 of the nominal torque,
+    driving and driven, at the rated speed. The errors are the largest of each model [N m].
     """
-    base, viscous = reduced.no_load_torque_at_output, _viscous(reduced)
-    external, motor, lost = _loads(reduced)
-    m3, _ = nnls((external + motor)[:, np.newaxis], lost)
-    m5, _ = nnls(np.stack([external, motor], axis=1), lost)
+    base, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
+    external, motor, friction = _friction_samples(reduced)
+    m3, _ = nnls((external + motor)[:, np.newaxis], friction)
+    m5, _ = nnls(np.stack([external, motor], axis=1), friction)
     by_torque = {"load_friction_motor": float(m5[1]), "load_friction_external": float(m5[0])}
     common = {"friction_base": base, "friction_viscous": viscous, "armature": reduced.reflected_inertia}
     return {
@@ -48,32 +49,32 @@ def bam(reduced: ReducedJoint) -> dict[str, Any]:
         "m3": {"model": "m3", **common, "load_friction_base": float(m3[0])},
         "m5": {"model": "m5", **common, **by_torque, **WITHOUT_STRIBECK},
         "largest_error_nm": {
-            "m3": float(np.abs(m3[0] * (external + motor) - lost).max()),
-            "m5": float(np.abs(m5[0] * external + m5[1] * motor - lost).max()),
+            "m3": float(np.abs(m3[0] * (external + motor) - friction).max()),
+            "m5": float(np.abs(m5[0] * external + m5[1] * motor - friction).max()),
         },
         "fitted_nm": [MIN_FIT_SHARE * reduced.rated_torque, reduced.rated_torque],
     }
 
 
-def _loads(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
-    """Compute external torque, motor torque, and friction beyond that of no load at the joint [N m], shape (n,) each.
+def _friction_samples(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
+    """Tabulate external torque, motor torque and load-dependent friction at the joint [N m], shape (n,) each.
 
-    The motor torque is that on the crank times the ratio; negative where it must assist a self-locking reducer.
+    The motor torque is that on the crank times the ratio; it is negative if the motor must assist a self-locking
+    reducer. Load-dependent friction is the friction in excess of that without a load.
     """
     friction: FrictionMap = reduced.friction
     torques = np.array(
-        [item for item in friction.torques if MIN_FIT_SHARE <= item / reduced.rated_torque <= 1.0 + 1e-9]
+        [torque for torque in friction.torques if MIN_FIT_SHARE <= torque / reduced.rated_torque <= 1.0 + 1e-9]
     )
     rows = []
     for driving, sign in ((True, 1.0), (False, -1.0)):
-        lost = np.array([reduced.ratio * friction.torque(item, reduced.rated_speed, driving) for item in torques])
-        rows.append(np.stack([torques, torques + sign * lost, lost - reduced.no_load_torque_at_output]))
-    external, motor, beyond = np.concatenate(rows, axis=1)
-    return external, motor, beyond
-
-
-def _viscous(reduced: ReducedJoint) -> float:
-    """Compute the no-load friction in proportion to the joint's speed [N m s/rad], by centrifugal force."""
-    first, last = reduced.friction.speeds[0], reduced.friction.speeds[-1]
-    low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (first, last))
-    return max(0.0, reduced.ratio**2 * (high - low) / (last - first))
+        friction_at_joint = np.array(
+            [reduced.ratio * friction.torque(torque, reduced.rated_speed, driving) for torque in torques]
+        )
+        rows.append(
+            np.stack(
+                [torques, torques + sign * friction_at_joint, friction_at_joint - reduced.no_load_torque_at_output]
+            )
+        )
+    external, motor, load_dependent = np.concatenate(rows, axis=1)
+    return external, motor, load_dependent

@@ -17,8 +17,8 @@ from cycloid_mj.robot.identification import GRID, Play, solve_play
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.stability import measure_vibration
-from cycloid_mj.robot.transmission import solve_error, waves
-from cycloid_mj.robot.trial import TrialScene, trial_scene
+from cycloid_mj.robot.transmission import compute_amplitudes, solve_error
+from cycloid_mj.robot.trial import TrialScene, create_trial_scene
 from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.springs import POSES
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
@@ -93,7 +93,7 @@ class ModelComparison:
         return row.reference is not None and bool(abs(row.value - row.reference) <= self.bounds[row.key])
 
     def table(self) -> Table:
-        """Tabulate the rows."""
+        """Tabulate the quantities of joint and full model, their differences, and whether these are within bounds."""
         words = {True: "ok", False: "exceeds bound"}
         rows = tuple(
             (row.name, row.value, row.reference or 0.0, row.unit, self._difference(row), words[self.is_within(row)])
@@ -118,92 +118,123 @@ class ModelComparison:
 
 
 def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelComparison:
-    """Run the joint in MuJoCo at the levels `backlash` and `full`, and compare it with the full model."""
+    """Compare the reduced joint in MuJoCo with the full model of the reducer, at the levels `backlash` and `full`.
+
+    Compared are play, wind-up, resonance, efficiency, and the harmonics of the transmission error.
+    """
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     play = solve_play(reducer, COMPARISON.angles_factor * POSES)
-    slow, slow_curves = _loop(reduced.at("backlash"), play)
+    loop_rows, loop_curves = _compare_loop(reduced.at("backlash"), play)
     # at steps of a large part of a crank turn, the transmission error would be noise
-    smooth = replace(reduced.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
-    lossy, lossy_curves = _efficiencies(reducer, smooth)
-    both = [_transmission(reducer, reduced.at("full"), name, sign) for name, sign in DIRECTIONS.items()]
-    rows = (*slow, *_resonance(reduced.at("backlash"), play), *lossy, *(row for rows, _ in both for row in rows))
+    without_ripple = replace(reduced.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
+    efficiency_rows, efficiency_curves = _compare_efficiencies(reducer, without_ripple)
+    transmission = [
+        _compare_transmission_error(reducer, reduced.at("full"), name, sign) for name, sign in DIRECTIONS.items()
+    ]
+    rows = (
+        *loop_rows,
+        *_compare_resonance(reduced.at("backlash"), play),
+        *efficiency_rows,
+        *(row for rows, _ in transmission for row in rows),
+    )
     bounds = {row.key: BOUNDS.get(row.key, BOUNDS["te_harmonic"]) * abs(row.reference or 0.0) for row in rows}
     bounds |= {row.key: COMPARISON.max_efficiency for row in rows if row.unit == "%"}
     resonance = math.sqrt(reduced.stiffness(reduced.rated_torque) / (2.0 * reduced.reflected_inertia))
-    curves = (*slow_curves, *lossy_curves, *(curve for _, curves in both for curve in curves))
-    return ModelComparison(rows, bounds, curves, COMPARISON.max_frequency * resonance / _strongest(reduced.ripple))
+    curves = (*loop_curves, *efficiency_curves, *(curve for _, curves in transmission for curve in curves))
+    return ModelComparison(
+        rows, bounds, curves, COMPARISON.max_frequency * resonance / _strongest_order(reduced.ripple)
+    )
 
 
-def _strongest(ripple: Ripple) -> float:
+def _strongest_order(ripple: Ripple) -> float:
     """Compute the order of the largest harmonic at the upper stop under the largest load; 1 where there is none."""
     if not ripple.orders:
         return 1.0
     return ripple.orders[int(np.argmax(np.hypot(ripple.high_cos[-1], ripple.high_sin[-1])))]
 
 
-def _loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
-    """Compute the rest of the output under torques of a loop, with the crank locked."""
-    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
+def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
+    """Compare backlash, lost motion and wind-up at rest under a series of torques with a locked crank.
+
+    `play` is the full model's play and wind-up. Return the quantities, and the curves of the torsional hysteresis loop.
+    """
+    scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold()
     rated = play.rated
 
-    def turn(share: float) -> float:
-        return scene.rest(share * rated)
+    def rest_angle(share: float) -> float:
+        return scene.find_rest(share * rated)
 
-    small = {share: turn(share) for share in (GRID.small, 2.0 * GRID.small, -GRID.small, -2.0 * GRID.small)}
-    width = 2.0 * small[GRID.small] - small[2.0 * GRID.small] - 2.0 * small[-GRID.small] + small[-2.0 * GRID.small]
-    joint = {share: 0.5 * (turn(share) - turn(-share)) for share in (LOST_MOTION_SHARE, 1.0)}
-    full = {share: 0.5 * play.backlash + play.wind_up[share] for share in joint}
+    angles_at_small_torque = {
+        share: rest_angle(share) for share in (GRID.small, 2.0 * GRID.small, -GRID.small, -2.0 * GRID.small)
+    }
+    width = (
+        2.0 * angles_at_small_torque[GRID.small]
+        - angles_at_small_torque[2.0 * GRID.small]
+        - 2.0 * angles_at_small_torque[-GRID.small]
+        + angles_at_small_torque[-2.0 * GRID.small]
+    )
+    wind_up_of_joint = {share: 0.5 * (rest_angle(share) - rest_angle(-share)) for share in (LOST_MOTION_SHARE, 1.0)}
+    wind_up_of_full_model = {share: 0.5 * play.backlash + play.wind_up[share] for share in wind_up_of_joint}
     loop_name, small_share = "loop at +-3 % of the nominal torque", LOST_MOTION_SHARE
     values = (
         ("backlash_arcmin", "backlash", width, play.backlash),
-        ("loop_arcmin", loop_name, 2.0 * joint[small_share], 2.0 * full[small_share]),
+        ("loop_arcmin", loop_name, 2.0 * wind_up_of_joint[small_share], 2.0 * wind_up_of_full_model[small_share]),
         (
             "wind_up_arcmin",
             "wind-up beyond the stop at the nominal torque",
-            joint[1.0] - 0.5 * width,
+            wind_up_of_joint[1.0] - 0.5 * width,
             play.wind_up[1.0],
         ),
     )
-    rows = [Quantity(key, name, x / ARCMINUTE, "arcmin", None, y / ARCMINUTE) for key, name, x, y in values]
-    ramp = np.linspace(-1.0, 1.0, COMPARISON.loop_points)
-    joint_turn = np.array([turn(share) for share in ramp])
+    rows = [
+        Quantity(key, name, value / ARCMINUTE, "arcmin", None, reference / ARCMINUTE)
+        for key, name, value, reference in values
+    ]
+    loop_shares = np.linspace(-1.0, 1.0, COMPARISON.loop_points)
+    joint_angles = np.array([rest_angle(share) for share in loop_shares])
     shares = np.array([0.0, *sorted(play.wind_up)])
-    half = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
-    sides = [(play.stops[1] + half, shares * rated), (play.stops[0] - half, -shares * rated)]
-    loop = [np.concatenate([sides[1][i][::-1], sides[0][i]]) for i in (0, 1)]
+    wind_ups = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
+    branches = [(play.stops[1] + wind_ups, shares * rated), (play.stops[0] - wind_ups, -shares * rated)]
+    loop = [np.concatenate([branches[1][i][::-1], branches[0][i]]) for i in (0, 1)]
     axes = "torque on the output [N m]", "turn [arcmin]"
     panel = "hysteresis loop, crank locked"
     return rows, [
         Curve(panel, "full model", loop[1], loop[0] / ARCMINUTE, *axes, "theory"),
-        Curve(panel, "joint", ramp * rated, joint_turn / ARCMINUTE, *axes),
+        Curve(panel, "joint", loop_shares * rated, joint_angles / ARCMINUTE, *axes),
     ]
 
 
-def _resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
-    """Compute the resonance of a heavy load about the nominal torque: sqrt(k/J) with the full model's slope."""
+def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
+    """Yield the resonance frequency with a heavy load about the nominal torque.
+
+    Its reference is sqrt(k/J) with the slope of the full model's wind-up.
+    """
     inertia = 10.0 * reduced.reflected_inertia
     expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
-    _, _, off = measure_vibration(
-        trial_scene(reduced, inertia, COMPARISON.phase_step / expected, "implicitfast"), inertia
+    _, _, frequency_error = measure_vibration(
+        create_trial_scene(reduced, inertia, COMPARISON.phase_step / expected, "implicitfast"), inertia
     )
-    still = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
-    frequency, name = still * (1.0 + off) / (2.0 * np.pi), f"resonance with {inertia:.3g} kg m2, crank locked"
+    nominal_frequency = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
+    frequency, name = (
+        nominal_frequency * (1.0 + frequency_error) / (2.0 * np.pi),
+        f"resonance with {inertia:.3g} kg m2, crank locked",
+    )
     yield Quantity("resonance_hz", name, frequency, "Hz", None, expected / (2.0 * np.pi))
 
 
-def _efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantity], list[Curve]]:
-    """Compute efficiencies at the rated speed, driving and driven."""
+def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantity], list[Curve]]:
+    """Compare efficiencies at the rated speed, with the crank driving and with the output driving, at several loads."""
     rows, curves = [], []
     cases = (("driving", True, "efficiency"), ("driven", False, "efficiency of back-driving"))
     for key, driving, name in cases:
-        joint = [100.0 * _efficiency(reduced, share, driving) for share in COMPARISON.loads]
+        joint_percent = [100.0 * _measure_efficiency(reduced, share, driving) for share in COMPARISON.loads]
         sign = 1.0 if driving else -1.0
-        full = [
+        full_percent = [
             100.0 * _full_model_efficiency(reducer, sign * share * reducer.design.rated_torque)
             for share in COMPARISON.loads
         ]
-        for share, joint_value, full_value in zip(COMPARISON.loads, joint, full, strict=True):
+        for share, joint_value, full_value in zip(COMPARISON.loads, joint_percent, full_percent, strict=True):
             rows.append(
                 Quantity(
                     f"{key}_{share:g}",
@@ -218,14 +249,17 @@ def _efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantit
         axes = "torque on the output [N m]", "efficiency [%]"
         panel = f"{name}, {reduced.rated_speed / RPM:.0f} rpm"
         curves += [
-            Curve(panel, "full model", torques, np.array(full), *axes, "theory"),
-            Curve(panel, "joint", torques, np.array(joint), *axes),
+            Curve(panel, "full model", torques, np.array(full_percent), *axes, "theory"),
+            Curve(panel, "joint", torques, np.array(joint_percent), *axes),
         ]
     return rows, curves
 
 
 def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
-    """Compute the efficiency of the full model; 0 where friction locks an output that drives."""
+    """Compute the efficiency of the full model under an output torque [N m]; 0 if it is self-locking.
+
+    The torque is positive if the crank drives, negative if the output drives.
+    """
     try:
         return powers(reducer, torque).efficiency
     except RunError:
@@ -234,70 +268,104 @@ def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
         return 0.0
 
 
-def _efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Compute the joint's efficiency by the power of friction in MuJoCo; 0 where the load cannot supply it."""
+def _measure_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
+    """Measure the efficiency of the joint in MuJoCo from its friction power, under a share of the nominal torque.
+
+    `driving` is True if the crank drives, False if the output does; the result is 0 for a self-locking joint.
+    """
     speed, torque = reduced.rated_speed, share * reduced.rated_torque
-    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
+    scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold(speed)
     # the load brakes the output, or drives it
-    scene.press(reduced.way * (-torque if driving else torque))
+    scene.press_to_stop(reduced.way * (-torque if driving else torque))
     scene.step()
     scene.step()
-    useful, taken = torque / reduced.ratio, scene.friction_torque()
-    return joint_powers(useful, taken, driving).efficiency
+    useful, friction = torque / reduced.ratio, scene.friction_torque()
+    return joint_powers(useful, friction, driving).efficiency
 
 
-def _transmission(
+def _compare_transmission_error(
     reducer: Reducer, reduced: ReducedJoint, name: str, direction: int
 ) -> tuple[list[Quantity], list[Curve]]:
-    """Compute the transmission error under the rated load over a full turn of the output, slowly."""
+    """Compare the harmonics of the transmission error at nominal torque over a full, slow turn of the output.
+
+    `direction` of the crank is 1 or -1, and `name` its name. Return the amplitude of each strong harmonic [arcsec], and
+    the curves over one turn of the crank.
+    """
     errors = solve_error(reducer, 1.0, direction)
-    fine, _ = waves(errors)
+    fine, _ = compute_amplitudes(errors)
     turns = round(reduced.ratio)
-    strong = np.flatnonzero(np.abs(fine) >= COMPARISON.min_harmonic * np.abs(fine).max())
-    count = COMPARISON.steps_per_cycle * int(strong.max())
+    harmonics = np.flatnonzero(np.abs(fine) >= COMPARISON.min_harmonic * np.abs(fine).max())
+    count = COMPARISON.steps_per_cycle * int(harmonics.max())
     speed = direction * 2.0 * np.pi * turns / (count * COMPARISON.slow_step)
-    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
+    scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold(speed)
-    scene.press(-direction * reduced.way * reduced.rated_torque)
+    scene.press_to_stop(-direction * reduced.way * reduced.rated_torque)
     for _ in range(COMPARISON.steps_per_cycle):
         scene.step()
-    angle, length = _record(scene, count)
-    order = strong / turns
+    angle, deviation = _record_motion(scene, count)
+    order = harmonics / turns
     basis = np.exp(-1j * np.outer(order, angle))
-    joint = 2.0 * basis @ (length - length.mean()) / count
+    amplitudes = 2.0 * basis @ (deviation - deviation.mean()) / count
     rows = [
         Quantity(
-            f"te_{name}_{item:.4g}",
-            f"transmission error, order {item:.4g}, {name}, at the nominal torque",
+            f"te_{name}_{cycles_per_turn:.4g}",
+            f"transmission error, order {cycles_per_turn:.4g}, {name}, at the nominal torque",
             abs(amplitude) * ARCSECONDS,
             "arcsec",
             None,
             abs(fine[index]) * ARCSECONDS,
         )
-        for item, amplitude, index in zip(order.tolist(), joint, strong.tolist(), strict=True)
+        for cycles_per_turn, amplitude, index in zip(order.tolist(), amplitudes, harmonics.tolist(), strict=True)
     ]
-    return rows, list(_te_curves(reducer, errors, angle, length, name))
+    return rows, list(_transmission_error_curves(reducer, errors, angle, deviation, name))
 
 
-def _record(scene: TrialScene, count: int) -> tuple[Array, Array]:
-    """Record crank angle and L over time steps, shape (count,) each."""
+def _record_motion(scene: TrialScene, count: int) -> tuple[Array, Array]:
+    """Simulate `count` time steps; return crank angle and output deviation L [rad] after each, shape (count,) each."""
     record = np.empty((count, 2))
-    for i in range(count):
+    for step in range(count):
         scene.step()
-        record[i] = scene.data.qpos[scene.place.crank_angle], scene.length
+        record[step] = scene.data.qpos[scene.addresses.crank_angle], scene.length
     return record[:, 0], record[:, 1]
 
 
-def _te_curves(reducer: Reducer, errors: Array, angle: Array, length: Array, name: str) -> Sequence[Curve]:
-    """Return the curves over the first turn of the crank from angle 0; reverse motion is shifted by full turns."""
+def _transmission_error_curves(
+    reducer: Reducer, errors: Array, angle: Array, deviation: Array, name: str
+) -> Sequence[Curve]:
+    """Return the transmission errors of full model and joint over the first turn of the crank, as curves.
+
+    Parameters
+    ----------
+    reducer
+        The reducer under its nominal torque.
+    errors
+        Error of the full model at evenly spaced crank angles over a full turn of the output [rad], shape (n,).
+    angle, deviation
+        Crank angle and output deviation of the joint in MuJoCo [rad], shape (m,) each.
+    name
+        Direction of the crank, in words.
+    """
     design = reducer.design
     angle = np.mod(angle, 2.0 * np.pi * design.reduction)
     panel = f"transmission error under {design.rated_torque:.4g} N m, {name}"
     axes = "crank angle [deg]", "output's error about its mean [arcsec]"
-    full = np.degrees(2.0 * np.pi * np.arange(errors.size) / errors.size * design.reduction)
-    first, inside = full <= 360.0, angle <= 2.0 * np.pi
+    crank_degrees = np.degrees(2.0 * np.pi * np.arange(errors.size) / errors.size * design.reduction)
+    in_first_turn, recorded_in_first_turn = crank_degrees <= 360.0, angle <= 2.0 * np.pi
     return (
-        Curve(panel, "full model", full[first], ARCSECONDS * (errors - errors.mean())[first], *axes, "theory"),
-        Curve(panel, "joint", np.degrees(angle[inside]), ARCSECONDS * (length - length.mean())[inside], *axes),
+        Curve(
+            panel,
+            "full model",
+            crank_degrees[in_first_turn],
+            ARCSECONDS * (errors - errors.mean())[in_first_turn],
+            *axes,
+            "theory",
+        ),
+        Curve(
+            panel,
+            "joint",
+            np.degrees(angle[recorded_in_first_turn]),
+            ARCSECONDS * (deviation - deviation.mean())[recorded_in_first_turn],
+            *axes,
+        ),
     )

@@ -19,7 +19,7 @@ from cycloid_mj.figures.geometry import mass as mechanism_mass
 from cycloid_mj.parts import moving_masses
 from cycloid_mj.parts.export.drive import drive_diameter, drive_length, drive_mass, has_casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.robot.bam import bam
+from cycloid_mj.robot.bam import fit_bam_models
 from cycloid_mj.robot.files import choose_scenes
 from cycloid_mj.robot.mjcf import MJCF, OUTPUT, joint_xml, scene_xml
 from cycloid_mj.robot.reducer import ReducedJoint
@@ -32,23 +32,29 @@ FORMATS: tuple[Format, ...] = get_args(Format)
 HOUSING, DRIVE = "housing", "drive"
 """Links of the fixed side, and of what turns by the crank's angle over the ratio; the third is `OUTPUT`."""
 
-SMALLEST_MASS = 1e-3
-"""Mass of the link `drive` [kg], small against any drive: URDF and SDF have no inertia without mass."""
 
-SIDE_SHARE = 0.501
-"""Smallest moment of inertia across the axis, over that about it: 0.5 for a flat body, and a margin for rounding."""
+@dataclass(frozen=True)
+class DescriptionSettings:
+    """Values in the files of other simulators that do not follow from the drive."""
+
+    drive_mass: float = 1e-3
+    """Mass of the link `drive` [kg], small against any drive: URDF and SDF have no inertia without mass."""
+    side_share: float = 0.501
+    """Smallest moment of inertia across the axis, over that about it: 0.5 for a flat body, and some rounding."""
+    supply: float = 24.0
+    """Supply voltage of the equivalent motor [V]; its torque and speed do not depend on it."""
+    full_voltage_error: float = 0.1
+    """Position error at which the equivalent servo applies its full voltage [rad]; assumed."""
+    mjx_step_share: float = 0.5
+    """Time step in MJX over that recommended for MuJoCo: speeds then differ by less than 1 % (docs/joint.md)."""
+
+
+DESCRIPTION = DescriptionSettings()
+
 
 PLAY = "passive_drive_backlash"
 """Name of the play joint for Isaac Lab, whose servo model finds the play of a joint `drive` by this name."""
 
-SUPPLY = 24.0
-"""Supply voltage of the equivalent motor [V]; its torque and speed do not depend on it."""
-
-FULL_VOLTAGE_ERROR = 0.1
-"""Position error at which the equivalent servo applies its full voltage [rad]; assumed."""
-
-MJX_STEP_SHARE = 0.5
-"""Time step in MJX over that recommended for MuJoCo: speeds of both then differ by less than 1 % (docs/joint.md)."""
 
 SDF_VERSION = "1.11"
 
@@ -63,29 +69,32 @@ class LinkInertia:
     izz: float
 
 
-def link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> dict[str, LinkInertia]:
-    """Compute the inertias of the links from those of the drive, covers included where they fit.
+def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> dict[str, LinkInertia]:
+    """Compute mass and inertia of the links `housing`, `drive` and `output` from those of the drive's parts.
 
-    With `armature`, the crank's reflected inertia is that of the joint, and not of a link. The housing is a solid
-    cylinder of the drive's mass (without output and crank), diameter and length.
+    The housing is a solid cylinder with the drive's diameter and length, and its mass without output and crank; covers
+    are included if the casing fits. With `armature`, the simulator adds the crank's reflected inertia to the joint, so
+    that no link has it.
     """
     masses = moving_masses(reducer)
-    turning, crank = masses[reducer.mechanism.turning], masses[names.SHAFT]
-    total = drive_mass(reducer) if has_casing(reducer) else mechanism_mass(reducer)
+    output_body, crank = masses[reducer.mechanism.turning], masses[names.SHAFT]
+    total_mass = drive_mass(reducer) if has_casing(reducer) else mechanism_mass(reducer)
     radius = 0.5 * drive_diameter(reducer) if has_casing(reducer) else reducer.design.housing.outer_radius
     gear, output = reducer.design.gear, reducer.design.output
     length = drive_length(reducer) if has_casing(reducer) else gear.stack_width + output.disc_thickness
-    still = total - turning.mass - crank.mass
-    across = still * (3.0 * radius**2 + length**2) / 12.0
+    housing_mass = total_mass - output_body.mass - crank.mass
+    housing_transverse = housing_mass * (3.0 * radius**2 + length**2) / 12.0
     rotor = reduced.rotor_inertia if armature else reflected_rotor(reduced)
     izz = reduced.output_inertia + (rotor if reduced.level == "rigid" and not armature else 0.0)
-    side = max(float(turning.inertia[0, 0]), SIDE_SHARE * izz)
+    output_transverse = max(float(output_body.inertia[0, 0]), DESCRIPTION.side_share * izz)
     links = {
-        HOUSING: LinkInertia(still, across, across, 0.5 * still * radius**2),
-        OUTPUT: LinkInertia(turning.mass + crank.mass, side, side, izz),
+        HOUSING: LinkInertia(housing_mass, housing_transverse, housing_transverse, 0.5 * housing_mass * radius**2),
+        OUTPUT: LinkInertia(output_body.mass + crank.mass, output_transverse, output_transverse, izz),
     }
     if reduced.level != "rigid":
-        links[DRIVE] = LinkInertia(SMALLEST_MASS, SIDE_SHARE * rotor, SIDE_SHARE * rotor, rotor)
+        links[DRIVE] = LinkInertia(
+            DESCRIPTION.drive_mass, DESCRIPTION.side_share * rotor, DESCRIPTION.side_share * rotor, rotor
+        )
     return links
 
 
@@ -94,8 +103,8 @@ def reflected_rotor(reduced: ReducedJoint) -> float:
     return reduced.ratio**2 * reduced.rotor_inertia
 
 
-def description_files(reduced: ReducedJoint, reducer: Reducer, file_format: Format) -> dict[str, bytes]:
-    """Return the files of a joint in a format other than ``mjcf``, by name.
+def write_descriptions(reduced: ReducedJoint, reducer: Reducer, file_format: Format) -> dict[str, bytes]:
+    """Return the files of a joint in a format other than ``mjcf``: name -> content.
 
     Parameters
     ----------
@@ -108,73 +117,73 @@ def description_files(reduced: ReducedJoint, reducer: Reducer, file_format: Form
     name = reduced.name
     if file_format == "mjx":
         scene, _ = choose_scenes(reduced, integrator="implicitfast")
-        timestep = MJX_STEP_SHARE * scene.timestep
+        timestep = DESCRIPTION.mjx_step_share * scene.timestep
         texts = {"joint.xml": joint_xml(reduced), "scene.xml": _without_noslip(reduced, scene.inertia, timestep)}
     elif file_format == "sdf":
         texts = {f"{name}.sdf": sdf_text(reduced, reducer)}
     else:
         texts = {f"{name}.urdf": urdf_text(reduced, reducer, armature=file_format == "isaaclab")}
         if file_format == "isaaclab":
-            texts[f"{_identifier(name)}_cfg.py"] = isaaclab_text(reduced, f"{name}.urdf")
+            texts[f"{_module_name(name)}_cfg.py"] = isaaclab_text(reduced, f"{name}.urdf")
     return {file: text.encode() for file, text in texts.items()}
 
 
-def description_names(name: str, file_format: Format) -> tuple[str, ...]:
-    """Return the names of the files of `description_files`."""
-    named = {
+def list_description_files(name: str, file_format: Format) -> tuple[str, ...]:
+    """Return the names of the files that `write_descriptions` returns for a design of this name."""
+    names_of_format = {
         "urdf": (f"{name}.urdf",),
         "sdf": (f"{name}.sdf",),
-        "isaaclab": (f"{name}.urdf", f"{_identifier(name)}_cfg.py"),
+        "isaaclab": (f"{name}.urdf", f"{_module_name(name)}_cfg.py"),
         "mjx": ("joint.xml", "scene.xml"),
     }
-    return named[file_format]
+    return names_of_format[file_format]
 
 
 def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> str:
-    """Return the URDF of a joint: links with inertia, the actuated joint `drive`, and the play as joint `output`.
+    """Return the URDF of a joint: links with inertia, the actuated joint `drive`, and the play as the joint `output`.
 
-    With `armature`, the simulator adds the crank's reflected inertia to the actuated joint.
+    With `armature`, the simulator adds the crank's reflected inertia to the actuated joint, so that no link has it.
     """
     robot = ElementTree.Element("robot", name=reduced.name)
-    robot.append(ElementTree.Comment(_about(reduced)))
-    for name, link in link_inertias(reduced, reducer, armature).items():
+    robot.append(ElementTree.Comment(_describe_joint(reduced)))
+    for name, link in compute_link_inertias(reduced, reducer, armature).items():
         inertial = ElementTree.SubElement(ElementTree.SubElement(robot, "link", name=name), "inertial")
         ElementTree.SubElement(inertial, "origin", xyz="0 0 0", rpy="0 0 0")
-        ElementTree.SubElement(inertial, "mass", value=_number(link.mass))
+        ElementTree.SubElement(inertial, "mass", value=_format_number(link.mass))
         moments = {"ixx": link.ixx, "iyy": link.iyy, "izz": link.izz, "ixy": 0.0, "ixz": 0.0, "iyz": 0.0}
-        ElementTree.SubElement(inertial, "inertia", {key: _number(value) for key, value in moments.items()})
-    for joint in _joints(reduced, play=PLAY if armature else OUTPUT):
+        ElementTree.SubElement(inertial, "inertia", {key: _format_number(value) for key, value in moments.items()})
+    for joint in _list_joints(reduced, play=PLAY if armature else OUTPUT):
         element = ElementTree.SubElement(robot, "joint", name=joint.name, type=joint.kind)
         ElementTree.SubElement(element, "parent", link=joint.parent)
         ElementTree.SubElement(element, "child", link=joint.child)
         ElementTree.SubElement(element, "axis", xyz="0 0 1")
-        limit = {"effort": _number(joint.effort), "velocity": _number(joint.speed)}
+        limit = {"effort": _format_number(joint.effort), "velocity": _format_number(joint.speed)}
         if joint.stops:
-            limit |= {"lower": _number(joint.stops[0]), "upper": _number(joint.stops[1])}
+            limit |= {"lower": _format_number(joint.stops[0]), "upper": _format_number(joint.stops[1])}
         ElementTree.SubElement(element, "limit", limit)
-        dynamics = {"damping": _number(joint.damping), "friction": _number(joint.friction)}
+        dynamics = {"damping": _format_number(joint.damping), "friction": _format_number(joint.friction)}
         ElementTree.SubElement(element, "dynamics", dynamics)
     transmission = ElementTree.SubElement(robot, "transmission", name="reducer")
     ElementTree.SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
-    ElementTree.SubElement(transmission, "joint", name=_joints(reduced)[0].name)
+    ElementTree.SubElement(transmission, "joint", name=_list_joints(reduced)[0].name)
     actuator = ElementTree.SubElement(transmission, "actuator", name="motor")
-    ElementTree.SubElement(actuator, "mechanicalReduction").text = _number(reduced.way * reduced.ratio)
-    return _xml(robot)
+    ElementTree.SubElement(actuator, "mechanicalReduction").text = _format_number(reduced.way * reduced.ratio)
+    return _format_xml(robot)
 
 
 def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
     """Return the SDFormat model of a joint; the ends of the play have the stiffness of the drive."""
     root = ElementTree.Element("sdf", version=SDF_VERSION)
     model = ElementTree.SubElement(root, "model", name=reduced.name)
-    model.append(ElementTree.Comment(_about(reduced)))
-    for name, link in link_inertias(reduced, reducer).items():
+    model.append(ElementTree.Comment(_describe_joint(reduced)))
+    for name, link in compute_link_inertias(reduced, reducer).items():
         inertial = ElementTree.SubElement(ElementTree.SubElement(model, "link", name=name), "inertial")
-        ElementTree.SubElement(inertial, "mass").text = _number(link.mass)
+        ElementTree.SubElement(inertial, "mass").text = _format_number(link.mass)
         inertia = ElementTree.SubElement(inertial, "inertia")
         for key, value in (("ixx", link.ixx), ("iyy", link.iyy), ("izz", link.izz), ("ixy", 0.0), ("ixz", 0.0)):
-            ElementTree.SubElement(inertia, key).text = _number(value)
+            ElementTree.SubElement(inertia, key).text = _format_number(value)
         ElementTree.SubElement(inertia, "iyz").text = "0"
-    for joint in _joints(reduced):
+    for joint in _list_joints(reduced):
         element = ElementTree.SubElement(model, "joint", name=joint.name, type=joint.kind)
         ElementTree.SubElement(element, "parent").text = joint.parent
         ElementTree.SubElement(element, "child").text = joint.child
@@ -185,51 +194,52 @@ def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
         if joint.stops:
             values |= {"lower": joint.stops[0], "upper": joint.stops[1], "stiffness": joint.stiffness}
         for key, value in values.items():
-            ElementTree.SubElement(limit, key).text = _number(value)
+            ElementTree.SubElement(limit, key).text = _format_number(value)
         dynamics = ElementTree.SubElement(axis, "dynamics")
-        ElementTree.SubElement(dynamics, "damping").text = _number(joint.damping)
-        ElementTree.SubElement(dynamics, "friction").text = _number(joint.friction)
-    return _xml(root)
+        ElementTree.SubElement(dynamics, "damping").text = _format_number(joint.damping)
+        ElementTree.SubElement(dynamics, "friction").text = _format_number(joint.friction)
+    return _format_xml(root)
 
 
 def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
-    """Return the DC motor at the joint through the rated and the peak torque, in the parameters of BAM.
+    """Compute the DC motor at the joint that has the joint's rated and peak torque, as parameters of BAM.
 
-    Torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed.
-    It stands in for the motor of the robot: the constants are those of the joint, not of the crank.
+    Torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed. The
+    motor stands in for that of the robot: its torque constant and resistance are those at the joint, not at the crank.
     """
     stall = MJCF.motor_peak * reduced.rated_torque
     no_load_speed = reduced.rated_speed / reduced.ratio / (1.0 - 1.0 / MJCF.motor_peak)
-    constant = SUPPLY / no_load_speed
+    constant = DESCRIPTION.supply / no_load_speed
     return {
         "kt": constant,
-        "resistance": SUPPLY * constant / stall,
-        "error_gain": 1.0 / FULL_VOLTAGE_ERROR,
+        "resistance": DESCRIPTION.supply * constant / stall,
+        "error_gain": 1.0 / DESCRIPTION.full_voltage_error,
         "max_current": stall / constant,
     }
 
 
 def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
-    """Return a Python module with the configurations of Isaac Lab: motor, actuators and asset.
+    """Return a Python module with the configurations of Isaac Lab for a joint: motor, actuators and asset.
 
-    `BamMotorCfg` takes the parameters of BAM's model M5; the play is a passive joint.
+    `urdf` is the name of the URDF file. `BamMotorCfg` has the parameters of BAM's model M5; the play is a passive
+    joint.
     """
-    drive = _joints(reduced)[0]
-    friction = {key: value for key, value in bam(reduced)["m5"].items() if isinstance(value, float)}
+    drive = _list_joints(reduced)[0]
+    friction = {key: value for key, value in fit_bam_models(reduced)["m5"].items() if isinstance(value, float)}
     del friction["armature"]
     values = {**equivalent_motor(reduced), **friction}
-    parameters = "".join(f"    {key}={_number(value)},\n" for key, value in values.items())
+    parameters = "".join(f"    {key}={_format_number(value)},\n" for key, value in values.items())
     passive = (
         ""
         if reduced.level == "rigid"
         else f'''    "play": ImplicitActuatorCfg(
         joint_names_expr=["{PLAY}"],
         stiffness=0.0,
-        damping={_number(reduced.damping)},
+        damping={_format_number(reduced.damping)},
     ),
 '''
     )
-    return f'''"""{_about(reduced)}
+    return f'''"""{_describe_joint(reduced)}
 
 Isaac Lab 3: `REDUCER_CFG` is the asset with its actuators. The servo model needs the solver MJWarp of Newton. kt,
 resistance, error_gain, max_current, kp_fw and vin are those of an equivalent motor at the joint: replace them by yours.
@@ -250,10 +260,10 @@ ACTUATORS = {{
         joint_names_expr=["{drive.name}"],
         motor=MOTOR,
         kp_fw=1.0,
-        vin={_number(SUPPLY)},
-        actuator_effort_limit={_number(drive.effort)},
-        actuator_velocity_limit={_number(drive.speed)},
-        armature={_number(reflected_rotor(reduced))},
+        vin={_format_number(DESCRIPTION.supply)},
+        actuator_effort_limit={_format_number(drive.effort)},
+        actuator_velocity_limit={_format_number(drive.speed)},
+        armature={_format_number(reflected_rotor(reduced))},
     ),
 {passive}}}
 
@@ -284,10 +294,10 @@ class _Joint:
     stiffness: float = 0.0
 
 
-def _joints(reduced: ReducedJoint, play: str = OUTPUT) -> tuple[_Joint, ...]:
-    """Return the joints: the driven one, and the play of a joint that is not rigid, with its name."""
+def _list_joints(reduced: ReducedJoint, play: str = OUTPUT) -> tuple[_Joint, ...]:
+    """List the joints of URDF and SDF: the driven joint, and the joint `play` unless the level is `rigid`."""
     effort, speed = MJCF.motor_peak * reduced.rated_torque, reduced.rated_speed / reduced.ratio
-    friction, viscous = reduced.no_load_torque_at_output, float(bam(reduced)["m5"]["friction_viscous"])
+    friction, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
     if reduced.level == "rigid":
         return (_Joint(OUTPUT, "continuous", HOUSING, OUTPUT, effort, speed, viscous, friction),)
     return (
@@ -306,7 +316,7 @@ def _without_noslip(reduced: ReducedJoint, inertia: float, timestep: float) -> s
     return scene.replace(f' noslip_iterations="{MJCF.noslip}"', "")
 
 
-def _about(reduced: ReducedJoint) -> str:
+def _describe_joint(reduced: ReducedJoint) -> str:
     """Return a sentence on the joint for the head of a file."""
     text = (
         f"The reducer {reduced.name} as a joint, level {reduced.level}, by cycloid-mj reduce: {reduced.ratio:g}:1, "
@@ -315,16 +325,16 @@ def _about(reduced: ReducedJoint) -> str:
     return text.replace("--", "- -")
 
 
-def _xml(root: ElementTree.Element) -> str:
+def _format_xml(root: ElementTree.Element) -> str:
     """Return an indented XML document."""
     ElementTree.indent(root)
     return f'<?xml version="1.0"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
 
 
-def _identifier(name: str) -> str:
+def _module_name(name: str) -> str:
     """Return a name as that of a Python module."""
-    return "".join(each if each.isalnum() else "_" for each in name)
+    return "".join(letter if letter.isalnum() else "_" for letter in name)
 
 
-def _number(value: float) -> str:
+def _format_number(value: float) -> str:
     return f"{significant(value):.9g}"

@@ -6,7 +6,7 @@ from json import dumps
 
 from cycloid_mj.base.result import plain
 from cycloid_mj.robot import standalone
-from cycloid_mj.robot.bam import bam
+from cycloid_mj.robot.bam import fit_bam_models
 from cycloid_mj.robot.lossy import lossy_joint_xml, lossy_scene_xml
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
 from cycloid_mj.robot.reducer import ReducedJoint
@@ -29,7 +29,7 @@ def choose_scenes(
     timestep: float | None = None,
     integrator: Integrator | None = None,
 ) -> tuple[StepTrial, StepTrial | None]:
-    """Choose the time step of scene.xml, and that of lossy_scene.xml, which the level `rigid` lacks.
+    """Choose time step and integrator of scene.xml and of lossy_scene.xml; the second is None at the level `rigid`.
 
     Parameters
     ----------
@@ -43,21 +43,26 @@ def choose_scenes(
     inertia = reduced.reflected_inertia if inertia is None else inertia
     if reduced.slips:
         integrator = "implicitfast"  # with the other integrator, slip elements creep
-    free = without_slip(reduced)
-    requested = choose_time_step(free, inertia, timestep, *([] if integrator is None else [(integrator,)]))
+    joint_without_slip = without_slip(reduced)
+    main_scene = choose_time_step(
+        joint_without_slip, inertia, timestep, *([] if integrator is None else [(integrator,)])
+    )
     if reduced.level == "rigid":
-        return requested, None
-    if requested.integrator == "discrete":
-        return requested, requested
-    return requested, choose_time_step(free, inertia, timestep, ("discrete",))
+        return main_scene, None
+    if main_scene.integrator == "discrete":
+        return main_scene, main_scene
+    return main_scene, choose_time_step(joint_without_slip, inertia, timestep, ("discrete",))
 
 
-def joint_files(reduced: ReducedJoint, requested: StepTrial, lossy: StepTrial | None) -> dict[str, bytes]:
-    """Return `BASE_FILES`, and `SPRING_FILES` if there is a `lossy` scene; both scenes are of `choose_scenes`."""
+def joint_files(reduced: ReducedJoint, main_scene: StepTrial, lossy: StepTrial | None) -> dict[str, bytes]:
+    """Return the MJCF and other files of a joint: name -> content.
+
+    These are `BASE_FILES`, and `SPRING_FILES` unless `lossy` is None; the scenes come from `choose_scenes`.
+    """
     texts = [
         joint_xml(reduced),
-        scene_xml(reduced, requested.inertia, requested.timestep, requested.integrator),
-        f"{dumps(plain(bam(reduced)), indent=2)}\n",
+        scene_xml(reduced, main_scene.inertia, main_scene.timestep, main_scene.integrator),
+        f"{dumps(plain(fit_bam_models(reduced)), indent=2)}\n",
     ]
     names: tuple[str, ...] = BASE_FILES
     if lossy:

@@ -65,7 +65,7 @@ Progress = Callable[[int, int], None]
 
 @shows_progress
 def reduce(design: Named, level: Level = "full", progress: Progress | None = None) -> ReducedJoint:
-    """Identify a design as a joint of a robot.
+    """Identify a design as a joint of a robot, by statics of the full model.
 
     Parameters
     ----------
@@ -99,10 +99,10 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
             "1640 rpm"
         )
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
-    counted = _Counted(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_turns(reducer))
+    counter = _ProgressCounter(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_turns(reducer))
     fine, coarse = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
-    counted.count_one()
-    friction = _friction_map(reducer, counted.count_one)
+    counter.count_one()
+    friction = _compute_friction_map(reducer, counter.count_one)
     rotor, output = crank_and_output_inertia(reducer)
     joint = ReducedJoint(
         name=reducer.design.name,
@@ -115,15 +115,15 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         springs=fine.springs,
         polynomial=tuple(fine.polynomial.tolist()),
         polynomial_error=tuple(np.abs(fine.polynomial - coarse.polynomial).tolist()),
-        damping=_damping(reducer),
+        damping=_compute_damping(reducer),
         rotor_inertia=rotor,
         output_inertia=output,
         friction=friction,
-        ripple=solve_ripple(reducer, counted.count_one),
+        ripple=solve_ripple(reducer, counter.count_one),
         slips=tuple(Slip(*item) for item in np.stack(slip_elements(reducer), axis=1).tolist()),
     )
-    counted.count_one()
-    return replace(joint.at(level), quantities=by_key(_quantities(reducer, joint, fine, coarse)))
+    counter.count_one()
+    return replace(joint.at(level), quantities=by_key(_list_quantities(reducer, joint, fine, coarse)))
 
 
 @dataclass(frozen=True)
@@ -144,18 +144,23 @@ class Play:
 
     @property
     def springs(self) -> tuple[Spring, ...]:
-        """Springs that start one after the other and have the wind-up at `GRID.springs` (isotonic regression).
+        """Springs with dead bands that together have the wind-up at `GRID.springs` (isotonic regression).
 
-        Each adds to those before it. Where the full model softens with the load, one slope replaces two.
+        Each spring adds its stiffness to those that start before it. Where the full model softens with the load, one
+        slope replaces two.
         """
         from scipy.optimize import isotonic_regression
 
-        turn = np.array([0.0, *(self.wind_up[share] for share in GRID.springs)])
-        torque = self.rated * np.array([0.0, *GRID.springs])
-        widths = np.maximum(np.diff(turn), np.finfo(float).tiny)
-        slopes = isotonic_regression(np.diff(torque) / widths, weights=widths).x
-        added = np.diff(slopes, prepend=0.0)
-        return tuple(Spring(float(at), float(more)) for at, more in zip(turn, added, strict=False) if more > 0.0)
+        wind_ups = np.array([0.0, *(self.wind_up[share] for share in GRID.springs)])
+        torques = self.rated * np.array([0.0, *GRID.springs])
+        widths = np.maximum(np.diff(wind_ups), np.finfo(float).tiny)
+        slopes = isotonic_regression(np.diff(torques) / widths, weights=widths).x
+        increments = np.diff(slopes, prepend=0.0)
+        return tuple(
+            Spring(float(start), float(stiffness))
+            for start, stiffness in zip(wind_ups, increments, strict=False)
+            if stiffness > 0.0
+        )
 
     @property
     def stiffness(self) -> float:
@@ -165,18 +170,19 @@ class Play:
 
     @property
     def polynomial(self) -> Array:
-        """Factors a, b, c of the torque a x + b x^2 + c x^3 beyond the stop [N m/rad, /rad^2, /rad^3].
+        """Coefficients a, b, c of the torque a x + b x^2 + c x^3 at x [rad] beyond the stop.
 
-        Least squares of the relative error at `GRID.polynomial`, up to the nominal torque.
+        Units: N m/rad, N m/rad^2, N m/rad^3. Least squares of the relative error at `GRID.polynomial`, up to the
+        nominal torque.
         """
-        turn, torque = (
+        wind_ups, torques = (
             np.array([self.wind_up[share] for share in GRID.polynomial]),
             self.rated * np.array(GRID.polynomial),
         )
-        scaled = turn / turn[-1]
-        powers = np.stack([scaled, scaled**2, scaled**3], axis=1) / torque[:, np.newaxis]
-        coefficients = np.linalg.lstsq(powers, np.ones(len(turn)))[0]
-        return np.asarray(coefficients / turn[-1] ** np.arange(1, 4))
+        relative = wind_ups / wind_ups[-1]
+        powers = np.stack([relative, relative**2, relative**3], axis=1) / torques[:, np.newaxis]
+        coefficients = np.linalg.lstsq(powers, np.ones(len(wind_ups)))[0]
+        return np.asarray(coefficients / wind_ups[-1] ** np.arange(1, 4))
 
     def polynomial_error(self) -> float:
         """Largest relative error of the polynomial's torque at `GRID.polynomial`."""
@@ -186,27 +192,32 @@ class Play:
 
 
 def solve_play(reducer: Reducer, poses: int) -> Play:
-    """Solve play and wind-up of a design at evenly spaced crank angles; raises as `loads`."""
+    """Solve play and wind-up of a reducer in static equilibrium at evenly spaced crank angles; raises as `loads`.
+
+    `poses` is the number of crank angles.
+    """
     rated = reducer.design.rated_torque
-    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(still, turn_evenly(reducer, poses), friction=False)
+    at_rest = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(at_rest, turn_evenly(reducer, poses), friction=False)
 
-    def turn(share: float) -> float:
-        return float(loads(still, springs, share * rated).output_turn.mean())
+    def mean_output_angle(share: float) -> float:
+        return float(loads(at_rest, springs, share * rated).output_turn.mean())
 
-    low, high = (2.0 * turn(side * GRID.small) - turn(2.0 * side * GRID.small) for side in (-1.0, 1.0))
+    low, high = (
+        2.0 * mean_output_angle(sign * GRID.small) - mean_output_angle(2.0 * sign * GRID.small) for sign in (-1.0, 1.0)
+    )
     # preloaded halves leave no play: both lines end in the same angle, except for their curvature
     low, high = (low, high) if low <= high else (0.5 * (low + high),) * 2
     shares = sorted({*GRID.springs, *GRID.polynomial, *STRAIGHT})
-    wind_up = {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares}
+    wind_up = {share: 0.5 * (mean_output_angle(share) - high + low - mean_output_angle(-share)) for share in shares}
     return Play(rated, (low, high) if reducer.member.sense > 0 else (-high, -low), wind_up)
 
 
 def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
-    """Compute the inertias on crank and output [kg m2]; that of the crank includes the orbit of the discs.
+    """Compute the moments of inertia that turn with the crank and with the output [kg m2].
 
-    Except for their orbit, the discs turn with the carrier of the output pins. Where the ring is the output, they do
-    not turn, and the ring's pins turn with it.
+    The crank has shaft, rotor and the orbit of the discs. Otherwise the discs belong to the carrier of the output pins;
+    if the ring is the output, they do not turn, and the ring's pins turn with the ring.
     """
     design = reducer.design
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
@@ -215,42 +226,60 @@ def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
     return crank, turning_inertia(reducer)
 
 
-def _friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
-    """Compute the map of friction; `on_step` is called after each of its points."""
+def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
+    """Compute friction torques on the crank over output torque and speed; `on_step` is called after each point."""
     speed, rated = reducer.design.drive.speed, reducer.design.rated_torque
-    maps: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
+    rows_by_sign: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
     for share in GRID.speeds:
-        turning = reducer.but(drive={"speed": share * speed})
-        idle = _no_load_torque(turning)
+        at_speed = reducer.but(drive={"speed": share * speed})
+        no_load = _compute_no_load_torque(at_speed)
         on_step()
-        for sign, rows in maps.items():
-            rows.append((idle, *(_friction_torque(turning, sign * item * rated, on_step) for item in GRID.torques)))
+        for sign, rows in rows_by_sign.items():
+            rows.append(
+                (
+                    no_load,
+                    *(
+                        _compute_friction_torque(at_speed, sign * share_of_torque * rated, on_step)
+                        for share_of_torque in GRID.torques
+                    ),
+                )
+            )
     torques = (0.0, *(torque * rated for torque in GRID.torques))
     speeds = tuple(share * abs(speed) for share in GRID.speeds)
-    return FrictionMap(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
+    return FrictionMap(torques, speeds, tuple(rows_by_sign[1.0]), tuple(rows_by_sign[-1.0]))
 
 
-def _no_load_torque(reducer: Reducer) -> float:
-    """Compute the friction torque on the crank without a load [N m], extrapolated where friction jams small loads."""
+def _compute_no_load_torque(reducer: Reducer) -> float:
+    """Compute the friction torque on the crank without a load [N m].
+
+    It is that at a small torque, or extrapolated linearly from larger torques where friction jams small loads.
+    """
     rated = reducer.design.rated_torque
     for torque in GRID.no_load:
         with suppress(RunError):
-            low = _friction_torque(reducer, torque * rated)
+            low = _compute_friction_torque(reducer, torque * rated)
             if torque == GRID.small:
                 return low
             return max(
-                0.0, _to_zero((torque, low), (GRID.torques[0], _friction_torque(reducer, GRID.torques[0] * rated)))
+                0.0,
+                _extrapolate_to_zero(
+                    (torque, low), (GRID.torques[0], _compute_friction_torque(reducer, GRID.torques[0] * rated))
+                ),
             )
     return 0.0
 
 
-def _to_zero(near: tuple[float, float], far: tuple[float, float]) -> float:
+def _extrapolate_to_zero(first: tuple[float, float], second: tuple[float, float]) -> float:
     """Extrapolate the line through two points to 0."""
-    return near[1] - (far[1] - near[1]) * near[0] / (far[0] - near[0])
+    return first[1] - (second[1] - first[1]) * first[0] / (second[0] - first[0])
 
 
-def _friction_torque(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda: None) -> float:
-    """Compute the torque of friction on a turning crank [N m]; as of a driving crank where the output is locked."""
+def _compute_friction_torque(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda: None) -> float:
+    """Compute the friction torque on a turning crank [N m] under an output torque [N m], from the power balance.
+
+    The crank drives under a positive torque, the output under a negative one. For a self-locking reducer the result is
+    that of the driving crank. `on_step` is called when the result is ready.
+    """
     try:
         mean_powers = powers(reducer, torque)
     except RunError:
@@ -261,67 +290,89 @@ def _friction_torque(reducer: Reducer, torque: float, on_step: Callable[[], None
     return mean_powers.lost / abs(reducer.design.drive.speed)
 
 
-def _damping(reducer: Reducer) -> float:
+def _compute_damping(reducer: Reducer) -> float:
     """Compute the damping of the wind-up [N m s/rad] between carrier and ring.
 
     For slow motion, springs with parallel dampers in series have c = k^2 sum (C/K) s, with the time constant C/K of a
-    contact and its compliance s at the output, from its work. Pin and seat in series have shares by compliance.
-    Bending of pins and twist are in series with the contacts of the output.
+    contact and its compliance s at the output [rad/N m]. Pin and seat in series have shares by compliance. Bending of
+    pins and twist are in series with the contacts of the output.
     """
-    laws, rated = contact_laws(reducer), reducer.design.rated_torque
-    gives = [windup.compliance_by_spring(reducer) for windup in solve_windups(reducer, turn_evenly(reducer), rated)]
-    springs = {spring: float(np.mean([item[spring] for item in gives])) for spring in gives[0]}
-    springs["twist"] = wind_up(reducer)
-    mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
-    times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
-    times["mesh"] = sum(law.damping / law.stiffness**2 for law in mesh) / sum(1.0 / law.stiffness for law in mesh)
-    times["bending"] = times["twist"] = times["output"]
-    return sum(times[spring] * give for spring, give in springs.items()) / sum(springs.values()) ** 2
+    contact_laws_by_pair, rated = contact_laws(reducer), reducer.design.rated_torque
+    compliances = [
+        windup.compliance_by_spring(reducer) for windup in solve_windups(reducer, turn_evenly(reducer), rated)
+    ]
+    mean_compliance = {
+        spring: float(np.mean([at_angle[spring] for at_angle in compliances])) for spring in compliances[0]
+    }
+    mean_compliance["twist"] = wind_up(reducer)
+    tooth_contacts = [
+        contact_laws_by_pair[kind]
+        for kind in (reducer.design.tooth_pair, reducer.design.seat_pair)
+        if kind in contact_laws_by_pair
+    ]
+    time_constants = {
+        kind: contact_laws_by_pair[kind].damping / contact_laws_by_pair[kind].stiffness for kind in ("cam", "output")
+    }
+    time_constants["mesh"] = sum(law.damping / law.stiffness**2 for law in tooth_contacts) / sum(
+        1.0 / law.stiffness for law in tooth_contacts
+    )
+    time_constants["bending"] = time_constants["twist"] = time_constants["output"]
+    return (
+        sum(time_constants[spring] * compliance for spring, compliance in mean_compliance.items())
+        / sum(mean_compliance.values()) ** 2
+    )
 
 
-def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
-    """Yield the figures of a joint for people and programs, with their numerical errors."""
-    at = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
+def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
+    """Yield the identified figures of a joint with units and numerical errors, for tables and JSON.
+
+    `fine` and `coarse` are the plays at two numbers of crank angles; their difference is the numerical error.
+    """
+    condition = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
     friction, rated, speed = joint.friction, joint.rated_torque, joint.rated_speed
 
-    def both(read: Callable[[Play], float]) -> tuple[float, float]:
-        return read(fine), abs(read(fine) - read(coarse))
+    def value_and_error(figure: Callable[[Play], float]) -> tuple[float, float]:
+        """Return a figure of the fine play, and its difference to the coarse play."""
+        return figure(fine), abs(figure(fine) - figure(coarse))
 
     direction = "the output turns against the crank" if joint.way < 0 else "the output turns as the crank does"
     yield Quantity("ratio", "ratio, turns of the crank for one of the output", joint.ratio, "1", 0.0, note=direction)
-    play, wound = both(lambda item: item.backlash), both(lambda item: item.wind_up[1.0])
+    play, wind_up = value_and_error(lambda item: item.backlash), value_and_error(lambda item: item.wind_up[1.0])
     name = "backlash of the output, mean over the crank angle"
-    yield Quantity("backlash_arcmin", name, *_in(play, ARCMINUTE, "arcmin"))
+    yield Quantity("backlash_arcmin", name, *_convert_with_error(play, ARCMINUTE, "arcmin"))
     name = f"wind-up beyond the stop under {rated:.4g} N m, crank locked"
-    yield Quantity("wind_up_arcmin", name, *_in(wound, ARCMINUTE, "arcmin"))
+    yield Quantity("wind_up_arcmin", name, *_convert_with_error(wind_up, ARCMINUTE, "arcmin"))
     name = f"largest relative error of the stiffness as a polynomial, up to {rated:.4g} N m"
-    yield Quantity("polynomial_error", name, *_in(both(Play.polynomial_error), 1.0, "1"))
-    name, stiffness = "torsional stiffness, 50 to 100 % of the nominal torque", both(lambda item: item.stiffness)
-    yield Quantity("stiffness_nm_per_arcmin", name, *_in(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
+    yield Quantity("polynomial_error", name, *_convert_with_error(value_and_error(Play.polynomial_error), 1.0, "1"))
+    name, stiffness = (
+        "torsional stiffness, 50 to 100 % of the nominal torque",
+        value_and_error(lambda item: item.stiffness),
+    )
+    yield Quantity("stiffness_nm_per_arcmin", name, *_convert_with_error(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
     efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
-    error, moved = 100.0 * _angle_error(reducer, 1.0), _efficiency_spread(reducer)
-    yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", error, note=moved)
-    back, backward = solve_back_driving(reducer, rated)
-    locked = math.isnan(backward)
+    error, spread_note = 100.0 * _efficiency_error(reducer, 1.0), _efficiency_spread(reducer)
+    yield Quantity("efficiency", f"efficiency {condition}", efficiency, "%", error, note=spread_note)
+    back_driving_powers, driving_torque = solve_back_driving(reducer, rated)
+    locked = math.isnan(driving_torque)
     yield Quantity(
         "back_driving_efficiency",
         f"efficiency of back-driving against {rated / joint.ratio:.4g} N m on the crank",
-        0.0 if locked else 100.0 * back.efficiency,
+        0.0 if locked else 100.0 * back_driving_powers.efficiency,
         "%",
-        0.0 if locked else 100.0 * _angle_error(reducer, -backward / rated),
+        0.0 if locked else 100.0 * _efficiency_error(reducer, -driving_torque / rated),
         note=describe_self_locking(reducer, rated) if locked else "",
     )
-    near, far = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
+    first, second = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
     yield Quantity(
         "no_load_torque_nm",
         f"no-load torque on the crank at {speed / RPM:.0f} rpm",
         joint.no_load_torque,
         "N m",
-        abs(joint.no_load_torque - max(0.0, _to_zero(near, far))),
+        abs(joint.no_load_torque - max(0.0, _extrapolate_to_zero(first, second))),
         note="weight and centrifugal force of the discs, and drag of seals and lubricant; no shaft bearings",
     )
-    what = "shaft, rotor and the discs' orbit"
-    yield Quantity("rotor_inertia_kg_m2", f"inertia on the crank: {what}", joint.rotor_inertia, "kg m2", 0.0)
+    parts = "shaft, rotor and the discs' orbit"
+    yield Quantity("rotor_inertia_kg_m2", f"inertia on the crank: {parts}", joint.rotor_inertia, "kg m2", 0.0)
     yield Quantity("output_inertia_kg_m2", "inertia of discs and output", joint.output_inertia, "kg m2", 0.0)
     name = "inertia at the output, crank free"
     yield Quantity("reflected_inertia_kg_m2", name, joint.reflected_inertia, "kg m2", 0.0)
@@ -329,7 +380,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
 
 
 def _efficiency_spread(reducer: Reducer) -> str:
-    """Return the spread of the efficiency by assumed inputs, in words, as `measure efficiency` does by runs."""
+    """Return a sentence on how far assumed inputs change the efficiency, from one variation of each input at a time."""
 
     def rate(varied: Reducer) -> float:
         try:
@@ -343,8 +394,11 @@ def _efficiency_spread(reducer: Reducer) -> str:
     )
 
 
-def _angle_error(reducer: Reducer, share: float) -> float:
-    """Compute the change of efficiency with more crank angles, at a share of the nominal torque; negative: driven."""
+def _efficiency_error(reducer: Reducer, share: float) -> float:
+    """Compute the change of the efficiency by more crank angles, under a share of the nominal torque.
+
+    The share is negative if the output drives.
+    """
     torque = share * reducer.design.rated_torque
     return abs(
         powers(reducer, torque).efficiency
@@ -352,19 +406,19 @@ def _angle_error(reducer: Reducer, share: float) -> float:
     )
 
 
-def _in(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:
+def _convert_with_error(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:
     """Return value, unit and error of a quantity in another unit."""
     value, error = values
     return value / unit, name, error / unit
 
 
-class _Counted:
+class _ProgressCounter:
     """Counter of finished pieces of work, for a progress."""
 
     def __init__(self, progress: Progress | None, total: int) -> None:
-        self._progress, self._whole, self._done = progress, total, 0
+        self._progress, self._total, self._done = progress, total, 0
 
     def count_one(self) -> None:
         self._done += 1
         if self._progress:
-            self._progress(self._done, self._whole)
+            self._progress(self._done, self._total)

@@ -58,10 +58,11 @@ class ImpactLoad:
 
 @lru_cache(maxsize=64)
 def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
-    """Solve the impact of a joint with an inertia on its output [kg m2] by LSODA, as a reference for MuJoCo.
+    """Solve the impact of a joint under an alternating load by LSODA, as a reference for MuJoCo; results are cached.
 
-    J x'' = T cos(2 pi f t) - spring(x) - c x', with J of all that turns with the output, and damping c: at the level
-    `full` beyond the stops only, as in `ReducedJoint.step`, at `backlash` within the play as well, as in MJCF.
+    The equation is J x'' = T cos(2 pi f t) - spring(x) - c x', with the inertia J of the output and all that turns with
+    it [kg m2], of which `inertia` is the external part. The damping c acts at the level `full` beyond the stops only,
+    as in `ReducedJoint.step`, at `backlash` within the play as well, as in MJCF.
 
     Raises
     ------
@@ -70,8 +71,8 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     """
     for halving in range(IMPACT.max_halvings):
         frequency = IMPACT.start_frequency / 2.0**halving
-        crossed, peak = _solve_motion(reduced, inertia, frequency)
-        if crossed <= 0.5 / frequency:
+        crossing_time, peak = _solve_motion(reduced, inertia, frequency)
+        if crossing_time <= 0.5 / frequency:
             return ImpactLoad(frequency, peak)
     raise RunError(
         f"{reduced.name}: under the rated load, an inertia of {inertia:.4g} kg m2 takes more than a minute to cross "
@@ -80,32 +81,43 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
 
 
 def run_impact(scene: TrialScene, load: ImpactLoad) -> float | None:
-    """Run an impact in MuJoCo; return the largest wind-up [rad], as `ImpactLoad.peak`, or None where it runs away."""
-    reduced, pulse = scene.reduced, 2.0 * np.pi * load.frequency
+    """Simulate an impact in MuJoCo; return the largest wind-up [rad], comparable with `ImpactLoad.peak`.
+
+    Return None if the simulation diverges.
+    """
+    reduced, angular_frequency = scene.reduced, 2.0 * np.pi * load.frequency
     scene.hold()
-    scene.press(reduced.rated_torque)
+    scene.press_to_stop(reduced.rated_torque)
     steps = math.ceil(load.duration / float(scene.model.opt.timestep))
-    lengths = scene.lengths(lambda time: reduced.rated_torque * math.cos(pulse * time), steps)
-    return None if lengths is None else reduced.stops[0] - float(lengths.min())
+    deviations = scene.simulate_deviation(lambda time: reduced.rated_torque * math.cos(angular_frequency * time), steps)
+    return None if deviations is None else reduced.stops[0] - float(deviations.min())
 
 
 def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[float, float]:
-    """Compute the time at which the output reaches the lower stop [s], or infinity, and its largest wind-up [rad]."""
+    """Integrate the motion of the output under the load T cos(2 pi f t) from rest on the upper stop, by LSODA.
+
+    Return the time at which the output reaches the lower stop [s], infinity if it does not, and its largest wind-up
+    beyond that stop [rad]. `inertia` is the external inertia [kg m2], `frequency` f [Hz].
+    """
     from scipy.integrate import odeint
 
-    rated, moving, pulse = reduced.rated_torque, inertia + reduced.output_inertia, 2.0 * math.pi * frequency
-    full = reduced.level == "full"
-    start = reduced.stops[1] + reduced.wind_up(rated) + (reduced.ripple.errors(0.0, 1.0)[1] if full else 0.0)
-    pull, damping = _tabulated_torque(reduced), reduced.damping
+    rated, total_inertia, angular_frequency = (
+        reduced.rated_torque,
+        inertia + reduced.output_inertia,
+        2.0 * math.pi * frequency,
+    )
+    is_full = reduced.level == "full"
+    start = reduced.stops[1] + reduced.wind_up(rated) + (reduced.ripple.errors(0.0, 1.0)[1] if is_full else 0.0)
+    spring_torque, damping = _tabulated_torque(reduced), reduced.damping
 
     def motion(state: np.ndarray, time: float) -> tuple[float, float]:
-        length, speed = state.tolist()
-        torque = pull(length)
-        resisted = damping * speed if torque or not full else 0.0
-        return speed, (rated * math.cos(pulse * time) + torque - resisted) / moving
+        deviation, speed = state.tolist()
+        torque = spring_torque(deviation)
+        damping_torque = damping * speed if torque or not is_full else 0.0
+        return speed, (rated * math.cos(angular_frequency * time) + torque - damping_torque) / total_inertia
 
     duration = IMPACT.cycles / frequency
-    vibration = math.sqrt(reduced.stiffness(rated) / moving) / (2.0 * math.pi)
+    vibration = math.sqrt(reduced.stiffness(rated) / total_inertia) / (2.0 * math.pi)
     times = np.linspace(
         0.0, duration, math.ceil(IMPACT.samples_per_cycle * IMPACT.cycles * max(1.0, vibration / frequency))
     )
@@ -118,24 +130,30 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
         hmax=1.0 / (IMPACT.samples_per_cycle * frequency),
         mxstep=IMPACT.max_steps,
     )
-    beyond = np.flatnonzero(states[:, 0] <= reduced.stops[0])
-    crossed = float(times[beyond[0]]) if beyond.size else math.inf
-    return crossed, reduced.stops[0] - float(states[:, 0].min())
+    in_lower_stop = np.flatnonzero(states[:, 0] <= reduced.stops[0])
+    crossing_time = float(times[in_lower_stop[0]]) if in_lower_stop.size else math.inf
+    return crossing_time, reduced.stops[0] - float(states[:, 0].min())
 
 
 def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
-    """Return the springs' torque [N m] as a tabulated function of L [rad] at the crank angle 0, for speed."""
-    bends = reduced.bends(0.0)
-    span = float(np.ptp(bends))
-    inner = (bend + side * IMPACT.jump_width * span for bend in bends for side in (-1, 1))
-    lengths = [bends[0] - span, *inner, bends[-1] + span]
-    stops_at = reduced.moving_stops(0.0)
-    torques = [reduced.torque(item, stops_at(item) if reduced.level == "full" else reduced.stops) for item in lengths]
-    last = len(lengths) - 1
+    """Return a fast function from the deviation L [rad] to the springs' torque [N m], at the crank angle 0.
 
-    def pull(length: float) -> float:
-        i = min(max(bisect(lengths, length), 1), last)
-        share = (length - lengths[i - 1]) / (lengths[i] - lengths[i - 1])
+    The function interpolates linearly between the breakpoints of the piecewise linear torque.
+    """
+    breakpoints = reduced.bends(0.0)
+    span = float(np.ptp(breakpoints))
+    knots = (bend + side * IMPACT.jump_width * span for bend in breakpoints for side in (-1, 1))
+    deviations = [breakpoints[0] - span, *knots, breakpoints[-1] + span]
+    stops_at = reduced.moving_stops(0.0)
+    torques = [
+        reduced.torque(deviation, stops_at(deviation) if reduced.level == "full" else reduced.stops)
+        for deviation in deviations
+    ]
+    last_index = len(deviations) - 1
+
+    def spring_torque(deviation: float) -> float:
+        i = min(max(bisect(deviations, deviation), 1), last_index)
+        share = (deviation - deviations[i - 1]) / (deviations[i] - deviations[i - 1])
         return torques[i - 1] + share * (torques[i] - torques[i - 1])
 
-    return pull
+    return spring_torque

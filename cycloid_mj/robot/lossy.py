@@ -20,10 +20,10 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from cycloid_mj.base.array import Array, significant
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Table
 from cycloid_mj.robot.friction import joint_powers
-from cycloid_mj.robot.mjcf import OUTPUT, joint_xml, reducer_name, rotor_name, scene_xml
+from cycloid_mj.robot.mjcf import OUTPUT, joint_xml, reducer_name, rotor_name, scene_xml, xml_number
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.trial import TrialScene
 
@@ -79,43 +79,46 @@ class Shoe:
 
 
 def fit_shoe(reduced: ReducedJoint) -> Shoe:
-    """Fit the shoe to the load-dependent losses of a joint up to the nominal torque, driving and driven.
+    """Fit a brake shoe in MJCF to a joint's load-dependent friction, with crank or output driving.
 
-    Both are S/(1 -+ t), so that their harmonic mean is S, a sum of the springs' torques.
+    A leading shoe has the friction S/(1 - t), a trailing shoe S/(1 + t); their harmonic mean is S, a sum of the
+    springs' torques. S is fitted by nonnegative least squares up to the nominal torque.
     """
     from scipy.optimize import nnls
 
     loads = np.array(SHOE.fitted) * reduced.rated_torque
-    wound = [reduced.wind_up(load) for load in loads.tolist()]
-    pulls = np.array([[each.stiffness * max(turn - each.start, 0.0) for each in reduced.springs] for turn in wound])
+    wind_ups = [reduced.wind_up(load) for load in loads.tolist()]
+    spring_torques = np.array(
+        [[spring.stiffness * max(wind_up - spring.start, 0.0) for spring in reduced.springs] for wind_up in wind_ups]
+    )
     driving, driven = (
         np.maximum(
             [
-                reduced.friction.torque(load, reduced.rated_speed, side) - reduced.no_load_torque
+                reduced.friction.torque(load, reduced.rated_speed, is_driving) - reduced.no_load_torque
                 for load in loads.tolist()
             ],
             np.finfo(float).tiny,
         )
-        for side in (True, False)
+        for is_driving in (True, False)
     )
     # a compromise between errors of torque and of efficiency: large loads have more weight
-    weights, both = 1.0 / np.sqrt(loads), driving + driven
-    sums, differences = weights * both, weights * (driving - driven)
+    weights, total = 1.0 / np.sqrt(loads), driving + driven
+    sums, differences = weights * total, weights * (driving - driven)
     leading = float(np.clip(differences @ sums / (sums @ sums), -SHOE.max_leading, SHOE.max_leading))
-    by_spring, _ = nnls(weights[:, np.newaxis] * pulls, weights * 2.0 * driving * driven / both)
+    by_spring, _ = nnls(weights[:, np.newaxis] * spring_torques, weights * 2.0 * driving * driven / total)
     friction = max(float(by_spring.max()), np.finfo(float).tiny)
     shares = by_spring / friction
     deflection = SHOE.deflection * reduced.wind_up(reduced.rated_torque)
     # a contact deflects by (1 - d) F/(m k d) under a force F, and the springs' lengths by their shares of that
-    pressed = float(pulls[-1] @ shares)
-    armature = (1.0 - SHOE.impedance) * pressed / (SHOE.stiffness * SHOE.impedance * deflection)
+    contact_force = float(spring_torques[-1] @ shares)
+    armature = (1.0 - SHOE.impedance) * contact_force / (SHOE.stiffness * SHOE.impedance * deflection)
     # the cone adds the coefficient times damping and speed to the reference acceleration along the axis
     creep = SHOE.lift * SHOE.stiffness * deflection / (friction * reduced.rated_speed)
     return Shoe(shares, friction, leading, armature, creep)
 
 
 def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
-    """Return `joint_xml` with a shoe; at the level `rigid`, which has no springs, without a shoe.
+    """Return the MJCF of a joint with the brake shoe of `fit_shoe`; at the level `rigid`, without a shoe.
 
     The model that includes it needs elliptic friction cones, and the integrator of `lossy_scene_xml`. Slip elements
     (`ReducedJoint.slips`) creep with that integrator and are left out.
@@ -136,26 +139,26 @@ def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
         )
         pairs.append(
             f'    <pair geom1="{name}_plate_{number}" geom2="{name}" condim="4" '
-            f'friction="0 0 {_number(shoe.friction)} 0 0" '
+            f'friction="0 0 {xml_number(shoe.friction)} 0 0" '
             f'solref="{-SHOE.stiffness:g} {-2.0 * SHOE.stiffness**0.5:g}" '
             f'solreffriction="-1 {-shoe.creep:g}" solimp="{SHOE.impedance} {SHOE.impedance} 0.001 0.5 2"/>\n'
         )
     # a centre of mass beside the axis, or MuJoCo takes the mass alone for all that moves
     body = f"""    <body name="{name}" pos="0 0 {SHOE.height}">
       <inertial pos="0.001 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>
-      <joint name="{name}" type="hinge" pos="{SHOE.lever} 0 0" axis="0 1 {_number(tilt)}" \
-armature="{_number(shoe.armature * lever**2)}" limited="false"/>
+      <joint name="{name}" type="hinge" pos="{SHOE.lever} 0 0" axis="0 1 {xml_number(tilt)}" \
+armature="{xml_number(shoe.armature * lever**2)}" limited="false"/>
       <geom name="{name}" type="sphere" size="{SHOE.radius}" contype="0" conaffinity="0" mass="1e-9"/>
     </body>
 """
-    before, after = text.split("    </body>\n  </worldbody>\n")
-    head = f"{before}{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
+    head, tail = text.split("    </body>\n  </worldbody>\n")
+    head += f"{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
     for number, share in enumerate(shoe.shares.tolist()):
-        tendon, rest = after.split(f'<fixed name="{reducer_name(joint, number)}"')
-        crossed = f'<joint joint="{name}" coef="{_number(lever * share)}"/></fixed>'
-        after = f'{tendon}<fixed name="{reducer_name(joint, number)}"{rest.replace("</fixed>", crossed, 1)}'
+        tendon, rest = tail.split(f'<fixed name="{reducer_name(joint, number)}"')
+        lever_joint = f'<joint joint="{name}" coef="{xml_number(lever * share)}"/></fixed>'
+        tail = f'{tendon}<fixed name="{reducer_name(joint, number)}"{rest.replace("</fixed>", lever_joint, 1)}'
     comment = f"Losses grow with the load by the shoe {name} on {crank}: for friction cones that are elliptic. "
-    return (head + after).replace("<!-- ", f"<!-- {comment}\n       ", 1)
+    return (head + tail).replace("<!-- ", f"<!-- {comment}\n       ", 1)
 
 
 def lossy_scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float) -> str:
@@ -174,7 +177,10 @@ class StockEfficiency(NamedTuple):
 
 
 def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
-    """Compute efficiencies of the lossy joint at 10, 50 and 100 % of the nominal torque, driving and driven."""
+    """Compute efficiencies of the lossy joint in MuJoCo and of the full model, at `SHOE.compared` of nominal torque.
+
+    They are those with the crank driving, then those with the output driving.
+    """
     return [
         StockEfficiency(
             share,
@@ -189,7 +195,7 @@ def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
 
 
 def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
-    """Tabulate the efficiencies of the lossy joint and of the full model."""
+    """Tabulate the efficiencies of the lossy joint next to those of the full model."""
     rows = tuple(
         (
             f"{'driving' if item.driving else 'back-driven'}, {item.share:.0%} of the nominal torque",
@@ -205,25 +211,21 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
 
 
 def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Compute the efficiency of the lossy joint in MuJoCo alone, at its speed under a share of the nominal torque.
+    """Measure the efficiency of the lossy joint in MuJoCo alone, at rated speed under a share of the nominal torque.
 
-    It is 0 where friction locks the output.
+    `driving` is True if the crank drives, False if the output does; the result is 0 for a self-locking joint.
     """
     scene = lossy_scene_xml(reduced, reduced.reflected_inertia, SHOE.trial_step)
     files = {"lossy_joint.xml": lossy_joint_xml(reduced).encode()}
     model = mujoco.MjModel.from_xml_string(scene, files)
     # no step of Python: MJCF alone
-    on = TrialScene(replace(reduced, level="backlash"), model, mujoco.MjData(model), next(reduced.places(model)))
-    torque, dof = share * reduced.rated_torque, on.place.crank_speed
-    on.hold(reduced.rated_speed)
-    on.press(reduced.way * (-torque if driving else torque))
-    taken = []
+    trial = TrialScene(replace(reduced, level="backlash"), model, mujoco.MjData(model), next(reduced.places(model)))
+    torque, dof = share * reduced.rated_torque, trial.addresses.crank_speed
+    trial.hold(reduced.rated_speed)
+    trial.press_to_stop(reduced.way * (-torque if driving else torque))
+    friction = []
     for _ in range(round(SHOE.trial_time / SHOE.trial_step)):
-        on.step()
-        taken.append(-float(on.data.qfrc_constraint[dof]))
-    lost = float(np.mean(taken[len(taken) // 2 :]))
-    return joint_powers(torque / reduced.ratio, lost, driving).efficiency
-
-
-def _number(value: float) -> str:
-    return f"{significant(value):.12g}"
+        trial.step()
+        friction.append(-float(trial.data.qfrc_constraint[dof]))
+    mean_friction = float(np.mean(friction[len(friction) // 2 :]))
+    return joint_powers(torque / reduced.ratio, mean_friction, driving).efficiency

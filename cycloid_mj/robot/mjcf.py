@@ -54,19 +54,29 @@ def slip_name(joint: str, number: int) -> str:
 def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
     """Compute armature [kg m2] and damping [N m s/rad] of each slip element.
 
-    The armature is the smallest that is stable at the time step (`MJCF.slip_time`), raised so that all creep equally
-    fast: without the noslip solver a friction of f creeps by f over the armature.
+    The armature is the smallest that is stable at the time step (`MJCF.slip_time`). It is raised so that all elements
+    creep equally fast: without MuJoCo's noslip solver, creep is proportional to slip limit over armature.
     """
-    least = [slip.stiffness * MJCF.slip_time**2 for slip in reduced.slips]
+    smallest = [slip.stiffness * MJCF.slip_time**2 for slip in reduced.slips]
     limit = sum(slip.limit for slip in reduced.slips)
-    armatures = [max(item, sum(least) * slip.limit / limit) for item, slip in zip(least, reduced.slips, strict=True)]
-    return [(item, math.sqrt(slip.stiffness * item)) for item, slip in zip(armatures, reduced.slips, strict=True)]
+    armatures = [
+        max(armature, sum(smallest) * slip.limit / limit)
+        for armature, slip in zip(smallest, reduced.slips, strict=True)
+    ]
+    return [
+        (armature, math.sqrt(slip.stiffness * armature))
+        for armature, slip in zip(armatures, reduced.slips, strict=True)
+    ]
 
 
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
-    """Return the MJCF that a robot's model includes: crank, springs to the joint of this name, and motor."""
+    """Return the MJCF of a reducer for inclusion in a robot's model: crank, springs to the hinge `joint`, and motor."""
     name = reduced.name.replace("--", "- -")  # which would end a comment
-    body = _rigid(reduced, joint) if reduced.level == "rigid" else _with_springs(reduced, joint)
+    body = (
+        _elements_without_springs(reduced, joint)
+        if reduced.level == "rigid"
+        else _elements_with_springs(reduced, joint)
+    )
     return f"""<mujoco model="reducer">
   <!-- The reducer {name} as one joint, level {reduced.level}, by cycloid-mj reduce.
        {reduced.ratio:g}:1, rated {reduced.rated_torque:.4g} N m at {reduced.rated_speed / RPM:.0f} rpm of the crank.
@@ -76,16 +86,16 @@ def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
 
 
 def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: str = "discrete") -> str:
-    """Return the MJCF of a scene: the joint, a motor on its crank, and an inertia [kg m2] on its output.
+    """Return the MJCF of a complete scene: the joint, a motor on its crank, and a load with an inertia on its output.
 
-    The control of the motor is its torque on the crank [N m]; `timestep` is in seconds.
+    `load_inertia` is in kg m2, `timestep` in seconds; the control of the motor is its torque on the crank [N m].
     """
-    inertia = _number(load_inertia)
-    turned = "against" if reduced.way < 0 else "with"
-    still = f' noslip_iterations="{MJCF.noslip}"' if reduced.slips and reduced.level != "rigid" else ""
+    inertia = xml_number(load_inertia)
+    direction = "against" if reduced.way < 0 else "with"
+    noslip = f' noslip_iterations="{MJCF.noslip}"' if reduced.slips and reduced.level != "rigid" else ""
     return f"""<mujoco model="reducer {reduced.name}">
-  <!-- ctrl is the motor's torque on the crank [N m]; the output turns {turned} it. -->
-  <option timestep="{_number(timestep)}" integrator="{integrator}" gravity="0 0 0"{still}/>
+  <!-- ctrl is the motor's torque on the crank [N m]; the output turns {direction} it. -->
+  <option timestep="{xml_number(timestep)}" integrator="{integrator}" gravity="0 0 0"{noslip}/>
   <statistic extent="0.4" center="0 0 0.05"/>
   <include file="joint.xml"/>
   <worldbody>
@@ -105,54 +115,55 @@ def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integ
 """
 
 
-def _with_springs(reduced: ReducedJoint, joint: str) -> str:
-    """Return the MJCF elements of a joint with springs: crank, slip elements, tendons, motor and tuple."""
+def _elements_with_springs(reduced: ReducedJoint, joint: str) -> str:
+    """Return the MJCF elements of a joint with springs: crank body, slip elements, tendons, motor and tuple."""
     rotor = rotor_name(joint)
     tendons, elements = [], []
     for number, spring in enumerate(reduced.springs):
         name, damping = reducer_name(joint, number), reduced.damping if number == 0 else 0.0
         low, high = reduced.stops[0] - spring.start, reduced.stops[1] + spring.start
         tendons.append(
-            f'    <fixed name="{name}" springlength="{_number(low)} {_number(high)}" '
-            f'stiffness="{_number(spring.stiffness)}" damping="{_number(damping)}">'
-            f'<joint joint="{rotor}" coef="{_number(reduced.coefficient)}"/><joint joint="{joint}" coef="1"/></fixed>\n'
+            f'    <fixed name="{name}" springlength="{xml_number(low)} {xml_number(high)}" '
+            f'stiffness="{xml_number(spring.stiffness)}" damping="{xml_number(damping)}">'
+            f'<joint joint="{rotor}" coef="{xml_number(reduced.coefficient)}"/>'
+            f'<joint joint="{joint}" coef="1"/></fixed>\n'
         )
         elements.append(f'<element objtype="tendon" objname="{name}"/>')
-    slipping = []
+    slip_bodies = []
     for number, (slip, (armature, damping)) in enumerate(zip(reduced.slips, slip_inertias(reduced), strict=True)):
         name = slip_name(joint, number)
-        slipping.append(
+        slip_bodies.append(
             f'    <body name="{name}">\n      <inertial pos="0 0 0" mass="{MJCF.mass}" '
             f'diaginertia="1e-12 1e-12 1e-12"/>\n      <joint name="{name}" axis="0 0 1" '
-            f'armature="{_number(armature)}" frictionloss="{_number(slip.limit)}" {_sticking()} '
+            f'armature="{xml_number(armature)}" frictionloss="{xml_number(slip.limit)}" {_sticking()} '
             'damping="0" limited="false"/>\n    </body>\n'
         )
         tendons.append(
-            f'    <fixed name="{name}" springlength="0" stiffness="{_number(slip.stiffness)}" '
-            f'damping="{_number(damping)}">'
-            f'<joint joint="{rotor}" coef="{_number(reduced.coefficient)}"/><joint joint="{joint}" coef="1"/>'
+            f'    <fixed name="{name}" springlength="0" stiffness="{xml_number(slip.stiffness)}" '
+            f'damping="{xml_number(damping)}">'
+            f'<joint joint="{rotor}" coef="{xml_number(reduced.coefficient)}"/><joint joint="{joint}" coef="1"/>'
             f'<joint joint="{name}" coef="-1"/></fixed>\n'
         )
     radius, length = MJCF.rotor_size
     return f"""  <default>
     <default class="{reducer_name(joint)}">
-      <joint armature="{_number(reduced.output_inertia)}"/>
+      <joint armature="{xml_number(reduced.output_inertia)}"/>
     </default>
   </default>
   <worldbody>
     <!-- Under the link that holds the motor, if that moves; the axis is that of the joint. -->
     <body name="{rotor}">
       <inertial pos="0 0 0" mass="{MJCF.mass}" diaginertia="1e-12 1e-12 1e-12"/>
-      <joint name="{rotor}" axis="0 0 1" armature="{_number(reduced.rotor_inertia)}" \
-frictionloss="{_number(reduced.no_load_torque)}" {_sticking()} damping="0" limited="false"/>
+      <joint name="{rotor}" axis="0 0 1" armature="{xml_number(reduced.rotor_inertia)}" \
+frictionloss="{xml_number(reduced.no_load_torque)}" {_sticking()} damping="0" limited="false"/>
       <geom name="{rotor}" type="cylinder" size="{radius} {length}" contype="0" conaffinity="0" \
 mass="{MJCF.mass}" rgba="0.93 0.65 0.49 1"/>
     </body>
-{"".join(slipping)}  </worldbody>
+{"".join(slip_bodies)}  </worldbody>
   <tendon>
 {"".join(tendons)}  </tendon>
   <actuator>
-    <motor name="motor" joint="{rotor}" ctrlrange="{_range(reduced)}"/>
+    <motor name="motor" joint="{rotor}" ctrlrange="{_control_range(reduced)}"/>
   </actuator>
   <custom>
     <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reduced.fingerprint}"/>\
@@ -161,16 +172,16 @@ mass="{MJCF.mass}" rgba="0.93 0.65 0.49 1"/>
 """
 
 
-def _rigid(reduced: ReducedJoint, joint: str) -> str:
-    """Return the MJCF elements of a joint without springs."""
-    friction = _number(reduced.no_load_torque_at_output)
+def _elements_without_springs(reduced: ReducedJoint, joint: str) -> str:
+    """Return the MJCF elements of a rigid joint: default class of the hinge, motor and tuple."""
+    friction, gear = xml_number(reduced.no_load_torque_at_output), xml_number(reduced.way * reduced.ratio)
     return f"""  <default>
     <default class="{reducer_name(joint)}">
-      <joint armature="{_number(reduced.reflected_inertia)}" frictionloss="{friction}" {_sticking()}/>
+      <joint armature="{xml_number(reduced.reflected_inertia)}" frictionloss="{friction}" {_sticking()}/>
     </default>
   </default>
   <actuator>
-    <motor name="motor" joint="{joint}" gear="{_number(reduced.way * reduced.ratio)}" ctrlrange="{_range(reduced)}"/>
+    <motor name="motor" joint="{joint}" gear="{gear}" ctrlrange="{_control_range(reduced)}"/>
   </actuator>
   <custom>
     <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reduced.fingerprint}"/></tuple>
@@ -179,14 +190,16 @@ def _rigid(reduced: ReducedJoint, joint: str) -> str:
 
 
 def _sticking() -> str:
+    """Return the MJCF attributes of friction that lets a joint stick."""
     solimp = " ".join(f"{value:g}" for value in MJCF.sticking_impedance)
     return f'solreffriction="{MJCF.sticking_time:g} 1" solimpfriction="{solimp}"'
 
 
-def _range(reduced: ReducedJoint) -> str:
-    most = _number(MJCF.motor_peak * reduced.rated_torque / reduced.ratio)
-    return f"-{most} {most}"
+def _control_range(reduced: ReducedJoint) -> str:
+    limit = xml_number(MJCF.motor_peak * reduced.rated_torque / reduced.ratio)
+    return f"-{limit} {limit}"
 
 
-def _number(value: float) -> str:
+def xml_number(value: float) -> str:
+    """Format a number for XML, without rounding errors in its last digits."""
     return f"{significant(value):.12g}"

@@ -88,18 +88,21 @@ class Population(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Assumptions of the distributions, a sentence each."""
-        ranges = "; ".join(f"{item.name} {item.low:.4g} to {item.high:.4g} {item.unit}" for item in self.ranges)
-        lost = self.requested - self.samples
-        drives = f"{lost} of {self.requested} drives"
+        """Sentences about drawn input ranges, missing tolerances, and drives that cannot be assembled."""
+        ranges = "; ".join(
+            f"{input_range.name} {input_range.low:.4g} to {input_range.high:.4g} {input_range.unit}"
+            for input_range in self.ranges
+        )
+        excluded = self.requested - self.samples
+        drives = f"{excluded} of {self.requested} drives"
         return (
             f"drawn with a log-uniform distribution: {ranges}",
             *([] if self.has_tolerances else ["the design states no tolerances, so its play does not vary"]),
-            *([f"{drives} are left out: they cannot be assembled (interference of parts)"] if lost else []),
+            *([f"{drives} are left out: they cannot be assembled (interference of parts)"] if excluded else []),
         )
 
     def tables(self) -> tuple[Table, Table]:
-        """Tabulate distributions and correlations."""
+        """Tabulate the distribution of each parameter, and the correlations of the parameters."""
         title = f"{self.design}: joints of {self.samples} drives, seed {self.seed}"
         rows = tuple(
             (key, unit, *(f"{item:.5g}" for item in (self.nominal[key], *self._summary(key).values())))
@@ -129,7 +132,7 @@ class Population(Tabular):
         }
 
     def _summary(self, key: str) -> dict[str, float]:
-        """Return mean, standard deviation and percentiles of a parameter."""
+        """Return mean, standard deviation and percentiles (keys ``p05``) of a parameter over the drives."""
         values = self.values[key]
         quantiles = np.percentile(values, QUANTILES).tolist()
         return {
@@ -142,14 +145,14 @@ class Population(Tabular):
 def draw_population(
     reducer: Reducer, samples: int, seed: int = 0, progress: Progress = silent, engine: Engine | None = None
 ) -> Population:
-    """Draw drives of a design, and compute the parameters of their joints; reproducible by the seed.
+    """Draw random drives of a design, and compute the parameters of their joints; equal seeds draw equal drives.
 
     Parameters
     ----------
     reducer
         Nominal reducer, whose design has the tolerances.
     samples, seed
-        Number of drives, and seed.
+        Number of drives, and random seed.
     progress
         Called with the numbers of finished and of all drives.
     engine
@@ -178,7 +181,7 @@ def draw_population(
         design=reducer.design.name,
         requested=samples,
         seed=seed,
-        nominal=parameters(reducer),
+        nominal=compute_parameters(reducer),
         values=values,
         departures=drawn_values,
         ranges=ranges,
@@ -186,57 +189,71 @@ def draw_population(
     )
 
 
-def _centred_range(reducer: Reducer, item: Input) -> Input:
-    """Centre a range on the design's own value if that lies outside; its ends keep their ratio.
+def _centred_range(reducer: Reducer, input_range: Input) -> Input:
+    """Shift the range of an assumed input to the design's own value if that lies outside; the ends keep their ratio.
 
     The ranges are those of lubricated steel. A value outside was chosen for other conditions.
     """
-    table = getattr(reducer.design, item.table)
-    shifts = {}
-    for key, low in item.low_values.items():
-        high, own = item.high_values[key], getattr(table, key)
-        shifts[key] = 1.0 if low <= own <= high or item.table == "stiffness" else own / math.sqrt(low * high)
+    table = getattr(reducer.design, input_range.table)
+    factors = {}
+    for key, low in input_range.low_values.items():
+        high, design_value = input_range.high_values[key], getattr(table, key)
+        factors[key] = (
+            1.0
+            if low <= design_value <= high or input_range.table == "stiffness"
+            else design_value / math.sqrt(low * high)
+        )
     low_values, high_values = (
-        {key: shifts[key] * value for key, value in end.items()} for end in (item.low_values, item.high_values)
+        {key: factors[key] * value for key, value in end.items()}
+        for end in (input_range.low_values, input_range.high_values)
     )
     low, high = min(low_values.values()), max(high_values.values())
-    return replace(item, low=low, high=high, low_values=low_values, high_values=high_values)
+    return replace(input_range, low=low, high=high, low_values=low_values, high_values=high_values)
 
 
-def parameters(reducer: Reducer) -> dict[str, float]:
-    """Compute the parameters of one drive's joint, by the keys of `PARAMETERS`; raises as `statics.loads`."""
+def compute_parameters(reducer: Reducer) -> dict[str, float]:
+    """Compute the parameters of one drive's joint in the units of `PARAMETERS`, by its keys.
+
+    They are backlash, stiffness, no-load friction, load-dependent loss and transmission error at nominal torque. Raises
+    as `statics.loads`.
+    """
     rated = reducer.design.rated_torque
     loaded = reducer.but(load={"torque": rated}).working_at(rated)
     values = {key: figure(key).value(loaded) for key in PARAMETERS if key != LOSS}
     share = reducer.design.reduction / rated
     # as a share of the crank's torque; no-load friction is a separate parameter
-    lost = 100.0 / figure("efficiency").value(loaded) - 1.0 - share * values[FRICTION]
-    return {key: 100.0 * lost if key == LOSS else values[key] for key in PARAMETERS}
+    loss = 100.0 / figure("efficiency").value(loaded) - 1.0 - share * values[FRICTION]
+    return {key: 100.0 * loss if key == LOSS else values[key] for key in PARAMETERS}
 
 
 def _draw_drive(
     reducer: Reducer, ranges: tuple[Input, ...], seed: int, number: int
 ) -> tuple[dict[str, float], dict[str, float]] | None:
-    """Draw a drive by its number; return its parameters and drawn values, or None if it cannot be assembled."""
-    zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.BLOCK_SAMPLES)
+    """Draw drive number `number` of a population: random errors within the tolerances, and inputs within their ranges.
+
+    Return the parameters of its joint and the drawn values, both by key, or None if the drive cannot be assembled.
+    """
+    zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.SAMPLING.block)
     batch = sampling.Batch(block, 1, row)
     # tolerances use lower numbers of streams
     shares = np.random.default_rng([seed, 10_000, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}
-    for item, share in zip(ranges, shares, strict=True):
-        changes.setdefault(item.table, {}).update(item.between(share))
+    for input_range, share in zip(ranges, shares, strict=True):
+        changes.setdefault(input_range.table, {}).update(input_range.between(share))
     try:
         sampled_reducer = Reducer(
             sampling.design_of_sample(
                 reducer, sampling.draw_samples(reducer, zones, seed, batch), 0, reducer.design.name
             )
         ).but(**changes)
-        values = parameters(sampled_reducer)
+        values = compute_parameters(sampled_reducer)
     except CycloidError:
         return None
-    of_parts = {
+    drawn_departures = {
         key: float(values[0])
         for key, values in sampling.departure_columns(sampling.draw_departures(reducer, zones, seed, batch)).items()
     }
-    of_ranges = {f"drawn_{table}_{key}": value for table, of in changes.items() for key, value in of.items()}
-    return values, {**of_ranges, **of_parts}
+    drawn_inputs = {
+        f"drawn_{table}_{key}": value for table, table_values in changes.items() for key, value in table_values.items()
+    }
+    return values, {**drawn_inputs, **drawn_departures}

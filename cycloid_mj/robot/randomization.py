@@ -34,7 +34,10 @@ FILES: dict[Format, tuple[str, ...]] = {
 
 
 def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
-    """Return the range of each parameter of `VARIED` as factors of its nominal value; 1 to 1 if that is 0."""
+    """Compute the range of each parameter of `VARIED` over a population, as factors of its nominal value.
+
+    The ends are the percentiles `RANGE`; both factors are 1 if the nominal value is 0.
+    """
     ranges = {}
     for name, key in VARIED.items():
         nominal = population.nominal[key]
@@ -44,30 +47,33 @@ def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
 
 
 def randomization_files(reduced: ReducedJoint, population: Population, file_format: Format) -> dict[str, bytes]:
-    """Return the files of `FILES` for a format; a rigid joint has neither play nor springs, and no file."""
+    """Return the files for domain randomization of a joint in a format: name -> content.
+
+    A rigid joint has neither play nor springs, and no file.
+    """
     if reduced.level == "rigid":
         return {}
     texts: dict[str, Callable[[ReducedJoint, Population], str]] = {
-        ISAACLAB: _isaaclab,
-        MJX: _mjx,
+        ISAACLAB: _isaaclab_events,
+        MJX: _mjx_randomization,
         GYMNASIUM: lambda reduced, population: GYMNASIUM_TEXT,
     }
     return {name: texts[name](reduced, population).encode() for name in FILES[file_format]}
 
 
-def _about(population: Population) -> str:
+def _describe_ranges(population: Population) -> str:
     return (
         f"Ranges of {population.samples} drives of {population.design}: {RANGE[0]:g} to {RANGE[1]:g} % percentiles, "
         "relative to the nominal design."
     )
 
 
-def _isaaclab(reduced: ReducedJoint, population: Population) -> str:
-    """Return event terms of Isaac Lab: friction of the driven joint, and limits of the play joint."""
+def _isaaclab_events(reduced: ReducedJoint, population: Population) -> str:
+    """Return a Python module with Isaac Lab's event terms: drawn friction of the drive and limits of the play."""
     ranges = factor_ranges(population)
     middle, half = reduced.middle, 0.5 * reduced.backlash
-    least, most = (half * factor for factor in ranges["play"])
-    return f'''"""{_about(population)}
+    smallest, largest = (half * factor for factor in ranges["play"])
+    return f'''"""{_describe_ranges(population)}
 
 Use the terms in the events of an environment whose robot has the joints of NAME_cfg.py.
 """
@@ -86,7 +92,7 @@ class ReducerEventsCfg:
         mode="startup",
         params={{
             "asset_cfg": SceneEntityCfg("robot", joint_names=["{DRIVE}"]),
-            "friction_distribution_params": {_pair(ranges["friction"])},
+            "friction_distribution_params": {_format_pair(ranges["friction"])},
             "operation": "scale",
             "distribution": "uniform",
         }},
@@ -96,8 +102,8 @@ class ReducerEventsCfg:
         mode="startup",
         params={{
             "asset_cfg": SceneEntityCfg("robot", joint_names=["{PLAY}"]),
-            "lower_limit_distribution_params": {_pair((middle - most, middle - least))},
-            "upper_limit_distribution_params": {_pair((middle + least, middle + most))},
+            "lower_limit_distribution_params": {_format_pair((middle - largest, middle - smallest))},
+            "upper_limit_distribution_params": {_format_pair((middle + smallest, middle + largest))},
             "operation": "abs",
             "distribution": "uniform",
         }},
@@ -105,11 +111,11 @@ class ReducerEventsCfg:
 '''
 
 
-def _mjx(reduced: ReducedJoint, population: Population) -> str:
-    """Return a module with a randomization function of Brax and MuJoCo Playground."""
-    lines = "".join(f'    "{name}": {_pair(ends)},\n' for name, ends in factor_ranges(population).items())
+def _mjx_randomization(reduced: ReducedJoint, population: Population) -> str:
+    """Return a Python module with a domain randomization function for Brax and MuJoCo Playground."""
+    lines = "".join(f'    "{name}": {_format_pair(ends)},\n' for name, ends in factor_ranges(population).items())
     tendons = [f"{OUTPUT}_reducer" + (f"_{number + 1}" if number else "") for number in range(len(reduced.springs))]
-    return f'''"""{_about(population)}
+    return f'''"""{_describe_ranges(population)}
 
     randomize = randomizer(mj_model)  # mujoco.MjModel with joint.xml
     model, in_axes = randomize(mjx.put_model(mj_model), jax.random.split(key, environments))
@@ -195,5 +201,5 @@ class RandomDrive(gymnasium.Wrapper):
 '''
 
 
-def _pair(ends: tuple[float, float]) -> str:
+def _format_pair(ends: tuple[float, float]) -> str:
     return f"({ends[0]:.6g}, {ends[1]:.6g})"

@@ -23,16 +23,13 @@ from cycloid_mj.base.result import Quantity, quantity_frame
 from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.ripple import Ripple
-from cycloid_mj.robot.standalone import varied
+from cycloid_mj.robot.standalone import AT_REST, varied
 
 Level = Literal["rigid", "backlash", "full"]
 """Level of detail: ratio, inertia and constant friction; additionally play and springs; additionally load-dependent
 friction and transmission error, by `ReducedJoint.step`."""
 
 LEVELS: tuple[Level, ...] = get_args(Level)
-
-AT_REST = 1e-3
-"""Speed of the crank [rad/s] below which the direction of friction follows from the torque on it."""
 
 NUMBERS = ("ratio", "rated_torque", "rated_speed", "damping", "rotor_inertia", "output_inertia")
 """Values of a joint that are numbers above 0."""
@@ -158,6 +155,13 @@ class ReducedJoint(Presented):
         """That friction at the output [N m], for a joint without a crank."""
         return self.ratio * self.no_load_torque
 
+    @property
+    def no_load_damping_at_output(self) -> float:
+        """Rise of the no-load friction with the speed by centrifugal force, at the output [N m s/rad]."""
+        first, last = self.friction.speeds[0], self.friction.speeds[-1]
+        low, high = (self.friction.torque(0.0, speed, driving=True) for speed in (first, last))
+        return max(0.0, self.ratio**2 * (high - low) / (last - first))
+
     @cached_property
     def fingerprint(self) -> int:
         """Number that identifies the joints of a model with this reducer, at any level; MJCF keeps all its digits."""
@@ -166,64 +170,80 @@ class ReducedJoint(Presented):
 
     def stiffness(self, torque: float) -> float:
         """Compute the slope of the torque over L at a torque of this size [N m/rad]."""
-        beyond = self.wind_up(torque)
-        return sum(spring.stiffness for spring in self.springs if spring.start <= beyond)
+        wind_up = self.wind_up(torque)
+        return sum(spring.stiffness for spring in self.springs if spring.start <= wind_up)
 
     def wind_up(self, torque: float) -> float:
-        """Compute L beyond the stop under a torque of this size [rad]."""
-        low, reached, slope = 0.0, 0.0, 0.0
+        """Compute the deviation of the output beyond the stop under a torque of this size [rad]."""
+        start, torque_at_start, slope = 0.0, 0.0, 0.0
         for spring in self.springs:
-            if reached + slope * (spring.start - low) > abs(torque):
+            if torque_at_start + slope * (spring.start - start) > abs(torque):
                 break
-            reached += slope * (spring.start - low)
-            low, slope = spring.start, slope + spring.stiffness
-        return low + (abs(torque) - reached) / slope
+            torque_at_start += slope * (spring.start - start)
+            start, slope = spring.start, slope + spring.stiffness
+        return start + (abs(torque) - torque_at_start) / slope
 
-    def torque(self, length: float, stops: tuple[float, float] | None = None) -> float:
-        """Compute the torque of the springs at L = `length` [rad], towards the stops [N m]."""
+    def torque(self, deviation: float, stops: tuple[float, float] | None = None) -> float:
+        """Compute the torque of the springs [N m], towards the stops, at a deviation L of the output [rad].
+
+        `stops` are the deviations at the ends of the play [rad], by default their means over the crank angle.
+        """
         low, high = stops or self.stops
-        beyond = max(length - high, low - length)
-        size = sum(spring.stiffness * max(beyond - spring.start, 0.0) for spring in self.springs)
-        return -size if length > high else size
+        wind_up = max(deviation - high, low - deviation)
+        size = sum(spring.stiffness * max(wind_up - spring.start, 0.0) for spring in self.springs)
+        return -size if deviation > high else size
 
-    def stops_at(self, angle: float, length: float) -> tuple[float, float]:
-        """Compute the stops at a crank angle [rad], with the error under the torque at L = `length` [rad]."""
-        return self.moving_stops(angle)(length)
+    def stops_at(self, angle: float, deviation: float) -> tuple[float, float]:
+        """Compute the deviations at both stops [rad] at a crank angle [rad], with the transmission error under load.
+
+        The load is that of the springs at the output's deviation L [rad].
+        """
+        return self.moving_stops(angle)(deviation)
 
     def moving_stops(self, angle: float) -> Callable[[float], tuple[float, float]]:
-        """Return the function from L [rad] to the stops [rad] at a crank angle [rad], as `stops_at`.
+        """Return the function from deviation L [rad] to the deviations at both stops [rad], at one crank angle [rad].
 
         L is piecewise linear in the torque between the loads of the errors and the starts of the springs, and is
-        inverted. Where the error falls faster with the load than the springs wind up, several torques have the same L,
-        and the largest is used.
+        inverted. If the error falls faster with the load than the springs wind up, several torques have the same L, and
+        the largest is used.
         """
         shares, _ = self._bend_points
-        (low, lower), (high, upper) = self._bends(angle)
+        (low, lower_deviation), (high, upper_deviation) = self._stop_deviations(angle)
 
-        def stops(length: float) -> tuple[float, float]:
-            below, above = np.interp(-length, lower, shares), np.interp(length, upper, shares)
+        def stops(deviation: float) -> tuple[float, float]:
+            share_below, share_above = (
+                np.interp(-deviation, lower_deviation, shares),
+                np.interp(deviation, upper_deviation, shares),
+            )
             return (
-                self.stops[0] + float(np.interp(below, shares, low)),
-                self.stops[1] + float(np.interp(above, shares, high)),
+                self.stops[0] + float(np.interp(share_below, shares, low)),
+                self.stops[1] + float(np.interp(share_above, shares, high)),
             )
 
         return stops
 
     def bends(self, angle: float) -> Array:
-        """Return the L [rad] between which the torque is linear, at a crank angle [rad]."""
+        """Return the deviations L [rad] between which the torque is linear, at a crank angle [rad], shape (n,)."""
         if self.level == "full":
-            (_, lower), (_, upper) = self._bends(angle)
+            (_, lower), (_, upper) = self._stop_deviations(angle)
             return np.unique([*-lower, *upper])
         starts = [spring.start for spring in self.springs]
         return np.unique(
             [side * start + stop for start in starts for side, stop in zip((-1, 1), self.stops, strict=True)]
         )
 
-    def _bends(self, angle: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Compute errors and L beyond zero at the shares of `_bend_points` [rad], of the lower and the upper stop."""
-        shares, wound = self._bend_points
+    def _stop_deviations(self, angle: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Compute transmission error and deviation from the middle [rad] of the lower and of the upper stop.
+
+        Each is an array over the loads of `_bend_points`, at a crank angle [rad]: ((error, deviation), (error,
+        deviation)).
+        """
+        shares, wind_ups = self._bend_points
         low, high = (np.interp(shares, self.ripple.loads, error) for error in self.ripple.errors_at(angle))
-        return (low, _rising(wound - low - self.stops[0])), (high, _rising(wound + high + self.stops[1]))
+        return (low, _lower_envelope(wind_ups - low - self.stops[0])), (
+            high,
+            _lower_envelope(wind_ups + high + self.stops[1]),
+        )
 
     @cached_property
     def _bend_points(self) -> tuple[Array, Array]:
@@ -264,14 +284,14 @@ class ReducedJoint(Presented):
         """
         for addresses in self.places(model):
             if addresses.tendons:
-                self._step_between(model, data, addresses)
+                self._step_with_springs(model, data, addresses)
             else:
                 self._step_rigid(model, data, addresses)
 
     def settle(self, model: Any, data: Any) -> None:
         """Set the cranks of all joints with this reducer to the middle of the play, with the speed of the output.
 
-        Call it after joint angles were set; otherwise the reducer starts wound up.
+        Call it after you set joint angles in `data`; otherwise the reducer starts wound up.
         """
         for addresses in self.places(model):
             if addresses.tendons:
@@ -279,12 +299,12 @@ class ReducedJoint(Presented):
                 data.qvel[addresses.crank_speed] = -data.qvel[addresses.output_speed] / self.coefficient
 
     def places(self, model: Any) -> Iterator[JointAddresses]:
-        """Yield the addresses of a model's joints with this reducer.
+        """Yield the addresses in a model of each joint with this reducer: crank, output and tendons.
 
         Raises
         ------
         UsageError
-            There is none.
+            The model has no joint with this reducer.
         """
         tuples = zip(model.tuple_adr.tolist(), model.tuple_size.tolist(), strict=True)
         starts = [(start, size) for start, size in tuples if size and model.tuple_objprm[start] == self.fingerprint]
@@ -293,27 +313,31 @@ class ReducedJoint(Presented):
                 f"no joint of the model has the reducer {self.name!r}: attach it first with attach_reducer"
             )
         for start, size in starts:
-            output, *others = model.tuple_objid[start : start + size].tolist()
-            crank, *tendons = others or [output]
-            driven, motor = ((int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])) for joint in (output, crank))
-            yield JointAddresses(*driven, *motor, tuple(tendons))
+            output, *remaining = model.tuple_objid[start : start + size].tolist()
+            crank, *tendons = remaining or [output]
+            output_addresses, crank_addresses = (
+                (int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])) for joint in (output, crank)
+            )
+            yield JointAddresses(*output_addresses, *crank_addresses, tuple(tendons))
 
-    def _step_between(self, model: Any, data: Any, addresses: JointAddresses) -> None:
-        """Update a joint with springs: its tendons follow the error, its crank has the friction of their torque."""
+    def _step_with_springs(self, model: Any, data: Any, addresses: JointAddresses) -> None:
+        """Write the dead bands of the springs at the current error, and the crank's load-dependent friction."""
         angle, dof = float(data.qpos[addresses.crank_angle]), addresses.crank_speed
-        length = float(data.qpos[addresses.output_angle]) + self.coefficient * angle
-        low, high = self.stops_at(angle, length)
+        deviation = float(data.qpos[addresses.output_angle]) + self.coefficient * angle
+        low, high = self.stops_at(angle, deviation)
         for spring, tendon in zip(self.springs, addresses.tendons, strict=True):
             model.tendon_lengthspring[tendon] = low - spring.start, high + spring.start
-        torque = self.torque(length, (low, high))
+        torque = self.torque(deviation, (low, high))
         model.tendon_damping[addresses.tendons[0]] = self.damping if torque else 0.0
-        pulled = self.coefficient * torque
+        torque_on_crank = self.coefficient * torque
         speed = float(data.qvel[dof])
-        turning = speed if abs(speed) > AT_REST else pulled + data.qfrc_actuator[dof] + data.qfrc_applied[dof]
-        model.dof_frictionloss[dof] = self.friction.torque(torque, speed, driving=pulled * turning < 0.0)
+        direction = (
+            speed if abs(speed) > AT_REST else torque_on_crank + data.qfrc_actuator[dof] + data.qfrc_applied[dof]
+        )
+        model.dof_frictionloss[dof] = self.friction.torque(torque, speed, driving=torque_on_crank * direction < 0.0)
 
     def _step_rigid(self, model: Any, data: Any, addresses: JointAddresses) -> None:
-        """Update a joint without springs by the torque that it transmitted in the last time step."""
+        """Write the friction of a joint without springs, for the torque that it transmitted in the last time step."""
         import mujoco
 
         dof = addresses.output_speed
@@ -322,12 +346,12 @@ class ReducedJoint(Presented):
         inertia = self.ratio**2 * self.rotor_inertia
         torque = float(data.qfrc_actuator[dof] + friction - inertia * data.qacc[dof])
         speed = float(data.qvel[dof])
-        turning = speed if abs(speed) * self.ratio > AT_REST else data.qfrc_actuator[dof] - torque
-        lost = self.friction.torque(torque, self.ratio * speed, driving=torque * turning > 0.0)
-        model.dof_frictionloss[dof] = self.ratio * lost
+        direction = speed if abs(speed) * self.ratio > AT_REST else data.qfrc_actuator[dof] - torque
+        friction_on_crank = self.friction.torque(torque, self.ratio * speed, driving=torque * direction > 0.0)
+        model.dof_frictionloss[dof] = self.ratio * friction_on_crank
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the quantities, and all values in SI as `joint`, to JSON values."""
+        """Convert identified figures, efficiency maps and all values in SI units (key `joint`) to JSON values."""
         quantities = {key: quantity.as_json() for key, quantity in self.quantities.items()}
         for key, driving in (("efficiency", True), ("back_driving_efficiency", False)):
             quantities.setdefault(key, {})["map"] = self._efficiency_map(driving)
@@ -347,7 +371,7 @@ class ReducedJoint(Presented):
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Self:
-        """Read a joint from the output of `as_json`, without the quantities.
+        """Create a joint from the output of `as_json`, without its `quantities`.
 
         Raises
         ------
@@ -373,8 +397,8 @@ class ReducedJoint(Presented):
             raise UsageError(
                 f"the file does not describe a reducer ({reason}): use a reducer.json written by `cycloid-mj reduce`"
             ) from None
-        sound = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
-        if joint.level not in LEVELS or joint.way not in (-1, 1) or not sound or not joint.springs:
+        numbers_valid = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
+        if joint.level not in LEVELS or joint.way not in (-1, 1) or not numbers_valid or not joint.springs:
             raise UsageError(
                 "the reducer file is not valid, because the value of level, way, springs or a number is not allowed: "
                 "use a reducer.json written by `cycloid-mj reduce`"
@@ -383,7 +407,7 @@ class ReducedJoint(Presented):
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """Read a reducer from its ``reducer.json``.
+        """Read a joint from a ``reducer.json`` file.
 
         Raises
         ------
@@ -401,7 +425,7 @@ class ReducedJoint(Presented):
         return cls.from_json(content if isinstance(content, dict) else {})
 
     def _efficiency_map(self, driving: bool) -> dict[str, Any]:
-        """Return the map of the efficiency [%] over torque and speed as JSON values."""
+        """Return the efficiency [%] over torque and speed as JSON values, for a driving crank or a driving output."""
         torques = self.friction.torques[1:]
         return {
             "torques_nm": list(torques),
@@ -419,6 +443,6 @@ class ReducedJoint(Presented):
         return values
 
 
-def _rising(values: Array) -> Array:
-    """Lower each of some values to the least that follows, shape (n,)."""
+def _lower_envelope(values: Array) -> Array:
+    """Replace each value by the smallest of this and all later values, shape (n,), so that the values never fall."""
     return np.minimum.accumulate(values[::-1])[::-1]

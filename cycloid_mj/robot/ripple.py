@@ -44,22 +44,22 @@ class Ripple:
         if not self.orders:
             return np.zeros((2, len(self.loads)))
         orders, waves = self._arrays
-        turned = orders * angle
-        return np.asarray(waves @ np.concatenate([np.cos(turned), np.sin(turned)]))
+        phases = orders * angle
+        return np.asarray(waves @ np.concatenate([np.cos(phases), np.sin(phases)]))
 
     def harmonics(self, sense: int, rated: float) -> Iterator[dict[str, Any]]:
-        """Yield each harmonic as JSON: its amplitude [arcsec] by load and direction of the crank.
+        """Yield amplitude [arcsec] and phase of each harmonic, by load and direction of the crank, as JSON values.
 
-        `sense` is 1 where the output turns as the crank does, else -1; `rated` the torque on the output [N m].
+        `sense` is 1 if the output turns as the crank does, else -1; `rated` is the nominal torque on the output [N m].
         """
-        for turning, high in (("forward", sense < 0), ("reverse", sense > 0)):
+        for direction, high in (("forward", sense < 0), ("reverse", sense > 0)):
             stop = "high" if high else "low"
             a, b, errors = (np.array(getattr(self, f"{stop}_{part}")) for part in ("cos", "sin", "error"))
             for i, load in enumerate(self.loads):
                 for j, order in enumerate(self.orders):
                     yield {
                         "order": order,
-                        "way": turning,
+                        "way": direction,
                         "load_nm": load * rated,
                         "value": float(np.hypot(a[i, j], b[i, j])) * ARCSECONDS,
                         "unit": "arcsec",

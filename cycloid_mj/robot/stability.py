@@ -18,7 +18,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.robot.impact import run_impact, solve_impact
 from cycloid_mj.robot.reducer import LEVELS, Level, ReducedJoint
-from cycloid_mj.robot.trial import INTEGRATORS, Integrator, TrialScene, trial_scene
+from cycloid_mj.robot.trial import INTEGRATORS, Integrator, TrialScene, create_trial_scene
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class StepTrial:
 
     @property
     def sentence(self) -> str:
-        """Summary as a sentence."""
+        """Summary with the conditions of the impact, as a sentence."""
         if not self.good or self.level == "rigid":
             return self.summary
         return (
@@ -108,7 +108,7 @@ class StepTrial:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert it to JSON values."""
+        """Convert conditions and results of the trial to JSON values."""
         return {
             "level": self.level,
             "integrator": self.integrator,
@@ -140,47 +140,63 @@ def choose_time_step(
     timestep: float | None = None,
     integrators: Sequence[Integrator] = ("implicitfast", "discrete"),
 ) -> StepTrial:
-    """Try the time step [s] of a scene with an inertia on the output [kg m2], or choose one if it is None.
+    """Choose the longest accurate time step for a scene, up to `STUDY.max_scene_step`; return its trial.
 
-    It is the longest accurate time step up to `STUDY.max_scene_step`, with the first of the integrators that has it.
-    Where none is accurate, it is the stable one with the smallest error.
+    If no time step is accurate, return the stable trial with the smallest error.
+
+    Parameters
+    ----------
+    reduced
+        The joint, at its level.
+    inertia
+        Inertia on the output [kg m2].
+    timestep
+        Time step to try [s]; None tries those of `STUDY`.
+    integrators
+        Integrators to try at each time step, the preferred one first.
     """
-    shorter = (*(item for item in reversed(STUDY.steps) if item <= STUDY.max_scene_step), *STUDY.finer_steps)
-    runs = []
-    for candidate in shorter if timestep is None else (timestep,):
+    candidates = (*(trial for trial in reversed(STUDY.steps) if trial <= STUDY.max_scene_step), *STUDY.finer_steps)
+    trials = []
+    for candidate in candidates if timestep is None else (timestep,):
         for integrator in integrators:
-            runs.append(try_time_step(reduced, integrator, candidate, inertia))
-            if runs[-1].accurate:
-                return runs[-1]
+            trials.append(try_time_step(reduced, integrator, candidate, inertia))
+            if trials[-1].accurate:
+                return trials[-1]
     return min(
-        runs, key=lambda item: (not item.stable, not item.good, abs(np.nan_to_num(item.impact_error, nan=np.inf)))
+        trials, key=lambda trial: (not trial.stable, not trial.good, abs(np.nan_to_num(trial.impact_error, nan=np.inf)))
     )
 
 
 def try_time_step(
     reduced: ReducedJoint, integrator: Integrator, timestep: float, inertia: float, load: str = "as requested"
 ) -> StepTrial:
-    """Try one time step [s] of an integrator with an inertia on the output [kg m2], at the reducer's level."""
+    """Try one time step [s] of an integrator: stability with locked and free crank, static error, peak of an impact.
+
+    `inertia` is that on the output [kg m2], and `load` its name.
+    """
 
     def scene() -> TrialScene:
-        return trial_scene(reduced, inertia, timestep, integrator)
+        return create_trial_scene(reduced, inertia, timestep, integrator)
 
-    run = reduced.level, integrator, load, timestep, inertia
+    conditions = reduced.level, integrator, load, timestep, inertia
     if reduced.level == "rigid":
-        return StepTrial(*run, *_accelerate_rigid_joint(scene(), inertia))
+        return StepTrial(*conditions, *_accelerate_rigid_joint(scene(), inertia))
     load_case = solve_impact(reduced, inertia)
     stable, error, frequency = measure_vibration(scene(), inertia)
     peak = run_impact(scene(), load_case) if stable and _is_stable_with_free_crank(scene(), inertia) else None
     if peak is None:
-        return StepTrial(*run, False, math.nan, math.nan, load_case.frequency)
-    return StepTrial(*run, True, error, frequency, load_case.frequency, peak, peak / load_case.peak - 1.0)
+        return StepTrial(*conditions, False, math.nan, math.nan, load_case.frequency)
+    return StepTrial(*conditions, True, error, frequency, load_case.frequency, peak, peak / load_case.peak - 1.0)
 
 
 def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Integrator, load: str) -> StepTrial | None:
-    """Return the longest time step up to which all trials are accurate; None where none is."""
-    chosen = [item for item in trials if (item.level, item.integrator, item.load) == (level, integrator, load)]
+    """Return the trial with the longest time step up to which all trials of a combination are accurate, or None.
+
+    The combination is one of level, integrator and load (a key of `INERTIAS`).
+    """
+    matching = [trial for trial in trials if (trial.level, trial.integrator, trial.load) == (level, integrator, load)]
     best = None
-    for trial in sorted(chosen, key=lambda item: item.timestep):
+    for trial in sorted(matching, key=lambda trial: trial.timestep):
         if trial.accurate:
             best = trial
         elif best is not None:
@@ -189,16 +205,17 @@ def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Inte
 
 
 def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
-    """List the longest accurate time step [s] by level and integrator, for any inertia and for each; 0 is none.
+    """List the longest accurate time step by level and integrator as JSON values: for any inertia, and for each.
 
-    `impact_error` is the relative error of the peak of an impact at the time step of each inertia.
+    A time step of 0 means that none is accurate. `impact_error` is the relative error of the peak of an impact at the
+    time step of each inertia.
     """
     rows = []
     for level in LEVELS:
         for integrator in INTEGRATORS:
             best = {load: longest_accurate(trials, level, integrator, load) for load in INERTIAS}
-            by_load = {load: item.timestep if item else 0.0 for load, item in best.items()}
-            errors = {load: item.impact_error if item else math.nan for load, item in best.items()}
+            by_load = {load: trial.timestep if trial else 0.0 for load, trial in best.items()}
+            errors = {load: trial.impact_error if trial else math.nan for load, trial in best.items()}
             steps = {"timestep_s": min(by_load.values()), "by_load": by_load, "impact_error": errors}
             rows.append({"level": level, "integrator": integrator, **steps})
     return rows
@@ -219,60 +236,61 @@ def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
 def trials_table(trials: tuple[StepTrial, ...]) -> Table:
     """Tabulate all trials: a row for each level, integrator and inertia, a column for each time step."""
     rows: dict[str, dict[float, str]] = {}
-    for item in trials:
-        struck = "" if item.level == "rigid" else f", {item.impact_frequency:g} Hz"
-        rows.setdefault(f"{item.level}, {item.integrator}, {item.load}{struck}", {})[item.timestep] = item.summary
-    steps = sorted({item.timestep for item in trials})
-    cells = tuple((key, *(words.get(step, "") for step in steps)) for key, words in rows.items())
+    for trial in trials:
+        impact = "" if trial.level == "rigid" else f", {trial.impact_frequency:g} Hz"
+        rows.setdefault(f"{trial.level}, {trial.integrator}, {trial.load}{impact}", {})[trial.timestep] = trial.summary
+    steps = sorted({trial.timestep for trial in trials})
+    cells = tuple((key, *(cells_by_step.get(step, "") for step in steps)) for key, cells_by_step in rows.items())
     header = ("level, integrator, inertia on the output, load", *(f"{1e3 * step:g} ms" for step in steps))
     return Table("Error of the peak of an impact by time step, crank locked, rated load cos(2 pi f t)", header, cells)
 
 
 def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
-    """Apply the nominal torque to the output suddenly with the crank locked, and measure its rest and vibration.
+    """Simulate the output under a suddenly applied nominal torque with a locked crank, and analyse its vibration.
 
     Returns
     -------
     tuple
-        Whether it is stable, relative error of the wind-up, and that of the frequency against sqrt(k/J).
+        Whether the vibration is stable; relative error of the wind-up at rest; relative error of the frequency against
+        sqrt(k/J). The errors are NaN if the vibration is unstable.
     """
     reduced, step = scene.reduced, float(scene.model.opt.timestep)
-    torque, moving = reduced.rated_torque, inertia + reduced.output_inertia
-    slowest = np.sqrt(reduced.stiffness(torque) / moving)
-    steps = _steps(slowest, step)
-    wound, stop = reduced.wind_up(torque), reduced.stops[1]
+    torque, total_inertia = reduced.rated_torque, inertia + reduced.output_inertia
+    angular_frequency = np.sqrt(reduced.stiffness(torque) / total_inertia)
+    steps = _count_steps(angular_frequency, step)
+    wind_up, stop = reduced.wind_up(torque), reduced.stops[1]
     if reduced.level == "full":
         stop += reduced.ripple.errors(0.0, 1.0)[1]
     scene.hold()
-    scene.data.qpos[scene.place.output_angle] = stop + STUDY.start * wound
-    lengths = scene.lengths(lambda time: torque, steps)
-    if lengths is None or float(np.ptp(lengths[steps // 2 :])) > STUDY.max_vibration * wound:
+    scene.data.qpos[scene.addresses.output_angle] = stop + STUDY.start * wind_up
+    deviations = scene.simulate_deviation(lambda time: torque, steps)
+    if deviations is None or float(np.ptp(deviations[steps // 2 :])) > STUDY.max_vibration * wind_up:
         return False, np.nan, np.nan
-    rest, frequency = _analyse_vibration(lengths[steps // 2 :] - stop, step)
-    error = rest / wound - 1.0
+    middle, frequency = _analyse_vibration(deviations[steps // 2 :] - stop, step)
+    error = middle / wind_up - 1.0
     if abs(error) > STUDY.static_rtol:
         error = _settled_wind_up_error(scene, steps, stop)
-    return True, error, frequency / slowest - 1.0
+    return True, error, frequency / angular_frequency - 1.0
 
 
 def _settled_wind_up_error(scene: TrialScene, steps: int, stop: float) -> float:
-    """Compute the relative error of the wind-up when the output is released from rest under the nominal torque.
+    """Simulate the output from rest under nominal torque; return the relative error of its mean wind-up.
 
-    A transmission error that changes with the load makes the spring nonlinear: the middle of a vibration is not the
-    rest.
+    It replaces the middle of a vibration, which is not the rest if a transmission error that depends on the load makes
+    the spring nonlinear. `stop` is the angle of the stop [rad].
     """
     torque = scene.reduced.rated_torque
     mujoco.mj_resetData(scene.model, scene.data)
     scene.hold()
-    scene.press(torque)
-    lengths = scene.lengths(lambda time: torque, steps)
-    if lengths is None:
+    scene.press_to_stop(torque)
+    deviations = scene.simulate_deviation(lambda time: torque, steps)
+    if deviations is None:
         return math.nan
-    return (float(lengths[steps // 2 :].mean()) - stop) / scene.reduced.wind_up(torque) - 1.0
+    return (float(deviations[steps // 2 :].mean()) - stop) / scene.reduced.wind_up(torque) - 1.0
 
 
 def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[StepTrial]:
-    """Yield the trials of `STUDY.steps`, and of `STUDY.finer_steps` until one is accurate if the shortest is not."""
+    """Yield the trials at `STUDY.steps`; if the shortest is not accurate, also at `STUDY.finer_steps` until one is."""
     runs = [try_time_step(reduced, integrator, item, inertia, load) for item in STUDY.steps]
     yield from runs
     if runs[0].accurate:
@@ -285,48 +303,59 @@ def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, in
 
 
 def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
-    """Return whether a vibration with a free crank does not grow, with the motor balancing the torque.
+    """Return whether a vibration with a free crank does not grow, while the motor balances the torque.
 
     Crank and output then move against each other, faster than the output alone: k (1/J + 1/(i^2 J_rotor)).
     """
     reduced, torque = scene.reduced, scene.reduced.rated_torque
-    wound, moving = reduced.wind_up(torque), inertia + reduced.output_inertia
-    swinging = moving / (1.0 + moving / (reduced.ratio**2 * reduced.rotor_inertia))
-    steps = _steps(np.sqrt(reduced.stiffness(torque) / swinging), float(scene.model.opt.timestep))
-    scene.press(torque)
-    scene.data.qpos[scene.place.output_angle] -= (1.0 - STUDY.start) * wound
+    wind_up, load_inertia = reduced.wind_up(torque), inertia + reduced.output_inertia
+    reduced_inertia = load_inertia / (1.0 + load_inertia / (reduced.ratio**2 * reduced.rotor_inertia))
+    steps = _count_steps(np.sqrt(reduced.stiffness(torque) / reduced_inertia), float(scene.model.opt.timestep))
+    scene.press_to_stop(torque)
+    scene.data.qpos[scene.addresses.output_angle] -= (1.0 - STUDY.start) * wind_up
     scene.data.ctrl[:] = reduced.coefficient * torque
-    lengths = scene.lengths(lambda time: torque, steps)
-    return lengths is not None and float(np.ptp(lengths[steps // 2 :])) <= STUDY.max_vibration * wound
+    deviations = scene.simulate_deviation(lambda time: torque, steps)
+    return deviations is not None and float(np.ptp(deviations[steps // 2 :])) <= STUDY.max_vibration * wind_up
 
 
-def _steps(frequency: float, timestep: float) -> int:
+def _count_steps(frequency: float, timestep: float) -> int:
     """Return the number of time steps of a run that shows a vibration of this frequency [rad/s]."""
     return max(STUDY.min_steps, math.ceil(2.0 * np.pi * STUDY.periods / frequency / timestep))
 
 
 def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
-    """Apply the rated input torque to the motor, and compare the speed with that of the total inertia with friction."""
+    """Simulate a rigid joint under its rated input torque, and compare the speed with that of the total inertia.
+
+    Return whether the simulation is stable, the relative error of the speed, and NaN for the frequency.
+    """
     reduced, step = scene.reduced, float(scene.model.opt.timestep)
     scene.data.ctrl[:] = reduced.rated_torque / reduced.ratio
     for _ in range(STUDY.min_steps):
         scene.step()
-    total = inertia + reduced.reflected_inertia
-    spare = reduced.rated_torque - float(scene.model.dof_frictionloss[scene.place.output_speed])
-    speed = reduced.way * float(scene.data.qvel[scene.place.output_speed])
-    error = speed / (spare / total * STUDY.min_steps * step) - 1.0
+    total_inertia = inertia + reduced.reflected_inertia
+    accelerating_torque = reduced.rated_torque - float(scene.model.dof_frictionloss[scene.addresses.output_speed])
+    speed = reduced.way * float(scene.data.qvel[scene.addresses.output_speed])
+    error = speed / (accelerating_torque / total_inertia * STUDY.min_steps * step) - 1.0
     return bool(np.isfinite(error)), error, np.nan
 
 
-def _analyse_vibration(turn: Array, timestep: float) -> tuple[float, float]:
-    """Compute the middle of a vibration and its angular frequency [rad/s], NaN if it is not resolved."""
-    middle = 0.5 * (float(turn.max()) + float(turn.min()))
-    if np.ptp(turn) < STUDY.min_vibration * abs(middle):
-        return float(turn[-1]), np.nan
-    above = turn > middle
-    ups = np.flatnonzero(~above[:-1] & above[1:])
-    if len(ups) < 3 or (ups[-1] - ups[0]) / (len(ups) - 1) < 8.0:
-        return float(turn[-len(turn) // 2 :].mean()), np.nan
-    crossings = ups + (middle - turn[ups]) / (turn[ups + 1] - turn[ups])
-    periods = slice(int(ups[0]), int(ups[-1]))
-    return float(turn[periods].mean()), 2.0 * np.pi * (len(ups) - 1) / float(crossings[-1] - crossings[0]) / timestep
+def _analyse_vibration(angles: Array, timestep: float) -> tuple[float, float]:
+    """Compute the mean angle of a vibration [rad] and its angular frequency [rad/s] from its upward zero crossings.
+
+    `angles` are those after each time step [rad], shape (n,). The frequency is NaN if the vibration has decayed, or has
+    fewer than 3 crossings or 8 time steps in a period.
+    """
+    middle = 0.5 * (float(angles.max()) + float(angles.min()))
+    if np.ptp(angles) < STUDY.min_vibration * abs(middle):
+        return float(angles[-1]), np.nan
+    is_above = angles > middle
+    upward_crossings = np.flatnonzero(~is_above[:-1] & is_above[1:])
+    if len(upward_crossings) < 3 or (upward_crossings[-1] - upward_crossings[0]) / (len(upward_crossings) - 1) < 8.0:
+        return float(angles[-len(angles) // 2 :].mean()), np.nan
+    crossings = upward_crossings + (middle - angles[upward_crossings]) / (
+        angles[upward_crossings + 1] - angles[upward_crossings]
+    )
+    periods = slice(int(upward_crossings[0]), int(upward_crossings[-1]))
+    return float(angles[periods].mean()), 2.0 * np.pi * (len(upward_crossings) - 1) / float(
+        crossings[-1] - crossings[0]
+    ) / timestep

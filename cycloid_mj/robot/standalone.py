@@ -49,12 +49,12 @@ PARAMETERS = (
 
 
 def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str, Any]:
-    """Return a copy of the values of a joint with its parameters scaled by factors, by the keys of `PARAMETERS`.
+    """Return a copy of a joint's values with its parameters scaled by factors, by the keys of `PARAMETERS`.
 
-    The middle of the play and the torques of the springs stay. Load-dependent friction is scaled by the factor of the
-    loss.
+    `values` are those of the key `joint` in reducer.json. The middle of the play and the torques at which springs start
+    are unchanged; load-dependent friction is scaled by the factor of the loss.
     """
-    play, stiffness, friction, loss, te = (float(factors[key]) for key in PARAMETERS)
+    play, stiffness, friction, loss, error = (float(factors[key]) for key in PARAMETERS)
     scaled = copy.deepcopy(dict(values))
     low, high = values["stops"]
     middle, half = 0.5 * (low + high), 0.5 * play * (high - low)
@@ -62,14 +62,14 @@ def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str,
     for spring in scaled["springs"]:
         spring["start"] /= stiffness
         spring["stiffness"] *= stiffness
-    scaled["polynomial"] = [item * stiffness ** (n + 1) for n, item in enumerate(values["polynomial"])]
+    scaled["polynomial"] = [coefficient * stiffness ** (n + 1) for n, coefficient in enumerate(values["polynomial"])]
     scaled["damping"] = values["damping"] * stiffness
     for side in ("driving", "driven"):
         scaled["friction"][side] = [
             [friction * row[0] + loss * (torque - row[0]) for torque in row] for row in values["friction"][side]
         ]
     for key in [key for key in values["ripple"] if key.endswith(("_cos", "_sin", "_error"))]:
-        scaled["ripple"][key] = [[te * item for item in row] for row in values["ripple"][key]]
+        scaled["ripple"][key] = [[error * coefficient for coefficient in row] for row in values["ripple"][key]]
     return scaled
 
 
@@ -118,7 +118,7 @@ class Joint:
         return joint
 
     def write(self, model: Any, joint: str = "output") -> None:
-        """Write play, stiffness, damping and no-load friction into a model, for its joint of this name."""
+        """Write play, stiffness, damping and no-load friction into a MuJoCo model, for its hinge of this name."""
         values, dof = self.values, int(model.joint(f"{joint}_rotor").dofadr[0])
         low, high = values["stops"]
         for number, spring in enumerate(values["springs"]):
@@ -129,23 +129,37 @@ class Joint:
         model.dof_frictionloss[dof] = self._friction("driving", 0.0, values["rated_speed"], np)
 
     def step(self, model: Any, data: Any, joint: str = "output") -> None:
-        """Write friction and transmission error into a model (``MjModel``, ``MjData``), for its joint of this name."""
+        """Write friction and transmission error into a model (``MjModel``) from its state (``MjData``), for one hinge.
+
+        Call it before each time step; `joint` is the name of the hinge.
+        """
         output, crank = model.joint(joint), model.joint(f"{joint}_rotor")
         springs = [f"{joint}_reducer" + (f"_{n + 1}" if n else "") for n in range(len(self.values["springs"]))]
         tendons, dof = [model.tendon(name).id for name in springs], int(crank.dofadr[0])
-        angle, crank_angle = (data.qpos[int(each.qposadr[0])] for each in (output, crank))
+        angle, crank_angle = (data.qpos[int(hinge.qposadr[0])] for hinge in (output, crank))
         terms = self.terms(angle, crank_angle, data.qvel[dof], data.qfrc_actuator[dof] + data.qfrc_applied[dof])
         model.tendon_lengthspring[tendons] = terms.springlength
         model.tendon_damping[tendons[0]] = terms.damping
         model.dof_frictionloss[dof] = terms.frictionloss
 
     def terms(self, output: Any, crank: Any, speed: Any, driven_by: Any, xp: Any = np) -> Terms:
-        """Compute the terms at angles of output and crank [rad], speed of the crank [rad/s] and torque on it [N m].
+        """Compute dead bands, damping and friction at the current angles, for a hinge in MuJoCo or MJX.
 
-        No branch depends on an argument: with ``xp=jax.numpy`` it can be compiled and vectorised.
+        No branch depends on an argument: with ``xp=jax.numpy`` the function can be compiled and vectorised.
+
+        Parameters
+        ----------
+        output, crank
+            Angles of output and crank [rad].
+        speed
+            Speed of the crank [rad/s].
+        driven_by
+            Torque of motor and other loads on the crank [N m].
+        xp
+            NumPy, or a module with its functions.
         """
         values, ripple = self.values, self.values["ripple"]
-        length = output + self.coefficient * crank
+        deviation = output + self.coefficient * crank
         starts = xp.array([spring["start"] for spring in values["springs"]])
         stiffness = xp.array([spring["stiffness"] for spring in values["springs"]])
         rated = values["rated_torque"]
@@ -153,38 +167,44 @@ class Joint:
         torques = (stiffness * xp.maximum(starts[:, None] - starts, 0.0)).sum(axis=1)
         bends = xp.sort(xp.concatenate([xp.array([0.0]), xp.array(ripple["loads"]), torques / rated]))
         # beyond the last start the last slope continues
-        far = starts[-1] + xp.maximum(bends * rated - torques[-1], 0.0) / stiffness.sum()
-        wound = xp.where(bends * rated > torques[-1], far, xp.interp(bends * rated, torques, starts))
+        wind_up_of_last_spring = starts[-1] + xp.maximum(bends * rated - torques[-1], 0.0) / stiffness.sum()
+        wind_up_at_bends = xp.where(
+            bends * rated > torques[-1], wind_up_of_last_spring, xp.interp(bends * rated, torques, starts)
+        )
         phase = xp.array(ripple["orders"]) * crank
         low_stop, high_stop = values["stops"]
         stops = []
         for side, sign, stop in (("low", -1.0, low_stop), ("high", 1.0, high_stop)):
             cos, sin = (xp.array(ripple[f"{side}_{part}"]) for part in ("cos", "sin"))
             error = xp.interp(bends, xp.array(ripple["loads"]), cos @ xp.cos(phase) + sin @ xp.sin(phase))
-            reached = wound + sign * (error + stop)
+            deviation_at_bends = wind_up_at_bends + sign * (error + stop)
             # where the error falls faster than the springs wind up, the largest torque with that L
-            later = xp.arange(len(reached))[:, None] <= xp.arange(len(reached))
-            rising = xp.where(later, reached, xp.inf).min(axis=1)
-            share = xp.interp(sign * length, rising, bends)
+            is_later = xp.arange(len(deviation_at_bends))[:, None] <= xp.arange(len(deviation_at_bends))
+            rising = xp.where(is_later, deviation_at_bends, xp.inf).min(axis=1)
+            share = xp.interp(sign * deviation, rising, bends)
             stops.append(stop + xp.interp(share, bends, error))
         low, high = stops
-        beyond = xp.maximum(length - high, low - length)
-        size = (stiffness * xp.maximum(beyond - starts, 0.0)).sum()
-        torque = xp.where(length > high, -size, size)
-        pulled = self.coefficient * torque
-        turning = xp.where(xp.abs(speed) > AT_REST, speed, pulled + driven_by)
+        wind_up = xp.maximum(deviation - high, low - deviation)
+        size = (stiffness * xp.maximum(wind_up - starts, 0.0)).sum()
+        torque = xp.where(deviation > high, -size, size)
+        torque_on_crank = self.coefficient * torque
+        direction = xp.where(xp.abs(speed) > AT_REST, speed, torque_on_crank + driven_by)
         driving, driven = (self._friction(key, size, speed, xp) for key in ("driving", "driven"))
         return Terms(
             xp.stack([low - starts, high + starts], axis=1),
             xp.where(size > 0.0, values["damping"], 0.0),
-            xp.where(pulled * turning < 0.0, driving, driven),
+            xp.where(torque_on_crank * direction < 0.0, driving, driven),
         )
 
     def _friction(self, key: str, torque: Any, speed: Any, xp: Any) -> Any:
-        """Interpolate the friction torque on the crank [N m]; beyond the largest torque the last line continues."""
-        friction = self.values["friction"]
-        torques, rows = xp.array(friction["torques"]), xp.array(friction[key])
-        index = xp.clip(xp.searchsorted(torques, torque) - 1, 0, len(friction["torques"]) - 2)
+        """Interpolate the friction torque on the crank [N m] over output torque [N m] and crank speed [rad/s].
+
+        `key` is "driving" (the crank drives) or "driven" (the output drives). Beyond the largest torque the last line
+        continues.
+        """
+        table = self.values["friction"]
+        torques, rows = xp.array(table["torques"]), xp.array(table[key])
+        index = xp.clip(xp.searchsorted(torques, torque) - 1, 0, len(table["torques"]) - 2)
         share = (torque - torques[index]) / (torques[index + 1] - torques[index])
-        lost = rows[:, index] + share * (rows[:, index + 1] - rows[:, index])
-        return xp.interp(xp.abs(speed), xp.array(friction["speeds"]), lost)
+        friction_by_speed = rows[:, index] + share * (rows[:, index + 1] - rows[:, index])
+        return xp.interp(xp.abs(speed), xp.array(table["speeds"]), friction_by_speed)

@@ -40,37 +40,44 @@ class RippleSettings:
 RIPPLE = RippleSettings()
 
 
-def turns(reducer: Reducer) -> int:
+def turns_per_period(reducer: Reducer) -> int:
     """Return the number of crank turns after which the error repeats."""
     return round(reducer.design.reduction)
 
 
 def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
-    """Compute the significant harmonics of the error without a load and at `RIPPLE.loads`, in both directions.
+    """Compute the significant harmonics of the transmission error, nearly without load and at `RIPPLE.loads`.
 
-    `on_turn` is called after each turn of the crank that is solved.
+    Both directions of the crank are solved; `on_turn` is called after each turn of the crank that is solved.
     """
-    lightest = next((load for load in RIPPLE.unloaded if _balances(reducer, load)), RIPPLE.unloaded[-1])
+    lightest = next((load for load in RIPPLE.unloaded if _has_balance(reducer, load)), RIPPLE.unloaded[-1])
     shares = (lightest, *RIPPLE.loads)
-    spectra = {(load, sign): waves(solve_error(reducer, load, sign, on_turn)) for sign in (1, -1) for load in shares}
-    kept = _strongest_harmonics([fine for fine, _ in spectra.values()])
+    spectra = {
+        (load, sign): compute_amplitudes(solve_error(reducer, load, sign, on_turn))
+        for sign in (1, -1)
+        for load in shares
+    }
+    indices = _select_harmonics([fine for fine, _ in spectra.values()])
     # with a forward crank, the load pushes a carrier output counter-clockwise, to its upper stop
     stops = {}
     for name, sign in (("low", -reducer.member.sense), ("high", reducer.member.sense)):
-        each = [spectra[load, sign] for load in shares]
-        stops[f"{name}_cos"] = _rows([fine[kept].real for fine, _ in each])
-        stops[f"{name}_sin"] = _rows([-fine[kept].imag for fine, _ in each])
-        stops[f"{name}_error"] = _rows([np.abs(fine[kept] - coarse[kept]) for fine, coarse in each])
-    return Ripple(tuple((kept / turns(reducer)).tolist()), shares, **stops)
+        spectra_at_stop = [spectra[load, sign] for load in shares]
+        stops[f"{name}_cos"] = _rows([fine[indices].real for fine, _ in spectra_at_stop])
+        stops[f"{name}_sin"] = _rows([-fine[indices].imag for fine, _ in spectra_at_stop])
+        stops[f"{name}_error"] = _rows([np.abs(fine[indices] - coarse[indices]) for fine, coarse in spectra_at_stop])
+    return Ripple(tuple((indices / turns_per_period(reducer)).tolist()), shares, **stops)
 
 
 def count_turns(reducer: Reducer) -> int:
     """Return the number of crank turns that `solve_ripple` solves."""
-    return 2 * (1 + len(RIPPLE.loads)) * turns(reducer)
+    return 2 * (1 + len(RIPPLE.loads)) * turns_per_period(reducer)
 
 
-def _balances(reducer: Reducer, load: float) -> bool:
-    """Return whether a turn of the crank in either direction has a balance under a share of the nominal torque."""
+def _has_balance(reducer: Reducer, load: float) -> bool:
+    """Return whether a static balance exists over a turn of the crank, in both directions of the crank.
+
+    `load` is a share of the nominal torque.
+    """
     try:
         for direction in (1, -1):
             _solve_turn(reducer, load, direction, 0)
@@ -80,7 +87,7 @@ def _balances(reducer: Reducer, load: float) -> bool:
 
 
 def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable[[], None] = lambda: None) -> Array:
-    """Compute the error of the output [rad], counter-clockwise, over its full turn.
+    """Compute the transmission error [rad], counter-clockwise, over a full turn of the output in static equilibrium.
 
     Parameters
     ----------
@@ -99,31 +106,32 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
         Errors at evenly spaced crank angles from 0, `RIPPLE.poses_per_period` in each mesh period, shape (n,).
     """
     errors = []
-    for turn in range(turns(reducer)):
+    for turn in range(turns_per_period(reducer)):
         errors.append(_solve_turn(reducer, load, direction, turn))
         on_turn()
     return np.concatenate(errors)
 
 
 def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Array:
-    """Compute the error over one turn of the crank, by the number of the turn."""
+    """Compute the transmission error [rad] over one turn of the crank, shape (m,); `turn` counts the turns from 0."""
     design = reducer.design
-    turning = reducer.but(drive={"speed": direction * abs(design.drive.speed)})
+    driven = reducer.but(drive={"speed": direction * abs(design.drive.speed)})
     count = reducer.mesh_periods * RIPPLE.poses_per_period
-    springs = springs_of(turning, 2.0 * np.pi * (np.arange(count) / count + turn))
+    springs = springs_of(driven, 2.0 * np.pi * (np.arange(count) / count + turn))
     return (
-        reducer.member.sense * loads(turning, springs, direction * load * design.rated_torque, follow=True).output_turn
+        reducer.member.sense * loads(driven, springs, direction * load * design.rated_torque, follow=True).output_turn
     )
 
 
-def waves(values: Array) -> tuple[Waves, Waves]:
-    """Return the complex amplitudes of a periodic error, from all its samples and from every second one.
+def compute_amplitudes(values: Array) -> tuple[Waves, Waves]:
+    """Compute the complex amplitudes of a periodic error by FFT, from all samples and from every second one.
 
-    The harmonic is the real part of A exp(i order theta). Both have the same shape, and no mean.
+    The harmonic is the real part of A exp(i order theta). `values` has shape (n,); both results have the same shape,
+    and 0 for the mean.
     """
 
-    def amplitudes(item: Array) -> Waves:
-        amplitudes = 2.0 * np.fft.rfft(item) / item.size
+    def amplitudes(samples: Array) -> Waves:
+        amplitudes = 2.0 * np.fft.rfft(samples) / samples.size
         amplitudes[0] = 0.0
         return amplitudes
 
@@ -131,16 +139,23 @@ def waves(values: Array) -> tuple[Waves, Waves]:
     return fine[: coarse.size - 1], coarse[:-1]
 
 
-def _strongest_harmonics(each: list[Waves]) -> npt.NDArray[np.int64]:
-    """Return the indices of the fewest strongest harmonics whose remainder of each error is below the limit."""
-    each_share = [np.abs(item) / max(float(np.linalg.norm(item)), np.finfo(float).tiny) for item in each]
-    shares: Array = np.stack(each_share).max(axis=0)
+def _select_harmonics(spectra: list[Waves]) -> npt.NDArray[np.int64]:
+    """Return the indices of the fewest harmonics without which the remainder of each spectrum is below its limit.
+
+    The limit is `RippleSettings.max_remainder` of the rms value; at most `max_harmonics` are selected, the strongest
+    first.
+    """
+    relative = [np.abs(spectrum) / max(float(np.linalg.norm(spectrum)), np.finfo(float).tiny) for spectrum in spectra]
+    shares: Array = np.stack(relative).max(axis=0)
     order = np.argsort(-shares, kind="stable")
     for count in range(1, RIPPLE.max_harmonics):
-        chosen = order[:count]
-        rest = [np.linalg.norm(np.delete(item, chosen)) <= RIPPLE.max_remainder * np.linalg.norm(item) for item in each]
-        if all(rest):
-            return np.sort(chosen)
+        strongest = order[:count]
+        is_accurate = [
+            np.linalg.norm(np.delete(spectrum, strongest)) <= RIPPLE.max_remainder * np.linalg.norm(spectrum)
+            for spectrum in spectra
+        ]
+        if all(is_accurate):
+            return np.sort(strongest)
     return np.sort(order[: RIPPLE.max_harmonics])
 
 

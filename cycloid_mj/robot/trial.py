@@ -25,34 +25,39 @@ class TrialScene:
     model: Any
     data: Any
     """``MjModel`` and ``MjData``."""
-    place: JointAddresses
+    addresses: JointAddresses
     """Addresses of the joint in them."""
 
     @property
     def length(self) -> float:
-        """L [rad]."""
+        """Deviation L of the output from the ideal angle at the crank's angle [rad]."""
         angles = self.data.qpos
-        return float(angles[self.place.output_angle] + self.reduced.coefficient * angles[self.place.crank_angle])
+        return float(
+            angles[self.addresses.output_angle] + self.reduced.coefficient * angles[self.addresses.crank_angle]
+        )
 
     def hold(self, speed: float = 0.0) -> None:
-        """Set the speed of the crank [rad/s] independent of the torque on it, with the output at the same ratio."""
-        self.model.dof_armature[self.place.crank_speed] = 1e9 * self.reduced.rotor_inertia
+        """Force the crank to turn at a constant speed [rad/s], 0 to lock it; the output starts at the same ratio.
+
+        The crank gets an armature so large that no torque changes its speed.
+        """
+        self.model.dof_armature[self.addresses.crank_speed] = 1e9 * self.reduced.rotor_inertia
         mujoco.mj_setConst(self.model, self.data)
-        self.data.qvel[self.place.crank_speed] = speed
-        self.data.qvel[self.place.output_speed] = -self.reduced.coefficient * speed
+        self.data.qvel[self.addresses.crank_speed] = speed
+        self.data.qvel[self.addresses.output_speed] = -self.reduced.coefficient * speed
 
     def push(self, torque: float) -> None:
         """Apply a torque to the output [N m], counter-clockwise."""
-        self.data.qfrc_applied[self.place.output_speed] = torque
+        self.data.qfrc_applied[self.addresses.output_speed] = torque
 
-    def press(self, torque: float) -> None:
-        """Apply a torque to the output [N m], and set the wind-up that it causes."""
-        reduced, angle = self.reduced, float(self.data.qpos[self.place.crank_angle])
+    def press_to_stop(self, torque: float) -> None:
+        """Apply a torque to the output [N m], and turn the output to the angle at which wind-up balances it."""
+        reduced, angle = self.reduced, float(self.data.qpos[self.addresses.crank_angle])
         side, size = int(torque > 0.0), abs(torque)
         length = reduced.stops[side] + reduced.wind_up(size) * (1.0 if side else -1.0)
         if reduced.level == "full":
             length += reduced.ripple.errors(angle, size / reduced.rated_torque)[side]
-        self.data.qpos[self.place.output_angle] = length - reduced.coefficient * angle
+        self.data.qpos[self.addresses.output_angle] = length - reduced.coefficient * angle
         self.push(torque)
 
     def step(self) -> None:
@@ -61,52 +66,59 @@ class TrialScene:
             self.reduced.step(self.model, self.data)
         mujoco.mj_step(self.model, self.data)
 
-    def rest(self, torque: float) -> float:
-        """Compute L [rad] at which the output rests in MuJoCo under a torque on it [N m], with a locked crank.
+    def find_rest(self, torque: float) -> float:
+        """Find the deviation L [rad] at which the output rests in MuJoCo under a torque [N m], with a locked crank.
 
-        It is the root of the acceleration: the springs alone determine it, without damping or time to settle. The
-        torque must not be 0, because the output rests anywhere within the play.
+        The root of the acceleration is found by Brent's method: the springs alone determine it, without damping or time
+        to settle. The torque must not be 0, because the output rests anywhere within the play.
         """
         from scipy.optimize import brentq
 
         reduced, data = self.reduced, self.data
 
-        def pull(length: float) -> float:
-            data.qpos[self.place.output_angle] = length - reduced.coefficient * data.qpos[self.place.crank_angle]
+        def acceleration(length: float) -> float:
+            data.qpos[self.addresses.output_angle] = (
+                length - reduced.coefficient * data.qpos[self.addresses.crank_angle]
+            )
             mujoco.mj_forward(self.model, data)
-            return float(data.qacc[self.place.output_speed])
+            return float(data.qacc[self.addresses.output_speed])
 
         self.push(torque)
-        reach = reduced.wind_up(torque)
-        while pull(reduced.stops[0] - reach) <= 0.0 or pull(reduced.stops[1] + reach) >= 0.0:
-            reach *= 2.0
-        return float(brentq(pull, reduced.stops[0] - reach, reduced.stops[1] + reach, xtol=1e-15, rtol=1e-14))
+        bracket = reduced.wind_up(torque)
+        while acceleration(reduced.stops[0] - bracket) <= 0.0 or acceleration(reduced.stops[1] + bracket) >= 0.0:
+            bracket *= 2.0
+        return float(
+            brentq(acceleration, reduced.stops[0] - bracket, reduced.stops[1] + bracket, xtol=1e-15, rtol=1e-14)
+        )
 
-    def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
-        """Compute L after each time step under a torque on the output as a function of time; None if it runs away."""
-        reduced, lengths = self.reduced, np.empty(steps)
+    def simulate_deviation(self, torque: Callable[[float], float], steps: int) -> Array | None:
+        """Simulate a number of time steps under an output torque [N m] that is a function of time [s].
+
+        Return the deviation L of the output after each step [rad], shape (steps,), or None if the simulation diverges.
+        """
+        reduced, deviations = self.reduced, np.empty(steps)
         # MuJoCo warns much later
-        most = 100.0 * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
-        for i in range(steps):
+        limit = 100.0 * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
+        for step in range(steps):
             self.push(torque(float(self.data.time)))
             self.step()
-            lengths[i] = self.length
-            if not abs(lengths[i] - reduced.middle) < most:
+            deviations[step] = self.length
+            if not abs(deviations[step] - reduced.middle) < limit:
                 return None
-        return lengths
+        return deviations
 
     def friction_torque(self) -> float:
         """Compute the friction torque on the crank in the last time step [N m], against its motion."""
         efc = (self.data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)) & (
-            self.data.efc_id == self.place.crank_speed
+            self.data.efc_id == self.addresses.crank_speed
         )
-        return float(-self.data.efc_force[efc].sum() * np.sign(self.data.qvel[self.place.crank_speed]))
+        return float(-self.data.efc_force[efc].sum() * np.sign(self.data.qvel[self.addresses.crank_speed]))
 
 
-def trial_scene(
+def create_trial_scene(
     reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: Integrator = "discrete"
 ) -> TrialScene:
-    """Create the scene of a joint at its level with an inertia on the output [kg m2] and a time step [s]."""
+    """Create the MuJoCo scene of a joint at its level, with an inertia on the output [kg m2] and a time step [s]."""
     scene = scene_xml(reduced, load_inertia, timestep, integrator)
     model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reduced).encode()})
     # instability is detected by its values, not by a log of warnings in the user's folder

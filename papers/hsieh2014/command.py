@@ -14,7 +14,7 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table, Verdict
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, Delivery, out_flag
-from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.terminal import tell
 
 if TYPE_CHECKING:
@@ -121,10 +121,10 @@ def reproduce(
     if STRESS in only:  # before the runs, of which it is the last to know
         for name in ("gmsh", "skfem"):
             import_package(name)
-    place = claim_destination(delivery, STEM, usual=OUT, paged=True)
+    place = claim_destination(delivery, STEM, default_folder=OUT, with_page=True)
     into = place.folder or Path(OUT)
-    logs = Logs(folder(str(into / LOGS), "the logs", (), delivery.force), fresh, delivery.quiet)
-    folder(str(into / FIGURES), "the figures", (), delivery.force)
+    logs = Logs(claim_folder(str(into / LOGS), "the logs", (), delivery.force), fresh, delivery.quiet)
+    claim_folder(str(into / FIGURES), "the figures", (), delivery.force)
     start = monotonic()
     plan = replace(QUICK if quick else FULL, solver=solver)
     stages = run_steps(plan, logs, _reporter(delivery.quiet), only)

@@ -85,7 +85,9 @@ class Logs(Runs):
                 note_output(path)
             self._read.cache_clear()
             try:
-                run_all(missing, force=True, quiet=self._quiet, solver=solver, shown=None if solver == "mujoco" else ())
+                run_all(
+                    missing, force=True, quiet=self._quiet, solver=solver, viewable=None if solver == "mujoco" else ()
+                )
             except RunError as error:
                 if isinstance(error.__cause__, KeyboardInterrupt):
                     raise error.__cause__ from None

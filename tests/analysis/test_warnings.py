@@ -17,7 +17,7 @@ from cycloid_mj.base.errors import CycloidWarning, warn
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.cli.app import main
-from cycloid_mj.cli.terminal import say_json, tell, warnings_kept
+from cycloid_mj.cli.terminal import collect_warnings, say_json, tell
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
@@ -94,7 +94,7 @@ def test_quiet_keeps_stderr_empty_and_warnings_in_the_json(tmp_path: Path, capsy
 
 @pytest.mark.slow
 def test_compare_tells_of_every_run(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cycloid_mj.cli.compare._pictures", lambda comparison, motions: {})
+    monkeypatch.setattr("cycloid_mj.cli.compare._draw_figures", lambda comparison, motions: {})
     short = ["--ramp-s", "0", "--hold-s", "0.045", "--timestep-us", "5", "--out", str(tmp_path)]
     assert main(["simulate", "--design", "nonpin", *short, "--set", UNUSED]) == 0
     assert main(["simulate", "--design", "pin", *short, "--set", "ring.pins=fixed"]) == 0
@@ -140,7 +140,7 @@ def test_a_command_without_a_run_has_what_its_checks_warn_of(capsys) -> None:
 
 
 def test_each_warning_is_shown_once_whichever_thread_it_comes_from(capsys) -> None:
-    with warnings_kept(tell):
+    with collect_warnings(tell):
         threads = [threading.Thread(target=warn, args=("pin", ["too fast", "too coarse"])) for _ in range(3)]
         for thread in threads:
             thread.start()
@@ -153,7 +153,7 @@ def test_each_warning_is_shown_once_whichever_thread_it_comes_from(capsys) -> No
 
 
 def test_other_warnings_go_their_own_way() -> None:
-    with pytest.warns(UserWarning, match="of another kind"), warnings_kept(tell):
+    with pytest.warns(UserWarning, match="of another kind"), collect_warnings(tell):
         python_warnings.warn("of another kind", UserWarning, stacklevel=1)
 
 

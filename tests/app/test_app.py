@@ -24,12 +24,13 @@ import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj.app import artifacts, monte_carlo, part_stress, requirement, solid, summary, turn
-from cycloid_mj.app.api import checks, compare, draw, forces, job_of, life, statics, with_load
+from cycloid_mj.app.api import checks, compare, create_job, draw, forces, life, statics, with_load
 from cycloid_mj.app.controls import controls, find_controls
 from cycloid_mj.app.drawing import PLACES, section
-from cycloid_mj.app.drive import BuildOptions, build_options, describe_drive
-from cycloid_mj.app.jobs import MAX_FINISHED, MAX_QUEUED, Download, InProcess, Jobs
-from cycloid_mj.app.state import apply_changes, at_load, design_of, values_of
+from cycloid_mj.app.drive import BuildOptions, describe_drive, parse_options
+from cycloid_mj.app.jobs import Download, InProcess, Jobs
+from cycloid_mj.app.limits import QUESTIONS
+from cycloid_mj.app.state import apply_changes, at_load, changed_values, parse_design
 from cycloid_mj.app.verdicts import REQUIREMENTS, SMALLEST_BAR, rated_item, requirement_verdicts
 from cycloid_mj.app.workers import NICENESS, Worker, WorkerDied
 from cycloid_mj.base.errors import CycloidError, UsageError
@@ -51,18 +52,18 @@ UNDERCUT = override(PRESETS["pin"], {"ring.pin_radius_mm": 4.0})
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
 def test_values_of_the_page_reproduce_a_design(design: Design) -> None:
-    values = json.loads(json.dumps(values_of(design)))
-    again = design_of(values)
-    assert values_of(again) == values
-    assert again == design or values_of(again) == values_of(design)
+    values = json.loads(json.dumps(changed_values(design)))
+    again = parse_design(values)
+    assert changed_values(again) == values
+    assert again == design or changed_values(again) == changed_values(design)
 
 
 def test_a_material_is_represented_by_its_name_unless_its_values_differ() -> None:
     plain = override(PRESETS["pin"], {"material.name": "PLA"})
-    assert values_of(plain) == {"material.name": "PLA"}
+    assert changed_values(plain) == {"material.name": "PLA"}
     other = override(plain, {"material.yield_strength_mpa": 30.0})
-    assert values_of(other)["material.yield_strength_mpa"] == 30.0
-    assert design_of(values_of(other)).material.yield_strength == 30e6
+    assert changed_values(other)["material.yield_strength_mpa"] == 30.0
+    assert parse_design(changed_values(other)).material.yield_strength == 30e6
 
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
@@ -298,17 +299,20 @@ def test_warnings_are_counted_as_warnings() -> None:
 
 def test_covers_count_for_the_diameter() -> None:
     reducer = rated_for(10.0)
-    bare = summary.geometry(reducer)["diameter_mm"]
+    bare = summary.geometry_figures(reducer)["diameter_mm"]
     covered, reason = summary.covered_size(reducer)
     assert covered is not None
     assert reason == ""
     assert covered["diameter_mm"] > bare + 5.0
     between = {"diameter_mm": bare + 1.0}
-    assert summary.geometry(reducer, between)["verdicts"] == {}, "not before the covers are known"
+    assert summary.geometry_figures(reducer, between)["verdicts"] == {}, "not before the covers are known"
     assert summary.life(reducer, between)["verdicts"]["diameter_mm"]["judgement"] == "failed"
     wide = {"diameter_mm": covered["diameter_mm"]}
     assert summary.life(reducer, wide)["verdicts"]["diameter_mm"]["judgement"] == "passed"
-    assert summary.geometry(reducer, {"diameter_mm": bare - 1.0})["verdicts"]["diameter_mm"]["judgement"] == "failed"
+    assert (
+        summary.geometry_figures(reducer, {"diameter_mm": bare - 1.0})["verdicts"]["diameter_mm"]["judgement"]
+        == "failed"
+    )
 
 
 @pytest.mark.parametrize("value", [None, "", "x", True, math.nan, math.inf, -1, [], {}])
@@ -335,7 +339,7 @@ def test_drives_whose_covers_are_too_large_do_not_meet_the_requirement(monkeypat
     for words, drives in cases.items():
         answer = Answer(wanted, tuple(drives))
         monkeypatch.setattr(requirement, "size_drive", lambda *_, answer=answer: answer)
-        told = requirement.size(lambda _: None, requirement.form_of(wanted))
+        told = requirement.size(lambda _: None, requirement.fill_form(wanted))
         assert told["verdict"]["words"] == words
         for drive, shown in zip(drives, told["drives"], strict=True):
             large = drive.figures["drive_diameter_mm"] > 70.0
@@ -348,7 +352,7 @@ def test_stress_below_yield_stands_next_to_the_items_that_fail(monkeypatch: pyte
     entry = SimpleNamespace(name="stress", definition="largest", value=lambda _: 100.0)
     monkeypatch.setattr(part_stress, "figure", lambda _: entry)
     heard: list[Any] = []
-    found = part_stress.stress(heard.append, values_of(with_load(PRESETS["pin"])))
+    found = part_stress.stress(heard.append, changed_values(with_load(PRESETS["pin"])))
     parts = {part["name"]: part for part in found["parts"]}
     assert [row["judgement"] for part in parts.values() for row in part["bulk"]] == ["passed"] * 5
     rated = {row["name"]: row for row in parts["disc"]["rated"]}
@@ -365,7 +369,7 @@ def test_values_that_differ_are_listed_in_words() -> None:
         ("ring pins", "free to roll", "pressed in"),
         ("material of disc and housing", "alloy steel", "PLA"),
     ]
-    everything = compare({"a": {}, "b": values_of(PRESETS["twodisc"])})["rows"]
+    everything = compare({"a": {}, "b": changed_values(PRESETS["twodisc"])})["rows"]
     for row in everything:
         assert not re.search(r"[a-z]_[a-z]|[a-z]\.[a-z]|as pin|None", f"{row['label']} {row['a']} {row['b']}"), row
 
@@ -414,7 +418,7 @@ def test_orders_of_output_pins_and_mesh_are_resolved(member: str, passing: float
 
 def test_triangles_of_the_assembly_close_and_carry_their_motion() -> None:
     design = PRESETS["twodisc"]
-    told = solid.assembly(Reducer(design), BuildOptions())
+    told = solid.assembly_meshes(Reducer(design), BuildOptions())
     moved = {part["name"]: {place["moves"] for place in part["places"]} for part in told["parts"]}
     assert moved["gear 1"] == moved["gear 2"] == moved["cam bearing"] == {"disc"}
     assert moved["shaft"] == {"crank"}
@@ -443,13 +447,13 @@ def test_the_bill_weighs_as_much_as_the_drive(name: str) -> None:
 
 def test_the_chosen_motor_is_the_one_of_the_drive() -> None:
     reducer = Reducer(PRESETS["printed"])
-    assert describe_drive(reducer, build_options({"motor": "nema17"}))["motor"] == "NEMA 17"
+    assert describe_drive(reducer, parse_options({"motor": "nema17"}))["motor"] == "NEMA 17"
     with pytest.raises(UsageError, match=r"unknown motor .*: choose one of auto"):
-        build_options({"motor": "nema1"})
+        parse_options({"motor": "nema1"})
     with pytest.raises(UsageError, match="choose 0 to 500 um"):
-        build_options({"offset_um": -1})
+        parse_options({"offset_um": -1})
     with pytest.raises(UsageError, match="180x180"):
-        build_options({"bed": "1x1"})
+        parse_options({"bed": "1x1"})
 
 
 def test_no_size_is_met_without_covers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -462,7 +466,9 @@ def test_no_size_is_met_without_covers(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 def test_all_files_to_build_a_drive(monkeypatch: pytest.MonkeyPatch) -> None:
     heard: list[Any] = []
-    done = artifacts.make(heard.append, values_of(PRESETS["printed"]), "drive", build_options({"motor": "nema17"}))
+    done = artifacts.create_files(
+        heard.append, changed_values(PRESETS["printed"]), "drive", parse_options({"motor": "nema17"})
+    )
     ((file, content),) = done.files.items()
     assert file == "printed-drive.zip"
     inside = {name.partition("/")[2] for name in zipfile.ZipFile(io.BytesIO(content)).namelist()}
@@ -484,7 +490,7 @@ def test_all_files_to_build_a_drive(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_each_remedy_of_an_error_resolves_all_errors(values: dict[str, Any]) -> None:
     """A button must not lead from one error to the next."""
-    told = draw({"design": values_of(PRESETS["printed"]), "changes": values})
+    told = draw({"design": changed_values(PRESETS["printed"]), "changes": values})
     assert told["errors"]
     for change in told["errors"][0]["changes"]:
         assert draw({"design": told["design"], "changes": change["changes"]})["errors"] == []
@@ -493,7 +499,7 @@ def test_each_remedy_of_an_error_resolves_all_errors(values: dict[str, Any]) -> 
 def test_the_search_covers_all_numbers_and_lists_of_the_design_file() -> None:
     pin = PRESETS["pin"]
     shown = {control.key for control in (*controls(pin), *find_controls(pin, ""))}
-    numbers = {key for key in values_of(PRESETS["twodisc"]) if isinstance(value_of(pin, key), int | float)}
+    numbers = {key for key in changed_values(PRESETS["twodisc"]) if isinstance(value_of(pin, key), int | float)}
     assert len(numbers) > 20
     assert numbers - shown == set()
     assert [control.key for control in find_controls(pin, "duty share")] == ["service.duty_share"]
@@ -509,11 +515,11 @@ def test_ticks_and_crosses_equal_design_check_and_rate(capsys: pytest.CaptureFix
     main(["design", "check", str(file), "--json"])
     checked = json.loads(capsys.readouterr().out)
     failed = {check["name"] for check in checked["checks"] if not check["passed"]}
-    told = checks({"design": values_of(design)})
+    told = checks({"design": changed_values(design)})
     assert {one["name"].replace(" ", "_") for one in told["failed"]} == failed
     main(["rate", "--design", str(file), "--json"])
     rated = json.loads(capsys.readouterr().out)
-    shown = {row["name"]: row for row in life({"design": values_of(design)})["items"]}
+    shown = {row["name"]: row for row in life({"design": changed_values(design)})["items"]}
     for item in rated["items"].values():
         if item["name"] in shown and item["safety"] is not None:
             assert (shown[item["name"]]["judgement"] == "passed") == (item["safety"] >= 1.0), item["name"]
@@ -522,7 +528,7 @@ def test_ticks_and_crosses_equal_design_check_and_rate(capsys: pytest.CaptureFix
 @pytest.mark.parametrize("values", [{"no.key": 1}, {"ring.teeth": 3.7}, {"ring.teeth": "x"}, {"ring.teeth": math.inf}])
 def test_invalid_values_are_refused(values: dict[str, Any]) -> None:
     with pytest.raises(CycloidError):
-        design_of(values)
+        parse_design(values)
     with pytest.raises(CycloidError):
         draw({"design": {}, "changes": values})
 
@@ -546,8 +552,8 @@ def test_draw_returns_design_header_and_controls() -> None:
 
 def test_a_form_becomes_a_requirement_and_back() -> None:
     form = {"ratio": 15, "diameter_mm": 60, "torque_nm": 2, "process": "printed", "discs": 0, "backlash_arcmin": 5}
-    again = requirement.requirement_of({**requirement.form_of(requirement.requirement_of(form))})
-    assert again == requirement.requirement_of(form)
+    again = requirement.parse_form({**requirement.fill_form(requirement.parse_form(form))})
+    assert again == requirement.parse_form(form)
 
 
 @pytest.mark.parametrize(
@@ -564,7 +570,7 @@ def test_a_form_becomes_a_requirement_and_back() -> None:
 )
 def test_an_invalid_form_is_refused(change: dict[str, Any], told: str) -> None:
     with pytest.raises(UsageError, match=told):
-        requirement.requirement_of({"ratio": 15, "diameter_mm": 60, "torque_nm": 2, **change})
+        requirement.parse_form({"ratio": 15, "diameter_mm": 60, "torque_nm": 2, **change})
 
 
 def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -582,19 +588,19 @@ def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: 
 
     monkeypatch.setattr(requirement, "size_drive", searched)
     heard: list[Any] = []
-    told = requirement.size(heard.append, requirement.form_of(wanted))
+    told = requirement.size(heard.append, requirement.fill_form(wanted))
     assert heard[-1]["answer"]["most"] == 0.7
-    assert requirement.requirement_of(told["ways"][0]["asked"]) == wanted.but(diameter=0.1)
+    assert requirement.parse_form(told["ways"][0]["asked"]) == wanted.but(diameter=0.1)
     assert told["ways"][1]["words"] == "a clearance of 5 µm"
 
 
 def test_a_motor_makes_the_crank_thick_enough_for_its_shaft() -> None:
     form = {"ratio": 15, "diameter_mm": 70, "torque_nm": 3, "process": "printed", "motor": "nema17"}
-    assert requirement.requirement_of(form).changes == ("shaft.radius_mm=5",)
-    assert requirement.requirement_of({**form, "motor": "nema34"}).changes == ("shaft.radius_mm=7.5",)
-    assert requirement.requirement_of({**form, "motor": "circle"}).changes == ()
+    assert requirement.parse_form(form).changes == ("shaft.radius_mm=5",)
+    assert requirement.parse_form({**form, "motor": "nema34"}).changes == ("shaft.radius_mm=7.5",)
+    assert requirement.parse_form({**form, "motor": "circle"}).changes == ()
     with pytest.raises(UsageError, match="unknown motor"):
-        requirement.requirement_of({**form, "motor": "x"})
+        requirement.parse_form({**form, "motor": "x"})
 
 
 def test_a_drive_whose_covers_do_not_fit_the_motor_does_not_meet_the_requirement(
@@ -603,7 +609,7 @@ def test_a_drive_whose_covers_do_not_fit_the_motor_does_not_meet_the_requirement
     wanted = required(ratio=13, diameter_mm=200, torque_nm=3)
     thin = SizedDrive("lightest", "", PRESETS["printed"].but(shaft={"radius": 3e-3}), sized().figures, {})
     monkeypatch.setattr(requirement, "size_drive", lambda *_: Answer(wanted, (thin,)))
-    told = requirement.size(lambda _: None, {**requirement.form_of(wanted), "motor": "nema17"})
+    told = requirement.size(lambda _: None, {**requirement.fill_form(wanted), "motor": "nema17"})
     assert told["drives"][0]["verdicts"]["diameter_mm"]["judgement"] == "failed"
     assert "a crank of at least" in told["drives"][0]["verdict"]["words"]
 
@@ -620,22 +626,22 @@ def test_a_sized_drive_can_be_drawn() -> None:
 
 def test_tolerances_are_those_of_the_design_or_a_common_half_width() -> None:
     pin = PRESETS["pin"]
-    assert monte_carlo.spread_design(pin, None) is pin
-    assert monte_carlo.spread_design(pin, 2).tolerance.cam == "uniform 2"
+    assert monte_carlo.set_tolerances(pin, None) is pin
+    assert monte_carlo.set_tolerances(pin, 2).tolerance.cam == "uniform 2"
     for value in (0, -1.0, "x", True, math.nan, 1e9):
         with pytest.raises(UsageError):
-            monte_carlo.spread_design(pin, value)
+            monte_carlo.set_tolerances(pin, value)
 
 
 def test_distributions_are_reported_after_each_block(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(monte_carlo, "SAMPLES", 260)
+    monkeypatch.setattr(monte_carlo, "STUDY", replace(monte_carlo.STUDY, samples=260))
     monkeypatch.setattr(
         monte_carlo,
         "tolerance",
         lambda *_: SimpleNamespace(budget=(), budget_of="backlash_arcmin", no_budget="too few"),
     )
     heard: list[Any] = []
-    last = monte_carlo.samples(heard.append, {}, 0.2)
+    last = monte_carlo.study_tolerances(heard.append, {}, 0.2)
     assert [one["seen"]["samples"] for one in heard] == [200, 260, 260]
     assert last["samples"] == 260
     assert last["charts"]
@@ -724,7 +730,7 @@ def test_only_the_last_finished_jobs_are_kept() -> None:
     first = jobs.start("studies", "", lambda told: {})
     waiting(first, "running")
     stopped = []
-    for _ in range(MAX_FINISHED + 2):
+    for _ in range(QUESTIONS.finished_jobs + 2):
         stopped.append(jobs.start("studies", "", lambda told: {}))
         jobs.stop(stopped[-1].number)
     assert jobs.get(first.number) is first
@@ -737,7 +743,7 @@ def test_only_the_last_finished_jobs_are_kept() -> None:
 def test_the_number_of_queued_jobs_is_limited() -> None:
     worker = Slow()
     jobs = Jobs({"studies": worker})
-    for _ in range(MAX_QUEUED + 1):
+    for _ in range(QUESTIONS.queued_jobs + 1):
         jobs.start("studies", "", lambda told: {})
     with pytest.raises(UsageError, match="jobs are queued, which is the maximum"):
         jobs.start("studies", "", lambda told: {})
@@ -746,7 +752,7 @@ def test_the_number_of_queued_jobs_is_limited() -> None:
 
 @pytest.mark.slow
 def test_a_worker_reports_errors_and_is_replaced_when_it_ends() -> None:
-    worker = Worker(warm_up=[(design_of, ({"no.key": 1},))])  # as where the page begins with what cannot be built
+    worker = Worker(warm_up=[(parse_design, ({"no.key": 1},))])  # as where the page begins with what cannot be built
     try:
         assert worker.do(math.hypot, 3.0, 4.0) == 5.0
         with pytest.raises(CycloidError, match="ValueError"):
@@ -763,7 +769,7 @@ def test_a_worker_reports_errors_and_is_replaced_when_it_ends() -> None:
     "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind not in {"toml", "stl"})) for kind in artifacts.FILES]
 )
 def test_every_export_is_named_after_the_design(kind: str) -> None:
-    files = artifacts.make(lambda _: None, values_of(unlike("few")), kind).files
+    files = artifacts.create_files(lambda _: None, changed_values(unlike("few")), kind).files
     ((file, content),) = files.items()
     assert file.startswith(unlike("few").name)
     assert content.startswith({"toml": b"#", "datasheet": b"%PDF", "step": b"ISO-10303"}.get(kind, b"PK"))
@@ -771,13 +777,13 @@ def test_every_export_is_named_after_the_design(kind: str) -> None:
 
 def test_a_run_without_speed_is_refused() -> None:
     with pytest.raises(CycloidError, match="speed is zero"):
-        artifacts.run(lambda _: None, values_of(PRESETS["nonpin"].but(drive={"speed": 0.0})))
+        artifacts.simulate_run(lambda _: None, changed_values(PRESETS["nonpin"].but(drive={"speed": 0.0})))
 
 
 @pytest.mark.slow
 def test_a_run_returns_its_report() -> None:
     heard: list[Any] = []
-    done = artifacts.run(heard.append, {"load.torque_nm": 36.0})
+    done = artifacts.simulate_run(heard.append, {"load.torque_nm": 36.0})
     assert "transmission error" in done.page.lower()
     assert heard[-1]["share"] == 1.0
 
@@ -786,7 +792,7 @@ def test_a_run_returns_its_report() -> None:
 def test_a_run_is_evaluated_after_its_start_has_settled() -> None:
     """A drive with wide play bounces in it at the start: its swing then is no transmission error."""
     printed = PRESETS["printed"]
-    done = artifacts.run(lambda _: None, values_of(printed))
+    done = artifacts.simulate_run(lambda _: None, changed_values(printed))
     swing = float(re.search(r"output: transmission error, peak to peak</dt><dd>([\d.]+) arcsec", done.page)[1])
     statics = figure("te_loaded_forward_arcsec").value(Reducer(printed))
     assert swing == pytest.approx(statics, rel=0.1)
@@ -794,7 +800,7 @@ def test_a_run_is_evaluated_after_its_start_has_settled() -> None:
 
 @pytest.mark.slow
 def test_the_exported_joint_opens_in_mujoco(tmp_path: Path) -> None:
-    (content,) = artifacts.joint(PRESETS["printed"], BuildOptions()).values()
+    (content,) = artifacts.joint_files_zip(PRESETS["printed"], BuildOptions()).values()
     zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
     place = tmp_path / "printed-joint"
     for name in ("scene.xml", "lossy_scene.xml"):
@@ -811,12 +817,12 @@ STUDIES = {"run", "scatter", "stress"}
 
 def test_job_of_returns_a_function_for_every_kind() -> None:
     for kind in (*artifacts.FILES, "drive", "run", "scatter", "stress"):
-        job = job_of({"kind": kind, "design": {}})
+        job = create_job({"kind": kind, "design": {}})
         assert callable(job.work)
         assert job.queue == ("at once" if kind == "toml" else "studies" if kind in STUDIES else "files")
     for kind in ("__import__", None, [], {}):
         with pytest.raises(UsageError, match=r"unknown job .*: choose one of .*stress"):
-            job_of({"kind": kind})
+            create_job({"kind": kind})
 
 
 def test_shapes_of_previous_designs_are_freed() -> None:

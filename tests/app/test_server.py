@@ -22,7 +22,7 @@ from cycloid_mj.app.connections import LimitedConnection
 from cycloid_mj.app.controls import controls
 from cycloid_mj.app.jobs import Job
 from cycloid_mj.app.limits import LIMITS
-from cycloid_mj.app.server import Page, application, open_socket, server_of
+from cycloid_mj.app.server import Page, application, create_server, open_socket
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
@@ -63,7 +63,7 @@ def running(connection: type[LimitedConnection] = LimitedConnection) -> Iterator
     page = Page(PRESETS["pin"], Immediate())  # type: ignore[arg-type]
     with open_socket(0) as listener:
         port = listener.getsockname()[1]
-        server = server_of(application(page, TOKEN), connection)
+        server = create_server(application(page, TOKEN), connection)
         thread = threading.Thread(target=server.run, args=([listener],), daemon=True)
         thread.start()
         yield Running(page, port)

@@ -47,7 +47,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import stops
 from cycloid_mj.report.results import calibration_page
 from cycloid_mj.robot import ReducedJoint, reduce
-from cycloid_mj.robot.trial import trial_scene as bench_scene
+from cycloid_mj.robot.trial import create_trial_scene as bench_scene
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.friction_path import Held, Losses, follow_torque_path
 from cycloid_mj.statics.locked import follow_locked_path, slip_elements, solve_locked_curve
@@ -541,7 +541,7 @@ SLOWLY = 0.005
 def scene_loop(reduced: ReducedJoint, loop: MeasuredLoop, offset: float, held: str) -> Array:
     """Take the stock scene of a joint slowly round a loop, less an offset of torque [N m]: L at its points [rad]."""
     on = bench_scene(reduced, 1e-3, 1e-3, "implicitfast")
-    output, crank = on.place.output_speed, on.place.crank_speed
+    output, crank = on.addresses.output_speed, on.addresses.crank_speed
     free, still, gain = (output, crank, 1.0) if held == "crank" else (crank, output, reduced.coefficient)
     on.model.dof_armature[still] = 1e9
     on.model.dof_armature[free], on.model.dof_damping[free] = 1e-3 * gain**2, 0.05 * gain**2

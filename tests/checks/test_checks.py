@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks import WALLS, Check, check, jumps, require_sound, soundness
 from cycloid_mj.checks.teeth import TEETH as LIMITS
 from cycloid_mj.design import PRESETS, Design, override, presets_for
-from cycloid_mj.explore.problem import rejections
+from cycloid_mj.explore.problem import compute_rejections
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.reducer import Reducer
@@ -255,7 +255,7 @@ def test_a_thin_wall_is_a_warning_with_its_number_and_none_an_error(name: str) -
         assert name in {item.name for item in check(thin) if not item.passed}
         assert {"gear", "housing"} <= set(parts.parts(Reducer(thin)))
         # an optimum that eats up its walls is no better design
-        assert set(rejections(Reducer(thin), strict=False)) == {name}
+        assert set(compute_rejections(Reducer(thin), strict=False)) == {name}
     refused = failed(none)[name]
     assert (refused.severity, "assumed" in refused.why) == ("error", False)
     assert refused.remedy

@@ -11,7 +11,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli import main
-from cycloid_mj.cli.delivery import MOST_LINES, claim_destination, deliver
+from cycloid_mj.cli.delivery import TEXT, claim_destination, deliver
 from cycloid_mj.cli.flags import Delivery
 
 TABLE = Table("all of it", ("what", "number"), tuple((f"row {number}", float(number)) for number in range(40)))
@@ -45,7 +45,7 @@ def test_headline_failures_and_warnings_come_first_and_the_rest_with_all(printed
         summary=["51 checks"],
     )
     short, whole = printed(found), printed(found, all=True)
-    assert len(short) <= MOST_LINES
+    assert len(short) <= TEXT.max_lines
     assert short[0].rstrip() == "tried: pin, 9 N m"
     first = short.index("FAIL  it breaks")
     assert all(f"figure {number} " in "".join(short[:first]) for number in range(MOST_FIGURES))
@@ -125,7 +125,7 @@ def test_the_terminal_shows_some_25_lines(command: tuple[str, ...], capsys: pyte
     assert main([*command, "pin"]) == 0
     short = capsys.readouterr().out.splitlines()
     assert main([*command, "pin", "--all"]) == 0
-    assert len(short) <= MOST_LINES < len(capsys.readouterr().out.splitlines())
+    assert len(short) <= TEXT.max_lines < len(capsys.readouterr().out.splitlines())
 
 
 WRITING = [

@@ -19,6 +19,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.cli.app import ABOUT_PAPERS, application, parse
 from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.flags import whole
+from cycloid_mj.cli.new import SizeFlags
 from cycloid_mj.cli.page import NARROWEST, WIDEST, commands, fold_line
 from cycloid_mj.design import resolve
 
@@ -338,7 +339,7 @@ def test_examples_of_a_page_can_be_pasted_one_after_the_other(chain: tuple[str, 
         (["simulate", "pin", "--solver", "PLANAR"], "solver", "planar"),
         (["simulate", "pin", "--solver=Planar", "--contact", "Profile"], "contact", "profile"),
         (["export", "pin", "--out", "STL", "--format", "STL"], "format_", "stl"),
-        (["design", "new", "my", "--process", "Printed"], "process", "printed"),
+        (["design", "new", "my", "--process", "Printed"], "size", SizeFlags(process="printed")),
     ],
 )
 def test_a_word_of_a_fixed_set_is_taken_in_any_case(words: list[str], name: str, value: object) -> None:

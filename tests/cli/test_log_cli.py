@@ -13,12 +13,11 @@ from made_run import made_groups, made_run
 from mcap.reader import make_reader
 from PIL import Image
 
-from cycloid_mj.cli import animate, render
+from cycloid_mj.cli import render
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.model import xml
 from cycloid_mj.log import LogWriter, load, read
-from cycloid_mj.plots import animation, movie
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import RATE, Scene, replay
 from cycloid_mj.scene import render as rendering
@@ -233,7 +232,6 @@ def test_animate_writes_a_film(path, tmp_path):
 
 
 def test_defaults_in_the_help_are_those_of_the_library():
-    assert (animate.FRAMES, animate.WIDTH, animate.RATE) == (animation.FRAMES, animation.WIDTH, movie.RATE)
     assert (rendering.IMAGE.width, rendering.IMAGE.height) == (render.WIDTH, render.HEIGHT)
     assert (replay.VIEW.azimuth, replay.VIEW.elevation) == (render.AZIMUTH, render.ELEVATION)
 

@@ -20,7 +20,7 @@ from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settle
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.dynamics.planar.timestep import acceleration_timestep
-from cycloid_mj.explore.compared import all_cases
+from cycloid_mj.explore.compared import list_cases
 from cycloid_mj.figures import figure as catalogue_figure
 from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period
 from cycloid_mj.geometry.profile import CycloidGear
@@ -66,7 +66,7 @@ def compared(tmp_path_factory):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Draw no figures."""
-    monkeypatch.setattr("cycloid_mj.cli.compare._pictures", lambda comparison, motions: {})
+    monkeypatch.setattr("cycloid_mj.cli.compare._draw_figures", lambda comparison, motions: {})
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def planned(monkeypatch):
     """Let nothing run; give the designs that would have been run."""
     designs = []
 
-    def run_all(jobs, force, quiet, solver, shown=None):
+    def run_all(jobs, force, quiet, solver, viewable=None):
         designs.extend(jobs)
         raise RunError("nothing is run here")
 
@@ -512,7 +512,7 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
 def test_designs_that_settle_apart_and_have_other_tables_are_compared(names: tuple[str, str]) -> None:
     """The slowest decides the hold of all, whichever is named first, and a key that one lacks is a difference."""
     first = load_design(names[0], DEFAULTS, ())
-    cases = all_cases([load_design(name, (), ()) for name in names], first, 5.0, "planar")
+    cases = list_cases([load_design(name, (), ()) for name in names], first, 5.0, "planar")
     for load in (0.0, 5.0):
         own = [case for case in cases if case.load.torque == load]
         assert len(own) >= 2

@@ -576,7 +576,7 @@ def test_the_committed_models_come_out_again(kind: str, tmp_path: Path, capsys: 
     made = {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*") if path.is_file()}
     assert sorted(made) == told["files"]
     assert build_models.at_step(kind) == changed(kind)
-    made["README.md"] = build_models.readme(
+    made["README.md"] = build_models.format_readme(
         kind, json.loads(made["manifest.json"]), build_models.read_measurements(build_models.PLAIN)
     ).encode()
     require_committed(kind, made)
@@ -617,7 +617,7 @@ def test_a_model_is_made_with_a_warning_of_what_spoils_its_figures(monkeypatch: 
 
 def test_the_overview_of_the_models_comes_out_again() -> None:
     manifests = {kind: json.loads((MODELS / kind / "manifest.json").read_text(encoding="utf-8")) for kind in KINDS}
-    assert (MODELS / "README.md").read_text(encoding="utf-8") == build_models.overview(manifests)
+    assert (MODELS / "README.md").read_text(encoding="utf-8") == build_models.format_overview(manifests)
 
 
 def test_the_overview_tells_that_mesh_and_profile_agree() -> None:

@@ -36,7 +36,7 @@ from cycloid_mj.parts.convex import ConvexSettings, decompose, sectors
 from cycloid_mj.parts.polygon import area_moments
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.plots import figures
-from cycloid_mj.plots.animation import film, take
+from cycloid_mj.plots.animation import draw_frames, select_samples
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.reducer.bodies import phases
@@ -340,11 +340,11 @@ def test_viewers_get_every_disc_in_its_plane(run: Run) -> None:
 
 
 def test_an_animation_follows_the_disc_that_is_asked_for(run: Run) -> None:
-    first, second = (next(film(take(run, frames=1, disc=disc), 320)) for disc in (0, 1))
+    first, second = (next(draw_frames(select_samples(run, frames=1, disc=disc), 320)) for disc in (0, 1))
     assert first.shape == second.shape
     assert np.any(first != second)
     with pytest.raises(UsageError, match="no disc 3: choose 1 to 2"):
-        take(run, disc=2)
+        select_samples(run, disc=2)
 
 
 def test_the_committed_model_of_two_discs_runs_in_stock_mujoco() -> None:

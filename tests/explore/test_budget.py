@@ -35,7 +35,7 @@ def sets_of(function, zones: dict[str, Zone], count: int) -> tuple[list[dict], d
 def test_shares_match_the_closed_form_and_scipy() -> None:
     """Ishigami's function: first order 0.314, 0.442, 0, total 0.558, 0.442, 0.244 (Saltelli 2008, p. 179)."""
     zones = {key: Zone("uniform", 0.0, np.pi) for key in "xyz"}
-    found = {one.source: one for one in budget.shares(zones, *sets_of(ishigami, zones, 4096))}
+    found = {one.source: one for one in budget.compute_shares(zones, *sets_of(ishigami, zones, 4096))}
     for key, first, total in (("x", 0.3139, 0.5576), ("y", 0.4424, 0.4424), ("z", 0.0, 0.2437)):
         assert (found[key].first_order, found[key].total) == pytest.approx((first, total), abs=0.02)
         assert found[key].ci95[0] <= total <= found[key].ci95[1]
@@ -49,7 +49,7 @@ def test_a_linear_figure_has_exact_shares_and_an_idle_tolerance_none() -> None:
     zones = {"a": Zone("normal", 1.0, 2.0), "b": Zone("uniform", 0.0, 3.0), "idle": Zone("normal", 0.0, 5.0)}
     sets, values = sets_of(lambda x: 3.0 + 1.5 * x[:, 0] - x[:, 1], zones, 128)
     values = {name: np.where(np.arange(128) == 7, np.nan, of) for name, of in values.items()}  # a sample that jams
-    a, b, idle = budget.shares(zones, sets, values)
+    a, b, idle = budget.compute_shares(zones, sets, values)
     assert (a.source, b.source, idle.source) == tuple(zones)
     assert (a.first_order, a.total, b.total) == pytest.approx((0.75, 0.75, 0.25), abs=1e-9)
     assert (idle.first_order, idle.total, *idle.ci95) == (0.0, 0.0, 0.0, 0.0)
@@ -58,9 +58,9 @@ def test_a_linear_figure_has_exact_shares_and_an_idle_tolerance_none() -> None:
 def test_too_few_samples_have_no_shares() -> None:
     zones = {"a": Zone("normal", 0.0, 1.0), "b": Zone("normal", 0.0, 1.0)}
     sets, values = sets_of(lambda x: x[:, 0] + x[:, 1], zones, 64)
-    assert len(budget.shares(zones, sets, values)) == 2
+    assert len(budget.compute_shares(zones, sets, values)) == 2
     jammed = {**values, "b": np.where(np.arange(64) == 7, np.nan, values["b"])}
-    assert budget.shares(zones, sets, jammed) == ()
+    assert budget.compute_shares(zones, sets, jammed) == ()
 
 
 PINS = {"cam": Zone("uniform", 0.0, 3.0**0.5), "pins": Zone("normal", 0.0, 1.0), "holes": Zone("normal", 0.0, 1.0)}
@@ -92,7 +92,7 @@ def synthetic(function: Function, samples: int, generator: np.random.Generator) 
         {key: zone.quantiles(generator.random((samples, *SHAPES[key]))) for key, zone in PINS.items()} for _ in range(2)
     )
     mixed = {key: function({**a, key: b[key]}) for key in PINS}
-    return budget.shares(PINS, [a, b], {"A": function(a), "B": function(b), **mixed})
+    return budget.compute_shares(PINS, [a, b], {"A": function(a), "B": function(b), **mixed})
 
 
 @pytest.mark.parametrize("samples", [64, pytest.param(256, marks=pytest.mark.slow)])
@@ -134,13 +134,13 @@ def test_intervals_contain_the_share_of_a_drive_with_errors_of_every_pin() -> No
     keys = ("backlash_arcmin", *PRELOADS, *PRELOADS.values())
 
     def study(samples: int, seed: int) -> dict[str, budget.Share]:
-        blocks = budget.budget_blocks(zones, samples)
+        blocks = budget.list_budget_sets(zones, samples)
         figures = {
             name: tolerances.balance_batch(reducer, zones, seed, 12, (block, keys)) for name, block in blocks.items()
         }
         values = {name: np.where(find_jams(one), np.nan, one["backlash_arcmin"]) for name, one in figures.items()}
         drawn = [sampling.draw_departures(reducer, zones, seed, blocks[name]) for name in "AB"]
-        return {share.source: share for share in budget.shares(zones, drawn, values)}
+        return {share.source: share for share in budget.compute_shares(zones, drawn, values)}
 
     reference = [study(512, seed) for seed in range(4)]
     few = [study(72, 100 + seed) for seed in range(24)]

@@ -22,7 +22,7 @@ from cycloid_mj.design import PRESETS, load, override, value_of
 from cycloid_mj.explore import optimizer
 from cycloid_mj.explore.budget import SobolSettings
 from cycloid_mj.explore.optimizer import HISTORY, optimize
-from cycloid_mj.explore.problem import define_problem, rejections
+from cycloid_mj.explore.problem import compute_rejections, define_problem
 from cycloid_mj.figures import figure, figures_of
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.profile import CycloidGear
@@ -70,7 +70,7 @@ def test_the_largest_convex_radius_is_that_of_a_fine_grid(convex) -> None:
         rho = radii[np.searchsorted(radii, c, side="right")]
         best = max(best, float(bends(c, rho)))
     at = convex.design()
-    assert not rejections(Reducer(at), strict=False)
+    assert not compute_rejections(Reducer(at), strict=False)
     found = convex.best_figures["least_convex_radius_mm"]
     assert found == pytest.approx(best, rel=1e-3)
     assert found == pytest.approx(float(bends(1e3 * at.gear.eccentricity, 1e3 * at.ring.pin_radius)), rel=1e-6)
@@ -221,7 +221,7 @@ def test_a_search_may_start_from_a_design_that_cannot_be_built() -> None:
     found = optimize(broken, SHAPE, **CONVEX, evaluations=40)
     assert not found.start_figures
     assert found.best is not None
-    assert not rejections(Reducer(found.design()), strict=False)
+    assert not compute_rejections(Reducer(found.design()), strict=False)
 
 
 @pytest.mark.slow

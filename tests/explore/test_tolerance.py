@@ -19,7 +19,7 @@ from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.explore import budget, sampling, tolerance, tolerances
 from cycloid_mj.explore.constraints import parse_limit, require_consistent
 from cycloid_mj.explore.verify import DynamicsCheck, verify_design
-from cycloid_mj.explore.zone import Zone, zone
+from cycloid_mj.explore.zone import Zone, parse_zone
 from cycloid_mj.figures import figure, sampled
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import best_fit, stops, tightest
@@ -43,11 +43,11 @@ def play(design: Design) -> float:
 
 
 def test_zones_are_read() -> None:
-    assert zone("", "cam", 0.03) is None
-    assert zone("0", "cam", 0.03) is None
-    assert zone("normal 2", "cam", 0.03) == Zone("normal", 0.0, 2e-6)
-    assert zone("Uniform 5", "cam", 0.03).width == pytest.approx(5e-6)
-    between = zone("between -1 4", "cam", 0.03)
+    assert parse_zone("", "cam", 0.03) is None
+    assert parse_zone("0", "cam", 0.03) is None
+    assert parse_zone("normal 2", "cam", 0.03) == Zone("normal", 0.0, 2e-6)
+    assert parse_zone("Uniform 5", "cam", 0.03).width == pytest.approx(5e-6)
+    between = parse_zone("between -1 4", "cam", 0.03)
     assert (between.middle, between.width) == pytest.approx((1.5e-6, 2.5e-6))
 
 
@@ -56,14 +56,14 @@ def test_zones_are_read() -> None:
 )
 def test_fits_are_those_of_the_standard(size: float, fit: str, least: int, most: int) -> None:
     """ISO 286-1: limits of the clearance on the diameter [um], here half of it, 3 standard deviations to each side."""
-    found = zone(fit, "cam", size, 5e-6)
+    found = parse_zone(fit, "cam", size, 5e-6)
     low, high = (5e-6 + found.middle + sign * 3.0 * found.width for sign in (-1.0, 1.0))
     assert (low, high) == pytest.approx((0.5e-6 * least, 0.5e-6 * most), abs=1e-12)
 
 
 @pytest.mark.parametrize(("size", "grade", "width"), [(25e-3, "IT6", 13), (81.5e-3, "IT7", 35), (4.5e-3, "IT5", 5)])
 def test_grades_are_those_of_the_standard(size: float, grade: str, width: int) -> None:
-    assert 6.0 * zone(grade, "pin_radius", size).width == pytest.approx(0.5e-6 * width)
+    assert 6.0 * parse_zone(grade, "pin_radius", size).width == pytest.approx(0.5e-6 * width)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_grades_are_those_of_the_standard(size: float, grade: str, width: int) -
 )
 def test_other_words_are_no_tolerance(text: str) -> None:
     with pytest.raises(DesignError, match=r"tolerance\.cam = "):
-        zone(text, "cam", 0.03, 1e-6)
+        parse_zone(text, "cam", 0.03, 1e-6)
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,7 @@ def test_infinite_zones_are_refused_before_any_sample(tmp_path: Path, capsys, te
 
 def test_a_fit_is_for_a_clearance_alone() -> None:
     with pytest.raises(DesignError, match=r"tolerance\.pin_radius"):
-        zone("H7/g6", "pin_radius", 0.0045)
+        parse_zone("H7/g6", "pin_radius", 0.0045)
 
 
 def drawn(design: Design, samples: int, seed: int) -> dict[str, np.ndarray]:
@@ -201,8 +201,7 @@ def test_what_was_drawn_stands_beside_the_figures() -> None:
 
 
 def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> None:
-    monkeypatch.setattr(sampling, "BLOCK_SAMPLES", 8)
-    monkeypatch.setattr(sampling, "FIRST_BATCH", 3)
+    monkeypatch.setattr(sampling, "SAMPLING", sampling.SamplingSettings(block=8, first_batch=3))
     design = override(PIN, ['tolerance.cam="uniform 0.3"'])
     few, many = (tolerance(design, count, 1).figures["backlash_arcmin"] for count in (16, 30))
     assert np.array_equal(few, many[:16])
@@ -221,7 +220,7 @@ def stopping_after(count: int):
 
 @pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
 def test_ctrl_c_leaves_the_figures_of_a_shorter_study(monkeypatch, engine: Engine) -> None:
-    monkeypatch.setattr(sampling, "BLOCK_SAMPLES", 8)
+    monkeypatch.setattr(sampling, "SAMPLING", sampling.SamplingSettings(block=8))
     design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
     with pytest.raises(tolerances.StudyInterrupted) as stopped:
         tolerance(design, 40, 1, ["backlash_arcmin<=1"], stopping_after(17), engine)
@@ -351,7 +350,7 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
         Reducer(design),
         sampling.tolerance_zones(Reducer(design)),
         0,
-        budget.budget_blocks(sampling.tolerance_zones(Reducer(design)), 64)["A"],
+        budget.list_budget_sets(sampling.tolerance_zones(Reducer(design)), 64)["A"],
     )
     assert np.isnan(seen["A"][cam["cam"] < -1.1e-6]).all()
     assert np.isfinite(seen["A"][cam["cam"] > -1e-6]).all()
@@ -359,7 +358,7 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
 
 @pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
 def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: Engine) -> None:
-    monkeypatch.setattr(sampling, "FIRST_BATCH", 6)
+    monkeypatch.setattr(sampling, "SAMPLING", sampling.SamplingSettings(first_batch=6))
     design = override(PIN, {"tolerance.cam": "H7/g6", "tolerance.pin_position": "normal 2"})
     with pytest.raises(
         tolerances.TooManyJams, match=r"^6 of the first 6 samples jam .*pin_gear interferes by"
@@ -371,7 +370,7 @@ def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: E
 
 def test_a_study_of_which_nearly_all_jams_ends_after_its_first_block(monkeypatch) -> None:
     """A cam 3 um too small to 1000 um too large: 2 of 1000 fit."""
-    monkeypatch.setattr(sampling, "FIRST_BATCH", 40)
+    monkeypatch.setattr(sampling, "SAMPLING", sampling.SamplingSettings(first_batch=40))
     design = override(PIN, {"tolerance.cam": "between -1000 1", "tolerance.mesh": "uniform 0.1"})
     with pytest.raises(tolerances.TooManyJams, match=r"of the first 40 samples jam .*cam interferes") as stopped:
         tolerance(design, 3000, 0)
@@ -540,7 +539,7 @@ def test_the_command_fails_with_one_message_where_a_few_samples_all_jam(tmp_path
 
 
 def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(sampling, "FIRST_BATCH", 6)
+    monkeypatch.setattr(sampling, "SAMPLING", sampling.SamplingSettings(first_batch=6))
     flags = ["--samples", "50", "--out", str(tmp_path), "--set", 'tolerance.cam="between -8 -6"', "--json"]
     assert main(["tolerance", "--design", "pin", *flags]) == 1
     said = capsys.readouterr()
@@ -552,7 +551,7 @@ def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeyp
 
 
 def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(sampling, "BLOCK_SAMPLES", 8)
+    monkeypatch.setattr(sampling, "SAMPLING", sampling.SamplingSettings(block=8))
     monkeypatch.setattr("cycloid_mj.cli.progress.count_progress", lambda *_: stopping_after(16))
     zones = ["--set", 'tolerance.cam="normal 0.2"', "--set", 'tolerance.mesh="normal 0.1"']
     flags = [*zones, "--samples", "50", "--workers", "1", "--out", str(tmp_path), "--json"]

@@ -123,7 +123,7 @@ def test_page_and_documentation_tell_every_claim_in_the_same_words():
     rows = re.findall(r'<tr id="claim_\d+">(.*?)</tr>', page, flags=re.DOTALL)
     told = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, flags=re.DOTALL) for row in rows]
     content = {"quick": True, "claims": [one.as_json() for one in claims]}
-    table, written = [list(row) for row in docs_results.claim_rows(content)], docs_results.tally(content)
+    table, written = [list(row) for row in docs_results.claim_rows(content)], docs_results.format_tally(content)
     load = {"no load": "none"}
     assert [row[6] for row in table[:2]] == ["0.25 MPa (spread of 12 starts)", "0.25 (spread of 12 starts)"]
     assert [[load.get(cell, cell) for cell in row] for row in told] == table

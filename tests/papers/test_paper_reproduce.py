@@ -365,7 +365,7 @@ def test_the_page_agrees_with_the_json():
     assert replace_sections(page, docs_results.sections(content), docs_results.SCRIPT) == page
     assert docs_results.CLAIMS.read_text(encoding="utf-8") == docs_results.claims_csv(content)
     assert docs_results.HYPOTHESIS.read_text(encoding="utf-8") == docs_results.hypothesis_csv(hypothesis)
-    assert docs_results.tally(content) in page
+    assert docs_results.format_tally(content) in page
     content["claims"][0]["verdict"] = "disagrees" if content["claims"][0]["verdict"] == "agrees" else "agrees"
     assert replace_sections(page, docs_results.sections(content), docs_results.SCRIPT) != page
     with pytest.raises(ValueError, match="not on the page once: poisson"):
@@ -409,8 +409,8 @@ def test_a_row_of_the_page_names_its_load():
     }
     loaded = claim | {"condition": {"load_nm": 36.68, "input_torque_nm": 1.048}, "at_rated_load": None}
     content = {"quick": True, "claims": [claim, loaded]}
-    assert docs_results.tally(content).startswith("`cycloid-mj reproduce --quick` compares 2 claims")
-    assert ", 0 disagree, 2 are not determined." in docs_results.tally(content)
+    assert docs_results.format_tally(content).startswith("`cycloid-mj reproduce --quick` compares 2 claims")
+    assert ", 0 disagree, 2 are not determined." in docs_results.format_tally(content)
     rows = docs_results.claim_rows(content)
     assert rows[0][:6] == ("Fig. 6", "both", "none", "more with pins", "pin > nonpin", "0.4 to 1")
     assert rows[0][6].startswith("0.12 pin / nonpin (")
@@ -421,15 +421,17 @@ def test_a_row_of_the_page_names_its_load():
 def test_the_errata_of_the_json_are_those_of_the_code():
     found = json.loads(docs_results.KEPT.read_text(encoding="utf-8"))
     # rounding differs between machines; the page rounds
-    assert docs_results.errata(found["errata"]) == docs_results.errata(errata())
+    assert docs_results.format_errata(found["errata"]) == docs_results.format_errata(errata())
 
 
 def test_a_run_with_a_broken_or_missing_stage_is_refused():
     assert list(docs_results.STAGES) == [step.key for step in stages.STEPS]
     whole = [{"key": key, "error": ""} for key in docs_results.STAGES]
     found = {"quick": True, "claims": [], "errata": [], "stages": whole}
-    assert set(docs_results.kept(found)) == {"quick", "claims", "errata"}
+    assert set(docs_results.extract_page_data(found)) == {"quick", "claims", "errata"}
     with pytest.raises(ValueError, match="missing: torque"):
-        docs_results.kept(found | {"stages": whole[:-1]})
+        docs_results.extract_page_data(found | {"stages": whole[:-1]})
     with pytest.raises(ValueError, match="broken stage: torque"):
-        docs_results.kept(found | {"stages": [*whole[:-1], {"key": "torque", "error": "RunError: it jumped"}]})
+        docs_results.extract_page_data(
+            found | {"stages": [*whole[:-1], {"key": "torque", "error": "RunError: it jumped"}]}
+        )

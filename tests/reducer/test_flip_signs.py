@@ -17,7 +17,7 @@ from cycloid_mj.reducer import gaps as unspoiled
 def test_every_sign_is_found_and_flipped_alone(tmp_path: Path) -> None:
     path = tmp_path / "one.py"
     path.write_text("# é - +\na = -b + (c\n    - d)  # - e\na += f(-1)\n")
-    content, found = path.read_bytes(), list(flip_signs.flips(path))
+    content, found = path.read_bytes(), list(flip_signs.find_signs(path))
     assert sorted(flip.expression for flip in found) == ["-1", "-b", "-b + (c - d)", "a += f(-1)", "c - d"]
     for flip in found:
         other = flip_signs.flip_sign(content, flip)

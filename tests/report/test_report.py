@@ -21,7 +21,7 @@ from cycloid_mj.figures import FIGURES as FIGURES_OF_DESIGNS
 from cycloid_mj.log import read, write
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report import MAX_RUNS, report, review_page
-from cycloid_mj.report.data import MAX_VALUES, curves
+from cycloid_mj.report.data import CHARTS, curves
 from cycloid_mj.report.encode import decimate
 from cycloid_mj.report.mechanism import MAGNIFICATIONS
 from cycloid_mj.report.page import page as page_of
@@ -242,7 +242,7 @@ def test_page_of_a_long_run_stays_small():
     page = report({"a.mcap": made_run(design, 50_000)})
     assert len(page) < 8e6
     data = Page(page).data["runs"][0]
-    assert sum(array(curve).size for curve in data["curves"].values()) <= MAX_VALUES + 2 * len(data["curves"])
+    assert sum(array(curve).size for curve in data["curves"].values()) <= CHARTS.max_values + 2 * len(data["curves"])
 
 
 def test_the_spectrum_of_a_run_states_its_band_and_turns():

@@ -16,15 +16,15 @@ from commands import told
 from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import ReducedJoint, reduce
-from cycloid_mj.robot.bam import bam
+from cycloid_mj.robot.bam import fit_bam_models
 from cycloid_mj.robot.description import (
+    DESCRIPTION,
     DRIVE,
     OUTPUT,
-    SUPPLY,
-    description_files,
-    description_names,
+    compute_link_inertias,
     equivalent_motor,
-    link_inertias,
+    list_description_files,
+    write_descriptions,
 )
 from cycloid_mj.robot.mjcf import MJCF
 
@@ -87,7 +87,7 @@ def rigid() -> ReducedJoint:
 
 
 def test_the_urdf_loads_in_mujoco_with_ratio_inertia_and_play(joint: ReducedJoint) -> None:
-    files = description_files(joint, REDUCER, "urdf")
+    files = write_descriptions(joint, REDUCER, "urdf")
     assert list(files) == ["printed.urdf"]
     model = mujoco.MjModel.from_xml_string(files["printed.urdf"].decode())
     assert [model.joint(name).name for name in (DRIVE, OUTPUT)] == [DRIVE, OUTPUT]
@@ -101,7 +101,7 @@ def test_the_urdf_loads_in_mujoco_with_ratio_inertia_and_play(joint: ReducedJoin
 
 
 def test_the_transmission_states_the_signed_ratio(joint: ReducedJoint) -> None:
-    root = ElementTree.fromstring(description_files(joint, REDUCER, "urdf")["printed.urdf"].decode())
+    root = ElementTree.fromstring(write_descriptions(joint, REDUCER, "urdf")["printed.urdf"].decode())
     assert float(root.findtext(".//mechanicalReduction") or "nan") == pytest.approx(joint.way * joint.ratio)
     limit = root.find(f".//joint[@name='{DRIVE}']/limit")
     assert limit is not None
@@ -109,10 +109,10 @@ def test_the_transmission_states_the_signed_ratio(joint: ReducedJoint) -> None:
 
 
 def test_a_rigid_joint_has_one_joint_with_all_inertia(rigid: ReducedJoint) -> None:
-    links = link_inertias(rigid, REDUCER)
+    links = compute_link_inertias(rigid, REDUCER)
     assert DRIVE not in links
     assert links[OUTPUT].izz == pytest.approx(rigid.reflected_inertia)
-    root = ElementTree.fromstring(description_files(rigid, REDUCER, "urdf")["printed.urdf"].decode())
+    root = ElementTree.fromstring(write_descriptions(rigid, REDUCER, "urdf")["printed.urdf"].decode())
     assert [each.get("name") for each in root.findall("joint")] == [OUTPUT]
 
 
@@ -120,7 +120,7 @@ def test_a_rigid_joint_has_one_joint_with_all_inertia(rigid: ReducedJoint) -> No
 def test_masses_add_up_to_the_drive_and_moments_are_possible(level: str, request: pytest.FixtureRequest) -> None:
     from cycloid_mj.parts.export.drive import drive_mass
 
-    links = link_inertias(request.getfixturevalue("rigid" if level == "rigid" else "joint"), REDUCER)
+    links = compute_link_inertias(request.getfixturevalue("rigid" if level == "rigid" else "joint"), REDUCER)
     assert sum(link.mass for link in links.values()) == pytest.approx(drive_mass(REDUCER), abs=2e-3)
     for link in links.values():
         moments = sorted((link.ixx, link.iyy, link.izz))
@@ -129,7 +129,7 @@ def test_masses_add_up_to_the_drive_and_moments_are_possible(level: str, request
 
 
 def test_the_sdf_has_the_same_joints_with_the_stiffness_of_the_stops(joint: ReducedJoint) -> None:
-    root = ElementTree.fromstring(description_files(joint, REDUCER, "sdf")["printed.sdf"].decode())
+    root = ElementTree.fromstring(write_descriptions(joint, REDUCER, "sdf")["printed.sdf"].decode())
     limit = root.find(f".//joint[@name='{OUTPUT}']/axis/limit")
     assert limit is not None
     assert float(limit.findtext("upper") or "nan") == pytest.approx(joint.stops[1], rel=1e-6)
@@ -143,11 +143,11 @@ def test_the_isaaclab_module_is_valid_by_the_published_schema(
 ) -> None:
     """Run without Isaac Lab: its classes are replaced by those of the schema, which refuse unknown fields."""
     for reduced in (joint, rigid):
-        files = description_files(reduced, REDUCER, "isaaclab")
-        assert tuple(files) == description_names("printed", "isaaclab")
+        files = write_descriptions(reduced, REDUCER, "isaaclab")
+        assert tuple(files) == list_description_files("printed", "isaaclab")
         loaded = execute(files["printed_cfg.py"], tmp_path / "printed_cfg.py")
         drive, motor = loaded["REDUCER_CFG"].actuators["drive"], loaded["MOTOR"]
-        m5 = bam(reduced)["m5"]
+        m5 = fit_bam_models(reduced)["m5"]
         common = set(vars(motor)) & set(m5) - {"model"}
         assert {"friction_base", "friction_viscous", "load_friction_motor", "load_friction_external"} <= common
         assert {key: getattr(motor, key) for key in common} == pytest.approx({key: m5[key] for key in common}, rel=1e-6)
@@ -164,11 +164,11 @@ def test_the_equivalent_motor_has_rated_and_peak_torque(joint: ReducedJoint) -> 
     motor = equivalent_motor(joint)
 
     def torque(speed: float) -> float:
-        return motor["kt"] * (SUPPLY - motor["kt"] * speed) / motor["resistance"]
+        return motor["kt"] * (DESCRIPTION.supply - motor["kt"] * speed) / motor["resistance"]
 
     assert torque(0.0) == pytest.approx(MJCF.motor_peak * joint.rated_torque)
     assert torque(joint.rated_speed / joint.ratio) == pytest.approx(joint.rated_torque)
-    assert motor["max_current"] == pytest.approx(SUPPLY / motor["resistance"])
+    assert motor["max_current"] == pytest.approx(DESCRIPTION.supply / motor["resistance"])
 
 
 @pytest.mark.parametrize("level", ["rigid", "backlash"])
@@ -176,7 +176,7 @@ def test_the_urdf_loads_in_yourdfpy(level: str, request: pytest.FixtureRequest, 
     yourdfpy = pytest.importorskip("yourdfpy", reason="yourdfpy is no requirement of the tests")
     reduced = request.getfixturevalue("rigid" if level == "rigid" else "joint")
     path = tmp_path / "printed.urdf"
-    path.write_bytes(description_files(reduced, REDUCER, "urdf")["printed.urdf"])
+    path.write_bytes(write_descriptions(reduced, REDUCER, "urdf")["printed.urdf"])
     robot = yourdfpy.URDF.load(str(path), mesh_dir="")
     assert robot.validate()
     assert robot.actuated_joint_names == ([OUTPUT] if level == "rigid" else [DRIVE, OUTPUT])
@@ -186,7 +186,7 @@ def test_the_urdf_loads_in_yourdfpy(level: str, request: pytest.FixtureRequest, 
 
 
 def test_the_mjx_scene_uses_what_mjx_has(joint: ReducedJoint, tmp_path: Path) -> None:
-    for name, content in description_files(joint, REDUCER, "mjx").items():
+    for name, content in write_descriptions(joint, REDUCER, "mjx").items():
         (tmp_path / name).write_bytes(content)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST

@@ -20,18 +20,18 @@ from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.base.result import plain
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.cli import main
-from cycloid_mj.cli.reduce import inaccurate
+from cycloid_mj.cli.reduce import describe_inaccuracy
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import rigid_backlash
 from cycloid_mj.measure.efficiency_map import run_backward, run_forward
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import LEVELS, ReducedJoint, identification, standalone
-from cycloid_mj.robot.bam import bam
+from cycloid_mj.robot.bam import fit_bam_models
 from cycloid_mj.robot.comparison import BOUNDS, COMPARISON, compare_with_full_model
 from cycloid_mj.robot.impact import run_impact, solve_impact
 from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
-from cycloid_mj.robot.population import Population, draw_population, parameters
+from cycloid_mj.robot.population import Population, compute_parameters, draw_population
 from cycloid_mj.robot.reducer import Slip
 from cycloid_mj.robot.stability import (
     STUDY,
@@ -41,7 +41,7 @@ from cycloid_mj.robot.stability import (
     study_time_steps,
     try_time_step,
 )
-from cycloid_mj.robot.trial import trial_scene
+from cycloid_mj.robot.trial import create_trial_scene
 from cycloid_mj.statics.locked import LockedCurve, SlipElements, follow_locked_path
 from cycloid_mj.statics.sheet import sheet
 
@@ -213,10 +213,10 @@ def test_the_output_rests_where_the_springs_say_whatever_the_play(few: ReducedJo
     for arcmin in (0.1, 10.0, 150.0, 300.0):
         half = 0.5 * arcmin * ARCMINUTE
         wide = replace(few, stops=(-half, half), damping=100.0 * few.damping, level="backlash")
-        on = trial_scene(wide, 1e-3 * wide.reflected_inertia, 5e-3)
+        on = create_trial_scene(wide, 1e-3 * wide.reflected_inertia, 5e-3)
         on.hold()
         for torque in (1e-4 * wide.rated_torque, wide.rated_torque):
-            turn = on.rest(torque) - on.rest(-torque)
+            turn = on.find_rest(torque) - on.find_rest(-torque)
             assert turn == pytest.approx(2.0 * (half + wide.wind_up(torque)), rel=2e-6)
 
 
@@ -226,7 +226,9 @@ def test_a_slow_vibration_has_its_frequency(few: ReducedJoint) -> None:
     inertia = 1e6 * slow.reflected_inertia
     period = 2.0 * math.pi * math.sqrt(inertia / slow.stiffness(slow.rated_torque))
     assert period > 0.6
-    stable, error, frequency = measure_vibration(trial_scene(slow, inertia, period / 300.0, "implicitfast"), inertia)
+    stable, error, frequency = measure_vibration(
+        create_trial_scene(slow, inertia, period / 300.0, "implicitfast"), inertia
+    )
     assert stable
     assert abs(error) < 2e-3
     assert abs(frequency) < 1e-3
@@ -239,7 +241,8 @@ def test_an_impact_converges_to_another_integrator(few: ReducedJoint) -> None:
     struck = solve_impact(reduced, inertia)
     period = 2.0 * math.pi * math.sqrt(inertia / reduced.stiffness(reduced.rated_torque))
     errors = {
-        integrator: run_impact(trial_scene(reduced, inertia, period / 400.0, integrator), struck) / struck.peak - 1.0
+        integrator: run_impact(create_trial_scene(reduced, inertia, period / 400.0, integrator), struck) / struck.peak
+        - 1.0
         for integrator in ("implicitfast", "discrete")
     }
     assert abs(errors["implicitfast"]) < 0.005
@@ -257,9 +260,9 @@ def test_an_impact_waits_for_a_heavy_load_to_cross(few: ReducedJoint) -> None:
 def test_a_pressed_joint_rests(few: ReducedJoint) -> None:
     """At `backlash` the transmission error has no part in where the joint is wound up to, at `full` it has."""
     for level in ("backlash", "full"):
-        on = trial_scene(few.at(level), few.reflected_inertia, 1e-4)
+        on = create_trial_scene(few.at(level), few.reflected_inertia, 1e-4)
         on.hold()
-        on.press(few.rated_torque)
+        on.press_to_stop(few.rated_torque)
         before = on.length
         for _ in range(200):
             on.step()
@@ -327,7 +330,7 @@ def test_a_reducer_comes_back_from_its_file(files: Path) -> None:
 def test_bam_holds_the_friction(files: Path) -> None:
     """M5 by BAM's own formula is the reducer's friction both ways; M3 cannot tell who drives."""
     reduced, found = ReducedJoint.read(files / "reducer.json"), json.loads((files / "bam.json").read_text())
-    assert found == json.loads(json.dumps(bam(reduced)))
+    assert found == json.loads(json.dumps(fit_bam_models(reduced)))
     rated, ratio = reduced.rated_torque, reduced.ratio
     for driving in (True, False):
         own = ratio * reduced.friction.torque(rated, reduced.rated_speed, driving)
@@ -367,11 +370,11 @@ def test_a_reducer_that_locks_itself_holds_its_load() -> None:
     """With friction from the load the output cannot turn the crank; the same without `step` lets it go."""
     reduced, turned = joint_of("printed"), []
     for level in ("full", "backlash"):
-        on = trial_scene(reduced.at(level), 0.01, 1e-3)
-        on.press(reduced.rated_torque)
+        on = create_trial_scene(reduced.at(level), 0.01, 1e-3)
+        on.press_to_stop(reduced.rated_torque)
         for _ in range(500):
             on.step()
-        turned.append(abs(on.data.qpos[on.place.crank_angle]))
+        turned.append(abs(on.data.qpos[on.addresses.crank_angle]))
     assert turned[0] < 0.05
     assert turned[1] > 10.0
 
@@ -387,15 +390,15 @@ def test_the_error_comes_through_up_to_the_speed_stated(few: ReducedJoint) -> No
 
     def amplitude(speed: float) -> float:
         step = 2.0 * np.pi / (order * speed) / 200.0
-        on = trial_scene(few, few.reflected_inertia, step, "implicitfast")
-        on.model.dof_damping[on.place.output_speed] = 3.0 * few.damping  # for the transient to die away
+        on = create_trial_scene(few, few.reflected_inertia, step, "implicitfast")
+        on.model.dof_damping[on.addresses.output_speed] = 3.0 * few.damping  # for the transient to die away
         on.hold(speed)
-        on.press(few.rated_torque)
+        on.press_to_stop(few.rated_torque)
         on.push(few.rated_torque - 3.0 * few.damping * few.coefficient * speed)
         angle, length = np.empty((2, 14_000))
         for i in range(angle.size):
             on.step()
-            angle[i], length[i] = on.data.qpos[on.place.crank_angle], on.length
+            angle[i], length[i] = on.data.qpos[on.addresses.crank_angle], on.length
         rows = slice(-round(few.ratio) * 200 * 9, None)
         basis = np.exp(-1j * order * angle[rows])
         return 2.0 * abs(np.mean(basis * (length[rows] - length[rows].mean())))
@@ -561,11 +564,11 @@ def test_joint_py_is_the_step_by_numpy_alone(few: ReducedJoint, tmp_path: Path) 
     assert run.returncode == 0, run.stderr
     told = json.loads(run.stdout)
     assert told["timestep"] == 1e-3
-    on = trial_scene(few, 0.1, 1e-3)
+    on = create_trial_scene(few, 0.1, 1e-3)
     for (angle, length, speed, torque), found in zip(states, told["found"], strict=True):
-        on.data.qpos[on.place.crank_angle], on.data.qvel[on.place.crank_speed] = angle, speed
-        on.data.qpos[on.place.output_angle] = length - few.coefficient * angle
-        on.data.qfrc_applied[on.place.crank_speed] = torque
+        on.data.qpos[on.addresses.crank_angle], on.data.qvel[on.addresses.crank_speed] = angle, speed
+        on.data.qpos[on.addresses.output_angle] = length - few.coefficient * angle
+        on.data.qfrc_applied[on.addresses.crank_speed] = torque
         few.step(on.model, on.data)
         ours = [*on.model.tendon_lengthspring.ravel(), *on.model.tendon_damping, *on.model.dof_frictionloss]
         assert found == pytest.approx(ours, rel=1e-9, abs=1e-15)
@@ -636,7 +639,9 @@ def test_a_drive_is_the_design_with_what_was_drawn(drives: Population) -> None:
     made = Reducer(design).but(
         errors=places, clearance=clearance, friction=friction, stiffness={"cam": drawn["drawn_stiffness_cam"]}
     )
-    assert parameters(made) == pytest.approx({key: values[row] for key, values in drives.values.items()}, rel=1e-6)
+    assert compute_parameters(made) == pytest.approx(
+        {key: values[row] for key, values in drives.values.items()}, rel=1e-6
+    )
 
 
 def test_ranges_hold_what_is_drawn_and_follow_a_design_beyond_them(drives: Population) -> None:
@@ -689,10 +694,10 @@ def test_joint_py_writes_a_drive_into_a_model(few: ReducedJoint, drives: Populat
     (tmp_path / "reducer.json").write_text(json.dumps(content))
     joint = standalone.Joint(tmp_path / "reducer.json")
     row = {key: str(values[2]) for key, values in drives.values.items()}
-    model = trial_scene(few, 0.1, 1e-3).model
+    model = create_trial_scene(few, 0.1, 1e-3).model
     joint.varied(row).write(model)
     factors = {key: float(row[key]) / own if own else 1.0 for key, own in drives.nominal.items()}
-    made = trial_scene(few.varied(factors), 0.1, 1e-3).model
+    made = create_trial_scene(few.varied(factors), 0.1, 1e-3).model
     for name in ("tendon_lengthspring", "tendon_stiffness", "tendon_damping", "dof_frictionloss"):
         assert getattr(model, name) == pytest.approx(getattr(made, name), rel=1e-9), name
     del content["spread"]
@@ -726,9 +731,9 @@ def test_what_slips_holds_the_wind_up_in_mujoco_alone(few: ReducedJoint) -> None
     """
     reduced = replace(few.at("backlash"), slips=SLIPS)
     assert ReducedJoint.from_json(reduced.as_json()).slips == SLIPS
-    on = trial_scene(reduced, 0.1, 1e-3, "implicitfast")
+    on = create_trial_scene(reduced, 0.1, 1e-3, "implicitfast")
     on.hold()
-    on.model.dof_damping[on.place.output_speed] = 20.0
+    on.model.dof_damping[on.addresses.output_speed] = 20.0
     most = reduced.rated_torque
     torque = most * np.concatenate([np.linspace(a, b, 30) for a, b in ((0.0, 1.0), (1.0, -1.0), (-1.0, 1.0))])
     turns = []
@@ -779,7 +784,7 @@ def test_attached_and_included_are_one_model(few: ReducedJoint) -> None:
 def test_the_rigid_joint_loses_what_the_load_takes(few: ReducedJoint) -> None:
     """At the level rigid `step` reads the load from the motor's balance: power out over power in is the efficiency."""
     reduced = few.at("rigid")
-    on = trial_scene(reduced, 0.1, 1e-3)
+    on = create_trial_scene(reduced, 0.1, 1e-3)
     torque = reduced.rated_torque
     on.data.qvel[0] = reduced.way * reduced.rated_speed / reduced.ratio
     on.push(-reduced.way * torque)
@@ -875,11 +880,11 @@ def test_either_member_and_several_discs(changes: dict) -> None:
         assert reduced.backlash == pytest.approx(plain.backlash * 6.0 / 7.0, rel=2e-3)
         stiffness = [one.quantities["stiffness_nm_per_arcmin"].value for one in (reduced, plain)]
         assert stiffness[0] == pytest.approx(stiffness[1] * (7.0 / 6.0) ** 2, rel=0.02)
-        on = trial_scene(reduced, 0.01, 1e-3)
+        on = create_trial_scene(reduced, 0.01, 1e-3)
         on.data.ctrl[0] = 0.1
         for _ in range(200):
             on.step()
-        assert on.data.qpos[on.place.output_angle] * on.data.qpos[on.place.crank_angle] > 0.0
+        assert on.data.qpos[on.addresses.output_angle] * on.data.qpos[on.addresses.crank_angle] > 0.0
     else:
         assert reduced.output_inertia > plain.output_inertia
         assert reduced.wind_up(reduced.rated_torque) < 0.9 * plain.wind_up(plain.rated_torque)
@@ -917,7 +922,7 @@ def test_advice_names_flags_that_were_given_alone(
     few: ReducedJoint, given: tuple[float | None, str | None], advice: str
 ) -> None:
     asked = try_time_step(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
-    (told,) = inaccurate(asked, *given)
+    (told,) = describe_inaccuracy(asked, *given)
     assert told.endswith(f"unstable{advice}")
 
 

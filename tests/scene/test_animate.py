@@ -11,6 +11,7 @@ from made_run import made_run
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
+from cycloid_mj.base.animation import ANIMATION
 from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.errors import CycloidError, LogError, UsageError
 from cycloid_mj.base.names import all_numbered
@@ -23,7 +24,7 @@ from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.plots import movie, stage
-from cycloid_mj.plots.animation import film, take
+from cycloid_mj.plots.animation import draw_frames, select_samples
 from cycloid_mj.plots.movie import write_movie
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import (
@@ -174,17 +175,17 @@ def test_magnifications_that_are_refused():
 
 def test_take_is_even_over_the_settled_turns(pin_run):
     angle = pin_run["crank_angle"]
-    one = take(pin_run, frames=60)
+    one = select_samples(pin_run, frames=60)
     steps = np.diff(angle[one.rows])
     assert one.rows.size == 60
     assert angle[one.rows[0]] % (2 * np.pi) < angle[1]
     np.testing.assert_allclose(steps, 2 * np.pi / 60, atol=angle[1])
-    assert take(pin_run, frames=10_000).rows.size == pytest.approx(366, abs=1)
-    half = take(pin_run, frames=30, turns=0.5)
+    assert select_samples(pin_run, frames=10_000).rows.size == pytest.approx(366, abs=1)
+    half = select_samples(pin_run, frames=30, turns=0.5)
     assert np.ptp(angle[half.rows]) == pytest.approx(np.pi * 29 / 30, abs=angle[1])
     for frames, turns in ((0, 1.0), (5, 0.0), (5, np.nan)):
         with pytest.raises(UsageError, match=r"choose 1 or more|more than 0"):
-            take(pin_run, frames=frames, turns=turns)
+            select_samples(pin_run, frames=frames, turns=turns)
 
 
 def test_a_pair_without_its_whole_wrench_has_no_arrow():
@@ -197,8 +198,8 @@ def test_a_pair_without_its_whole_wrench_has_no_arrow():
 
 
 def test_frames_show_parts_and_forces_where_they_are(pin_run):
-    scene = take(pin_run, 200.0, frames=4)
-    frames = list(film(scene, 401))
+    scene = select_samples(pin_run, 200.0, frames=4)
+    frames = list(draw_frames(scene, 401))
     assert [frame.shape for frame in frames] == [(500, 400, 3)] * 4  # even, for MP4
     assert all((a != b).mean() > 0.01 for a, b in pairwise(frames))
     colours = {tuple(colour) for colour in frames[0].reshape(-1, 3)}
@@ -214,10 +215,10 @@ def test_stage_moves_what_it_is_told(pin_run, monkeypatch):
     acting = contact_forces(Reducer(PIN), columns, drawn)
     ideal = ideal_forces(Reducer(PIN), columns)
     script = stage.Script(Reducer(PIN), drawn, acting, ideal)
-    set_up = stage.set_stage(script, 400)
+    set_up = stage.create_stage(script, 400)
     assert "36 N m, 1640 rpm" in [text.get_text() for text in set_up.figure.texts]
     for row in (2, 0):
-        stage.show(set_up, script, row)
+        stage.update_stage(set_up, script, row)
         ring = acting.of("pin_gear")
         arrows = set_up.arrows["pin_gear"]
         np.testing.assert_allclose(arrows.get_offsets(), 1e3 * ring.point[row])
@@ -231,7 +232,7 @@ def test_stage_moves_what_it_is_told(pin_run, monkeypatch):
 
 
 def test_nonpin_film_has_no_pins(nonpin_run):
-    frames = list(film(take(nonpin_run, 100.0, frames=2), 300))
+    frames = list(draw_frames(select_samples(nonpin_run, 100.0, frames=2), 300))
     colours = {tuple(colour) for colour in frames[0].reshape(-1, 3)}
     colour = stage.LOOKS["pins"]["facecolor"]
     assert tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5)) not in colours
@@ -241,7 +242,7 @@ def test_nonpin_film_has_no_pins(nonpin_run):
 def test_width_of_a_film(pin_run):
     for width in (10, 10_000):
         with pytest.raises(UsageError, match="200 to 4000 pixels"):
-            film(take(pin_run, frames=1), width)
+            draw_frames(select_samples(pin_run, frames=1), width)
 
 
 def clip(count: int = 5) -> list[np.ndarray]:
@@ -301,7 +302,7 @@ def test_what_cannot_be_written_as_a_movie(tmp_path, monkeypatch):
         write_movie(broken(), tmp_path / "b.gif")
     assert (tmp_path / "b.gif").read_bytes() == b"old"
     assert [path.name for path in tmp_path.iterdir()] == ["b.gif"]
-    assert movie.RATE == 25
+    assert ANIMATION.rate == 25
 
 
 def test_files_are_written_whole_or_not_at_all(tmp_path):

@@ -774,9 +774,9 @@ def test_a_part_without_force_has_no_place_and_endless_safety_but_valid_json():
 def test_progress_estimates_the_time_left(capsys, monkeypatch):
     clock = iter([0.0, 10.0])
     monkeypatch.setattr(command, "monotonic", lambda: next(clock))
-    watch = command._Watch([2.0, 6.0], quiet=False)
-    watch.begins("pin", "ring", 0, 2)
-    watch.begins("pin", "output", 1, 2)
+    watch = command._TimeReporter([2.0, 6.0], quiet=False)
+    watch.report_part("pin", "ring", 0, 2)
+    watch.report_part("pin", "output", 1, 2)
     assert capsys.readouterr().err.splitlines() == [
         "pin: ring (1 of 2 parts)",
         "pin: output (2 of 2 parts), about 30 s left",
