@@ -119,7 +119,7 @@ def test_whatever_takes_a_design_takes_its_name(name: str) -> None:
 @pytest.mark.slow
 def test_drives_from_what_is_asked_and_the_data_sheet_of_one() -> None:
     answer = cm.new(15, 100.0, 1.0, process="printed", life_h=100.0)
-    assert str(answer).startswith("<Answer: 15:1, 60 mm, 2 N m; ")
+    assert str(answer).startswith("<Answer: 15:1, 100 mm, 1 N m; ")
     assert len(answer.frame["title"]) == len(answer.drives)
     sheet = cm.datasheet("printed")
     assert f"rated torque {sheet.value('rated_torque'):.4g} N m" in str(sheet)

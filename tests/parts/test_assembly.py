@@ -62,7 +62,7 @@ BODIES = {
 NEW = {
     "new": Requirement(19, 0.06, 4.0),
     "new_of_two": Requirement(19, 0.06, 4.0, discs=2),
-    "new_printed": Requirement(15, 0.075, 1.0, process="printed"),
+    "new_printed": Requirement(15, 0.1, 1.0, process="printed"),
     "new_milled": Requirement(24, 0.09, 4.0, process="milled"),
 }
 
