@@ -2,13 +2,16 @@
 
 import random
 import re
+from collections import Counter
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from cycloid_mj.design import PRESETS, stock
-from cycloid_mj.parts.export import BillLine, bill, casing
+from cycloid_mj.parts.export import BillLine, bill, casing, places
+from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode
 from cycloid_mj.sizing.requirement import Requirement
@@ -125,3 +128,24 @@ def test_free_pins_fill_the_ring_with_axial_play(size: float, width: float) -> N
     slack = width - 1e3 * roller.count * roller.used_length
     assert 0.2 - 1e-9 <= slack <= 0.5 * roller.count + 1e-9
     assert roller.used_length <= roller.length
+
+
+@pytest.mark.parametrize("width", [20e-3, 60e-3])
+def test_each_bought_pin_of_a_wide_drive_is_listed_and_drawn_once(width: float) -> None:
+    """The longest dowel of 5 mm has 50 mm: a ring pin of 60 mm is two in line; an output pin bends and is one."""
+    design = PRESETS["pin"].but(ring={"pins": "fixed", "pin_radius": 2.5e-3}, gear={"face_width": width})
+    reducer = Reducer(design)
+    sizes = casing(reducer)
+    lines = {line.item: line for line in bill(reducer, 0.0, sizes)}
+    placed = [place for place in places(reducer, 0.0, sizes) if place.part in ("pin", "output_pin")]
+    counts = Counter(place.part for place in placed)
+    assert {item: lines[item].count for item in counts} == counts
+    assert counts["output_pin"] == design.output.pins
+    drawn = assembly_parts(reducer, sizes)["pin"].stretches[0]
+    heights = {place.origin[2] for place in placed if place.part == "pin"}
+    ends = sorted((round(height + drawn.z0, 9), round(height + drawn.z1, 9)) for height in heights)
+    in_line = counts["pin"] // design.ring.teeth
+    assert in_line == -(-width // 50e-3)
+    assert len(ends) == in_line
+    assert (ends[0][0], ends[-1][1]) == (-0.5 * width, 0.5 * width)
+    assert all(low[1] == high[0] for low, high in pairwise(ends))

@@ -11,6 +11,7 @@ from cycloid_mj.parts.export.casing import (
 )
 from cycloid_mj.parts.export.casing_rules import (
     axial_play,
+    is_printed,
     ring_end,
 )
 from cycloid_mj.reducer import Reducer
@@ -76,13 +77,25 @@ def sleeve_pin_depth(reducer: Reducer) -> float:
     return 2.0 * sleeve_core_radius(reducer)
 
 
-def pin_pieces(reducer: Reducer) -> tuple[int, float]:
-    """Return the number of ring pins or sleeves in line, and the length of each [m], between the covers of a drive."""
+def fixed_pin(reducer: Reducer) -> tuple[stock.Dowel, int] | None:
+    """Return the pins in stock for a fixed ring pin through all discs, and their number in line; None if none fits."""
     design = reducer.design
-    if not design.seat_pair:
-        return 1, design.gear.stack_width
-    free = free_pin(reducer) if design.ring.has_sockets and not design.material_of("pin").is_plastic else None
-    return (free.count, free.used_length) if free else (1, design.gear.stack_width)
+    return stock.pins(2.0 * design.ring.pin_radius, design.gear.stack_width)
+
+
+def pin_pieces(reducer: Reducer) -> tuple[int, float]:
+    """Return how many pieces in line replace each ring pin or sleeve in a drive, and the length of a piece [m].
+
+    Only bought ring pins have several pieces: no pin in stock is as long as the ring of a wide drive is.
+    """
+    ring, width = reducer.design.ring, reducer.design.gear.stack_width
+    if ring.has_sleeves or is_printed(reducer, names.PIN):
+        return 1, width
+    fixed = None if ring.has_sockets else fixed_pin(reducer)
+    if fixed:
+        return fixed[1], width / fixed[1]
+    free = free_pin(reducer)
+    return (free.count, free.used_length) if free else (1, width)
 
 
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:

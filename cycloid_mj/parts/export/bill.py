@@ -26,6 +26,7 @@ from cycloid_mj.parts.export.bearings import (
     ROLLER_FIT,
     SHAFT_BEARINGS,
     fit_of,
+    fixed_pin,
     free_pin,
     pin_pieces,
     shaft_bearing,
@@ -252,7 +253,7 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
             yield _pin(PRESSED_PIN, ring.teeth, core, reach, material, PIN_FIT)
         elif ring.has_sockets:
             yield _free_pin(reducer, material)
-        elif stock.pins(2.0 * ring.pin_radius, gear.stack_width) or not free_pin(reducer):
+        elif fixed_pin(reducer) or not free_pin(reducer):
             yield _pin(names.PIN, ring.teeth, ring.pin_radius, gear.stack_width, material, RETAINED_FIT)
         else:
             line = _free_pin(reducer, material)
@@ -288,9 +289,12 @@ def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
 
 
 def _pin(item: str, count: int, radius: float, reach: float, material: Material, fit: str) -> BillLine:
-    """Return the line of round pins: pins in stock, several in line or cut to length, or of their own size."""
+    """Return the line of round pins: pins in stock, perhaps cut to length, or pins of their own size.
+
+    Several short pins in line replace a ring pin, which rests in its socket; other pins bend and are one piece.
+    """
     in_stock, diameter = stock.pins(2.0 * radius, reach), (("diameter", radius),)
-    if not in_stock:
+    if not in_stock or (in_stock[1] > 1 and item != names.PIN):
         return _round_line(item, count, diameter, reach, material)
     pin, in_line = in_stock
     cut = reach / in_line if in_line * pin.length > reach + stock.ROUNDING else 0.0

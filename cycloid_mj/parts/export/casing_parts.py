@@ -105,7 +105,7 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     if name == PRESSED_PIN:
         reach = sizes.end + sleeve_pin_depth(reducer)
         return part.of(replace(stretch, z0=-reach, z1=reach) for stretch in drawn)
-    if name == names.PIN and reducer.design.seat_pair:
+    if name == names.PIN:
         _, length = pin_pieces(reducer)
         return part.of(replace(stretch, z0=-0.5 * length, z1=0.5 * length) for stretch in drawn)
     if family == names.GEAR and cam_bearing(reducer):
