@@ -57,6 +57,9 @@ class _Gauges:
         return self.low <= size <= self.high and abs(size / self.step - round(size / self.step)) < 1e-6
 
 
+GAUGES = "DIN 2269"
+"""Standard of pin gauges, in their designation."""
+
 _GAUGES, _LONG_GAUGES = _Gauges(0.2, 1.0, 40), _Gauges(1.0, 20.0, 70)
 """DIN 2269:1998 (0.1 to 20 mm), as sold: +-2 um; the lengths are those of the usual sets (assumed). The first is for
 ring pins below 1 mm, which ISO 8734 does not have."""
@@ -323,7 +326,21 @@ def pins(diameter: float, reach: float) -> tuple[Dowel, int] | None:
         length = usual[min(bisect_left(usual, needed / count - 1e-6), len(usual) - 1)]
         return Dowel(f"ISO 8734 - {size:g} x {length} - A", diameter, length * MM), int(count)
     if size < _GAUGES.high and _GAUGES.includes(size):
-        return Dowel(f"DIN 2269 - {size:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
+        return Dowel(f"{GAUGES} - {size:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
+    return None
+
+
+def single_pin(diameter: float, reach: float) -> Dowel | None:
+    """Find a stock pin of a diameter [m] that reaches over a length [m] in one piece; None if there is none.
+
+    It is one of `pins`, or a longer pin gauge, which is cut to length.
+    """
+    in_stock = pins(diameter, reach)
+    if not in_stock or in_stock[1] == 1:
+        return in_stock[0] if in_stock else None
+    size = round(diameter / MM, 6)
+    if _LONG_GAUGES.includes(size) and reach <= _LONG_GAUGES.length * MM:
+        return Dowel(f"{GAUGES} - {size:.2f} x {_LONG_GAUGES.length}", diameter, _LONG_GAUGES.length * MM)
     return None
 
 
@@ -346,7 +363,7 @@ def free_pin(diameter: float, reach: float, play: float) -> Roller | None:
     if not longest:
         return None
     count = int(max(-(-(needed - 2.0 * play / MM) // longest), 1))
-    designation = f"DIN 2269 - {size:.2f} x {longest:g}"
+    designation = f"{GAUGES} - {size:.2f} x {longest:g}"
     return Roller(designation, "+-1 um", diameter, longest * MM, count, reach / count - 2.0 * play)
 
 

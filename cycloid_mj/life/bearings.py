@@ -21,7 +21,7 @@ from cycloid_mj.life.modified_life import (
     reference_viscosity,
 )
 from cycloid_mj.life.output_bearing import balls_of, output_bearing_forces
-from cycloid_mj.parts.crank import shaft_measures
+from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
@@ -215,7 +215,7 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
     """Return the load ratings of a bearing of the shaft: bought, or assumed rollers of its width on the shaft."""
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     roller_diameter = ASSUMED_ROLLERS.shaft_roller_share * radius
-    low, high = shaft_measures(reducer).bearings[0]
+    low, high = shaft_dimensions(reducer).bearings[0]
     row = RollerRow(ASSUMED_ROLLERS.shaft_rollers, roller_diameter, high - low, 2.0 * radius + roller_diameter)
     stated, bought = (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity), shaft_bearing(reducer)
     return _choose_ratings(stated, (bought, 1) if bought else None, row, "on the shaft")

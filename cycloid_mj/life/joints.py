@@ -18,7 +18,7 @@ from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.parts import joint_strength as strength
 from cycloid_mj.parts import sleeve_core_radius
-from cycloid_mj.parts.export.bearings import PIN_FIT, sleeve_pin_depth
+from cycloid_mj.parts.export.bearings import output_pin_fit, sleeve_pin_depth, sleeve_pin_fit
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     FLANGE_WASHER,
@@ -428,6 +428,7 @@ def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) ->
             ("joint_output_pin_press", "output pin in its disc, press fit against turning"),
             friction_torque,
             (output.root_radius, output.disc_thickness, names.OUTPUT, disc),
+            output_pin_fit(reducer),
         )
 
 
@@ -448,6 +449,7 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
             ("joint_ring_pin_press", "ring pin in both covers, press fit against turning"),
             friction_torque,
             (core, length, names.PIN, _material(reducer, names.HOUSING)),
+            sleeve_pin_fit(reducer),
         )
         return
     friction_torque = design.friction_of("pin_gear") * force * ring.pin_radius
@@ -480,7 +482,7 @@ def _rate_press_fit(
         (hub.youngs_modulus, hub.poisson),
         (pin.youngs_modulus, pin.poisson),
     )
-    loose, tight = (-clearance for clearance in reversed(fits.clearances(fit_code(PIN_FIT), 2.0 * radius)))
+    loose, tight = (-clearance for clearance in reversed(fits.clearances(fit_code(zones), 2.0 * radius)))
     middle, *ends = (
         strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
         for value in (0.5 * (loose + tight), loose, tight)
@@ -494,7 +496,7 @@ def _rate_press_fit(
         turning_torque,
         fit.torque(at_middle),
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
-        f"{PIN_FIT}, mean interference less smoothing {1e6 * middle:.3g} um: {1e-6 * at_middle:.3g} MPa; "
+        f"{zones}, mean interference less smoothing {1e6 * middle:.3g} um: {1e-6 * at_middle:.3g} MPa; "
         f"{fit.torque(at_loose):.3g} to {fit.torque(at_tight):.3g} N m over the zones; friction "
         f"{JOINTS.interface_friction:g} (assumed)",
     )

@@ -13,7 +13,7 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts import crank_solid, mass_properties
-from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
+from cycloid_mj.parts.crank import ShaftDimensions, shaft_dimensions
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.statics.bearings import Planes, compute_reactions
@@ -169,7 +169,7 @@ def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES,
             "--load-nm"
         ) from error
     cam = contact_loads.cam.reshape(crank_angles, -1, 2)
-    shaft = shaft_measures(reducer)
+    shaft = shaft_dimensions(reducer)
     stations, forces = _shaft_forces(turning, shaft, springs.crank, cam)
     return Loading(
         point=point,

@@ -19,7 +19,7 @@ from cycloid_mj.life.joints import screwed_joints
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import GREASE, NoLoadTorque, no_load_torque
 from cycloid_mj.parts import crank_stretches
-from cycloid_mj.parts.crank import shaft_measures
+from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Losses, follow_torque_path
@@ -174,7 +174,7 @@ def _input_load_row(reducer: Reducer) -> Quantity:
 
     The bearings of the shaft limit it, by their life (ISO 281) and static rating.
     """
-    design, shaft = reducer.design, shaft_measures(reducer)
+    design, shaft = reducer.design, shaft_dimensions(reducer)
     loading = solve_loading(
         reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], with_wind_up=False
     )

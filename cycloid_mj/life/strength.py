@@ -14,7 +14,7 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, bending_moment
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.surfaces import SOFTEST_STEEL
-from cycloid_mj.parts.crank import shaft_measures
+from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.shoulder import BENDING, TORSION, root_arms, shoulder_factor
 
@@ -98,7 +98,7 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
     In the frame of the shaft the load is nearly constant: its ripple over a turn is the amplitude, the rest the mean.
     """
     design = reducer.design
-    shaft, material, fillet = shaft_measures(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
+    shaft, material, fillet = shaft_dimensions(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
     directions = np.stack([np.cos(FIBRE_ANGLES), np.sin(FIBRE_ANGLES)], axis=1)
     section = 4.0 / (math.pi * shaft.radius**3)
     endurance = _endurance_limit(reducer, material.tensile_strength, 2.0 * shaft.radius)

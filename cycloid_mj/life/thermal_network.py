@@ -24,7 +24,7 @@ from cycloid_mj.life.bearings import (
 )
 from cycloid_mj.life.heat import cooling_area, heat_transfer_coefficient
 from cycloid_mj.life.loading import Loading
-from cycloid_mj.parts.crank import shaft_measures
+from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import drive_mass, has_casing
 from cycloid_mj.reducer import Reducer
@@ -246,7 +246,7 @@ def _roller_conductance(
 
 def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
     """Yield the conductances of the bearings of shaft and output, taken as roller bearings of their bore and width."""
-    low, high = shaft_measures(reducer).bearings[0]
+    low, high = shaft_dimensions(reducer).bearings[0]
     steel = reducer.design.material_of("shaft")
     for bearing in bearings_of(reducer):
         if not bearing.bore:

@@ -20,10 +20,10 @@ MASS_CHORD_ERROR = 5e-7
 
 
 def mass_chord_error(reducer: Reducer) -> float:
-    """Compute the chord error for mass properties [m].
+    """Return the chord error [m] of polygons for mass properties: `MASS_CHORD_ERROR` of the thinnest radius.
 
-    A circle of radius r drawn with the chord error s loses the share 4/3 s/r of its area, and no part is
-    thinner than the thinnest of pins and shaft, so that volumes are accurate to 1e-6.
+    A circle of radius r drawn with the chord error s loses the share 4/3 s/r of its area, and no part is thinner than
+    the thinnest of pins and shaft, so that volumes are accurate to 1e-6.
     """
     design = reducer.design
     return MASS_CHORD_ERROR * min(design.ring.pin_radius, design.output.pin_radius, design.shaft.radius)

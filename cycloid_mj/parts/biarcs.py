@@ -31,7 +31,11 @@ def arcs_of(spline: Spline, tolerance: float) -> tuple[Arc | LineSegment, ...]:
 
 
 def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance: float) -> Iterator[Arc | LineSegment]:
-    """Yield the arcs between two parameters: a biarc, or those of both halves."""
+    """Yield arcs and lines within a tolerance [m] of a spline between two parameters, as a biarc or by bisection.
+
+    `curve` is the spline, `slope` its derivative. If one biarc deviates by more than the tolerance, the interval is
+    halved.
+    """
     (start, end), tangents = curve([low, high]), slope([low, high])
     tangents = tangents / np.linalg.norm(tangents, axis=1)[:, np.newaxis]
     pieces = _biarc(start, tangents[0], end, tangents[1])
@@ -44,18 +48,18 @@ def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance:
     yield from _fit(curve, slope, middle, high, tolerance)
 
 
-def _biarc(start: Array, leaving: Array, end: Array, arriving: Array) -> tuple[Arc | LineSegment, ...]:
-    """Return both arcs from a start with its tangent to an end with its tangent."""
-    chord, turned = end - start, 1.0 - float(leaving @ arriving)
-    along = float(chord @ (leaving + arriving))
+def _biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Array) -> tuple[Arc | LineSegment, ...]:
+    """Return the biarc between two points (2,) [m] with unit tangents: two arcs with a common tangent."""
+    chord, turning = end - start, 1.0 - float(start_tangent @ end_tangent)
+    along = float(chord @ (start_tangent + end_tangent))
     square = float(chord @ chord)
-    reach = square / (along + math.sqrt(along**2 + 2.0 * turned * square))
-    middle = 0.5 * (start + end + reach * (leaving - arriving))
-    return _arc(start, leaving, middle), _arc(end, -arriving, middle)
+    reach = square / (along + math.sqrt(along**2 + 2.0 * turning * square))
+    middle = 0.5 * (start + end + reach * (start_tangent - end_tangent))
+    return _arc(start, start_tangent, middle), _arc(end, -end_tangent, middle)
 
 
 def _arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
-    """Return the arc from a start with its tangent to an end, counter-clockwise."""
+    """Return the arc from a start (2,) [m] with its unit tangent to an end, as a counter-clockwise arc or as a line."""
     chord, normal = end - start, np.array([-tangent[1], tangent[0]])
     height = float(normal @ chord)
     if abs(height) < STRAIGHT:

@@ -21,7 +21,7 @@ def _moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     load = reducer.mechanism.turning
     if any(load in of.bodies for of in reducer.mechanism.surfaces if of.role == Role.PIN):
-        masses[load] = _with_pins(masses[load], masses["pin"], reducer)
+        masses[load] = _add_pins(masses[load], masses["pin"], reducer)
     return masses
 
 
@@ -47,8 +47,8 @@ def _turning_inertia(reducer: Reducer) -> float:
     return own + carried * reducer.design.ring.pin_circle_radius**2
 
 
-def _with_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:
-    """Add all pins, evenly spaced about the axis, by their own inertia and their mass on the pin circle."""
+def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:
+    """Add mass and inertia of all ring pins, evenly spaced on the pin circle, to those of the housing."""
     count, orbit = reducer.design.ring.mates, pin.mass * reducer.design.ring.pin_circle_radius**2
     around = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
     return replace(

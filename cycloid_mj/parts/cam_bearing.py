@@ -5,7 +5,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
-    """Return the bearing in stock for each cam and the number side by side; None if none fits disc and cam."""
+    """Choose the bearing in stock for each cam, and how many are side by side in a disc; None if none fits."""
     design = reducer.design
     gear = design.gear
     flush = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)

@@ -60,7 +60,10 @@ class ShaftDimensions:
 
     @property
     def shoulders(self) -> tuple[Shoulder, ...]:
-        """Shoulders at the counterweight, as a full disc, and at the lowest side of the cams."""
+        """Steps of the radius at the counterweight, taken as a full disc, and at the sides of the cams.
+
+        At a cam the step is that from the journal to the side of the cam nearest to the axis.
+        """
         lowest, last = self.cam_radius - self.eccentricity, len(self.cams) - 1
         shoulders = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
         shoulders = shoulders if self.weighted else []
@@ -82,8 +85,8 @@ class ShaftDimensions:
 
 
 @once
-def shaft_measures(reducer: Reducer) -> ShaftDimensions:
-    """Return the dimensions of the balanced crank, without the spacers of an assembled one."""
+def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
+    """Return the dimensions of the balanced crank that its strength depends on, without spacers."""
     design = reducer.design
     along = crank_stretches(reducer)
     journal, weight = along[JOURNAL], along.get(COUNTERWEIGHT)

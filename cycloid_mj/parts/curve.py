@@ -88,7 +88,7 @@ Curve = Circle | Arc | LineSegment | Spline
 
 
 def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tuple[Spline, ...]:
-    """Fit consecutive cubic splines to a flank from parameter `low` to `high`, within ``SPLINE_ERROR``.
+    """Fit `pieces` consecutive cubic splines to a flank from parameter `low` to `high`, within ``SPLINE_ERROR``.
 
     Raises
     ------
@@ -110,17 +110,18 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
 
 
 def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
-    """Compute parameters that distribute the error of the spline evenly: it is proportional to h^4 r''''.
+    """Compute spline knots as flank parameters (spans + 1,) that spread the interpolation error evenly.
 
-    In the moving frame of the curve the fourth derivative by arc length is (-3 kappa kappa', kappa'' - kappa^3).
+    The error of a span of length h is proportional to h^4 r''''. In the moving frame of the curve the fourth derivative
+    by arc length is (-3 kappa kappa', kappa'' - kappa^3).
     """
     t = np.linspace(low, high, FIT.grid)
     s, kappa = flank.arc_length(t), flank.curvature(t)
     slope = np.gradient(kappa, s)
     fourth = np.hypot(3.0 * kappa * slope, np.gradient(slope, s) - kappa**3)
     density = np.maximum(fourth, FIT.min_density * fourth.max()) ** 0.25
-    share = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(s))])
-    return np.interp(np.linspace(0.0, share[-1], spans + 1), share, t)
+    cumulative = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(s))])
+    return np.interp(np.linspace(0.0, cumulative[-1], spans + 1), cumulative, t)
 
 
 def _interpolate(flank: SmoothCurve, nodes: Array) -> "BSpline":

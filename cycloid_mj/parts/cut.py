@@ -7,11 +7,11 @@ from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.prism import Prism
 
 
-def cut(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
-    """Return the intervals along y [m] of a prism, whose frame is at a centre [m], in the plane x = 0.
+def cut_prism(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
+    """Cut a prism by the plane x = 0; return the intervals along y [m] inside its material, in increasing order.
 
-    Successive crossings with its outline and holes bound material and gaps in turn. The plane is `SAME_LENGTH` off, so
-    that a vertex or an edge on it counts once.
+    `centre` [m] is the origin of the prism's frame. Sorted crossings with outline and holes bound material and gaps in
+    turn. The plane is `SAME_LENGTH` off, so that a vertex or an edge on it counts once.
     """
     x, y = centre
     crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - SAME_LENGTH, y])) for ring in _rings(prism)]))

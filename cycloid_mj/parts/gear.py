@@ -29,7 +29,7 @@ from cycloid_mj.base.array import Array
 
 
 def gear_part(reducer: Reducer, disc: int = 0) -> Part:
-    """Return a cycloid disc in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
+    """Return a cycloid disc as exact outlines in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
 
     The teeth of a disc ahead on the crank are rotated clockwise against its holes. The profile is the modified one; the
     holes have no errors. Clearances are subtracted from the disc (profile and holes) or added to its bore.
@@ -82,7 +82,7 @@ class GearContour:
 
 @once
 def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
-    """Return the splines of the teeth of a disc."""
+    """Return the outline of a disc as consecutive splines, `splines` for each lobe (or for each flank if rotated)."""
     gear, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     pitch = 2.0 * math.pi / gear.lobes
     backwards = SmoothCurve(
@@ -105,7 +105,9 @@ def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
 
 
 def gear_outline(reducer: Reducer, chord_error: float) -> Array:
-    """Compute the outline of the disc with its clearance and modification, (n, 2) [m], clockwise from the valley on +y.
+    """Compute the outline of a disc as a polygon (n, 2) [m], clockwise from the valley on +y.
+
+    It has the clearance and the modification of the design; its chords deviate by `chord_error` [m].
 
     Raises
     ------
@@ -136,7 +138,7 @@ def _hole_radius(reducer: Reducer) -> float:
 
 
 def _area_inside(reducer: Reducer, chord_error: float) -> float:
-    """Compute the area inside of `gear_outline` [m2]; all lobes are equal unless the profile is rotated."""
+    """Compute the area [m2] inside of `gear_outline`, from one lobe if all are equal (no rotated flanks)."""
     if reducer.design.modification.rotation:
         return -signed_area(gear_outline(reducer, chord_error))
     teeth, offset = reducer.gear_profile, reducer.profile_offset

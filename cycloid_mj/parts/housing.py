@@ -23,7 +23,7 @@ SLIT_SHARE = 1e-3
 
 
 def pin_part(reducer: Reducer) -> Part:
-    """Return a ring pin, centred at the origin: a cylinder through all discs, or its sleeve.
+    """Return a ring pin, or its sleeve, as a cylinder through all discs centred at the origin.
 
     In a ring of two halves it is as long as one of them.
 
@@ -59,7 +59,7 @@ def sleeve_core_radius(reducer: Reducer) -> float:
 
 
 def housing_part(reducer: Reducer) -> Part:
-    """Return the housing in the frame of the reducer axis: the ring without its pins, or the internal gear.
+    """Return the housing as exact outlines about the reducer axis: the ring without its pins, or the internal gear.
 
     Two halves are one stretch each, the one next to the motor first, rotated as they are. The housing of sleeved pins
     includes the pressed-in pins, which both end plates (not drawn) support.
@@ -90,7 +90,7 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
-    """Return the ends along the axis [m] and the rotation [rad] of the ring, or of each of its halves."""
+    """Return start and end along the axis [m] and clockwise rotation [rad] of the ring, or of each of its halves."""
     design = reducer.design
     half = design.gear.stack_width / 2
     if design.ring.halves == 1:
@@ -113,7 +113,7 @@ def _cores(reducer: Reducer) -> list[Stretch]:
 
 
 def _pinwheel(reducer: Reducer) -> Contour:
-    """Return the contour of the wall of a ring with sockets; raise DesignError if the sockets do not fit."""
+    """Return the contour of the bore of a ring with sockets; raise DesignError if the sockets do not fit."""
     design = reducer.design
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
     radius = pin + design.socket_play
@@ -145,7 +145,7 @@ class PinwheelContour:
     teeth: int
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon: one pitch, rotated for all sockets."""
+        """Return the contour as a polygon (n, 2) [m], socket by socket, with chords of an error `chord_error` [m]."""
         socket = np.array([self.centre, 0.0]) + arc(self.radius, -self.half_angle, self.half_angle, chord_error)
         edge, pitch = math.atan2(socket[-1, 1], socket[-1, 0]), 2 * math.pi / self.teeth
         land = arc(self.wall, edge, pitch - edge, chord_error)[1:-1]

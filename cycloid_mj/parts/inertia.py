@@ -22,7 +22,7 @@ class MassProperties:
 
 @lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
 def mass_properties(solid: Solid) -> MassProperties:
-    """Compute the mass properties of a solid, rounded to their significant digits (``digits``).
+    """Compute mass, volume, centroid and inertia of a solid, rounded to their significant digits (``digits``).
 
     With V, s and S the integrals of 1, r and r r^T over the volume, the centroid is s/V, and the inertia about it is
     density (tr(C) 1 - C) with C = S - s s^T / V (the parallel-axis theorem).
@@ -47,7 +47,7 @@ def region_moments(prism: Prism) -> AreaMoments:
 
 
 def _volume_moments(prism: Prism) -> tuple[float, Array, Array]:
-    """Integrals of 1 [m3], r (3,) [m4] and r r^T (3, 3) [m5] over a prism, about the origin."""
+    """Integrate 1 [m3], r (3,) [m4] and r r^T (3, 3) [m5] over a prism, about the origin."""
     area, x, y, xx, yy, xy = region_moments(prism)
     height, z0, z1 = prism.height, prism.z0, prism.z1
     middle = (z0 + z1) / 2

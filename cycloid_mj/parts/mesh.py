@@ -48,7 +48,7 @@ class Mesh:
 
 @lru_cache(maxsize=12)  # the parts of one design, which own their outlines
 def mesh(part: Prism | Solid) -> Mesh:
-    """Return the mesh of a prism, or of a solid: the union of its prisms, separate prisms as separate surfaces.
+    """Triangulate the surface of a prism or solid: the union of its prisms, with a surface for each separate prism.
 
     Raises
     ------
@@ -73,7 +73,10 @@ def mesh(part: Prism | Solid) -> Mesh:
 
 
 def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
-    """Return a prism with its faces on the grid of heights; raise DesignError if its outlines touch or cross."""
+    """Extrude the outlines of a prism to a manifold; raise DesignError if they touch or cross.
+
+    Heights are rounded to `GRIDS.height`. `name` is that of the part, for the error.
+    """
     rings = [np.round(ring / GRIDS.plane) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     scale = GRIDS.plane / GRIDS.unit
     section = manifold3d.CrossSection([ring * scale for ring in rings])

@@ -23,7 +23,7 @@ def output_centres(reducer: Reducer) -> Array:
 
 
 def output_part(reducer: Reducer) -> Part:
-    """Return the output disc behind the cycloid discs (+z) with its pins, in the frame of the output axis.
+    """Return the output disc behind the cycloid discs (+z) with its pins, as exact outlines about the output axis.
 
     If both ends of the pins are supported, there is a second disc before the cycloid discs, through which the crank
     with its cams fits. Pins under separate rollers (`roller_part`) have the radius of their cores.

@@ -35,11 +35,11 @@ COLOURS: Mapping[str, Colour] = {
 
 
 def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
-    """Return housing, shaft, disc, pin (one of N, if the ring has pins) and output as solids, each in its own frame.
+    """Return housing, shaft, discs, a pin (if the ring has pins) and output as solids by name, each in its own frame.
 
     The pin of a sleeved ring is the sleeve; the pressed-in pins belong to the housing. With D discs there are
-    ``gear_1`` to ``gear_D`` in the frames of the discs, ``cam_1`` to ``cam_D`` in that of the shaft, and one
-    ``spacer`` of D - 1. Separate rollers are one ``output_roller`` of D times the output pins.
+    ``gear_1`` to ``gear_D`` in the frames of the discs, ``cam_1`` to ``cam_D`` in that of the shaft, and one ``spacer``
+    of D - 1. Separate rollers are one ``output_roller`` of D times the output pins.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
 
 
 def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSection, ...]]:
-    """Return the sections of the parts for CAD, with `splines` splines per lobe or root.
+    """Return the sections of all parts by name, as curves for CAD with `splines` splines per lobe or root.
 
     Raises
     ------
@@ -64,17 +64,17 @@ def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[PartSec
 
 def lay_out_parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Part]:
     """Return the parts by name, see `parts`; the crank is balanced for polygons of the chord error [m]."""
-    return dict(_laid_out(reducer.shape, chord_error))
+    return dict(_all_parts(reducer.shape, chord_error))
 
 
 def body_solids(reducer: Reducer) -> dict[str, Solid]:
-    """Return one solid per body, named by its main part: as `parts`, with all parts that move together joined.
+    """Return one solid per moving body, named by its main part: `parts` with those that move together joined.
 
     The shaft is then the entire crank, and the output has its rollers, after its own prisms.
     """
     joined_solids = {
         body: make(reducer.shape)
-        for body, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
+        for body, make in ((names.SHAFT, _crank_solid), (names.OUTPUT, _output_with_rollers))
         if attached_parts(reducer, body)
     }
     joined_parts = {part for body in joined_solids for part, _ in attached_parts(reducer, body).values()}
@@ -82,9 +82,10 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
 
 
 def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
-    """Return the parts that shaft or output carry in addition to their own: cams and spacers, or rollers.
+    """Return the copies of parts that shaft or output carry: cams and spacers, or the rollers of the output pins.
 
-    For the name of each copy: its part, and its position in the frame of the carrying part, shape (3,) [m].
+    `body` is the name of shaft or output. By the name of each copy, its part and its position (3,) [m] in the frame of
+    the body; empty if it carries none.
     """
     gear = reducer.design.gear
     if body == names.SHAFT and gear.discs > 1:
@@ -93,16 +94,16 @@ def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
         spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
         return cams | {name: (names.SPACER, np.array([0.0, 0.0, middle])) for name, middle in spacers}
     if body == names.OUTPUT and reducer.design.output.has_roller_parts:
-        return roller_places(reducer)
+        return roller_positions(reducer)
     return {}
 
 
-def roller_places(reducer: Reducer) -> dict[str, tuple[str, Array]]:
-    """Return the rollers of all output pins in all discs, as `carried` does."""
-    places = [
+def roller_positions(reducer: Reducer) -> dict[str, tuple[str, Array]]:
+    """Return the copies of rollers of all output pins in all discs, in the form of `attached_parts`."""
+    positions = [
         np.array([*centre, plane]) for plane in reducer.design.gear.disc_planes for centre in output_centres(reducer)
     ]
-    copies = zip(names.all_numbered(names.ROLLER, len(places)), places, strict=True)
+    copies = zip(names.all_numbered(names.ROLLER, len(positions)), positions, strict=True)
     return {name: (names.ROLLER, place) for name, place in copies}
 
 
@@ -113,17 +114,17 @@ def crank_stretches(reducer: Reducer) -> Mapping[str, Stretch]:
 
 def crank_solid(reducer: Reducer) -> Solid:
     """Return the entire crank as in `body_solids`, without other parts; errors as ``shaft.stretches``."""
-    return _whole_crank(reducer.shape)
+    return _crank_solid(reducer.shape)
 
 
 @once
-def _whole_crank(reducer: Reducer) -> Solid:
+def _crank_solid(reducer: Reducer) -> Solid:
     return shaft_solid(reducer)
 
 
 @once
-def _whole_output(reducer: Reducer) -> Solid:
-    """Return the output with its rollers as one solid."""
+def _output_with_rollers(reducer: Reducer) -> Solid:
+    """Return the output and the rollers on its pins as one solid."""
     parts = _parts(reducer, None)
     (tube,) = parts[names.ROLLER].prisms
     rollers = [
@@ -141,8 +142,8 @@ def _stretches(reducer: Reducer) -> Mapping[str, Stretch]:
 
 
 @once
-def _laid_out(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
-    """Return all parts by name."""
+def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
+    """Return all parts of the mechanism as exact outlines, by name; see `lay_out_parts`."""
     discs = reducer.design.gear.discs
     crank = crank_parts(reducer) if discs > 1 else (crank_part(reducer, chord_error),)
     all_parts = [housing_part(reducer), *crank, *(gear_part(reducer, disc) for disc in range(discs))]
@@ -157,7 +158,7 @@ def _laid_out(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
 @once
 def _parts(reducer: Reducer, chord_error: float | None) -> dict[str, Solid]:
     fine = drawing_error(reducer, chord_error)
-    return {name: part.solid(fine) for name, part in _laid_out(reducer, chord_error).items()}
+    return {name: part.solid(fine) for name, part in _all_parts(reducer, chord_error).items()}
 
 
 def tint(colour: Colour, part: str) -> Colour:

@@ -46,7 +46,7 @@ def signed_area(polygon: Array) -> float:
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
-    """Compute points on an arc about the origin, including both ends.
+    """Compute points (n, 2) [m] on an arc about the origin, including both ends.
 
     Parameters
     ----------
@@ -84,7 +84,10 @@ def rotate_clockwise(points: Array, angle: float) -> Array:
 
 
 def within(points: Array, loop: Array) -> Mask:
-    """Return which points (n, 2) are inside a closed polygon (m, 2), by ray casting along x."""
+    """Return which points (n, 2) are inside a closed polygon (m, 2), shape (n,), by ray casting along x.
+
+    `loop` is the polygon.
+    """
     (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
     x, y = points[:, :1], points[:, 1:]
     across = (ay > y) != (by > y)
@@ -94,7 +97,7 @@ def within(points: Array, loop: Array) -> Mask:
 
 
 def _sums(values: Array) -> Array:
-    """Sum each row of values (k, n) in about twice the working precision, by Knuth's two-sum."""
+    """Sum each row of values (k, n) in about twice the working precision by Knuth's two-sum; return (k,)."""
     left_out = np.zeros(len(values))
     while (half := values.shape[1] // 2) > 0:
         a, b, odd = values[:, :half], values[:, half : 2 * half], values[:, 2 * half :]

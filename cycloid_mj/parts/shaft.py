@@ -24,7 +24,7 @@ JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_jo
 
 
 def crank_part(reducer: Reducer, chord_error: float | None = None) -> Part:
-    """Return the entire crank in the frame of the reducer axis, at crank angle 0 (cam 1 towards +y).
+    """Return the entire crank as exact outlines about the reducer axis, at crank angle 0 (cam 1 towards +y).
 
     For one disc it is a single part with a counterweight. Several discs, evenly spaced around it, balance each other;
     their crank is assembled from a plain shaft, a cam per disc and a spacer per gap, which guides the discs.
@@ -52,21 +52,21 @@ def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def stretches(reducer: Reducer, chord_error: float | None = None) -> Mapping[str, Stretch]:
-    """Return the stretches of the crank by name; see `crank_part`.
+    """Return the stretches of the crank by name, from the motor on; see `crank_part`.
 
-    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam in the disc; or
-    journal, cam 1, neck with the spacer around it, cam 2, ...; and for a straddled shaft a journal beyond the discs,
-    for the bearing in the hub of the output.
+    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam in the disc; or journal,
+    cam 1, neck with the spacer around it, cam 2, ...; and for a straddled shaft a journal beyond the discs, for the
+    bearing in the hub of the output.
     """
     if reducer.design.gear.discs == 1:
-        crank_stretches = _with_counterweight(reducer, drawing_error(reducer, chord_error))
+        crank_stretches = _single_disc_crank(reducer, drawing_error(reducer, chord_error))
     else:
-        crank_stretches = _of_several(reducer)
+        crank_stretches = _multi_disc_crank(reducer)
     return {stretch.name: stretch for stretch in crank_stretches}
 
 
 def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
-    """Return the parts of the crank of several discs: shaft, spacer (in its own frame) and cams.
+    """Return the separate parts of the crank of several discs: shaft, spacer (in its own frame) and cams.
 
     Raises
     ------
@@ -74,10 +74,10 @@ def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
         The shaft is too thick for its cams.
     """
     design = reducer.design
-    of, density = stretches(reducer), design.material_of("shaft").density
-    journal, cams = of[JOURNAL], [of[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
-    ring, half = of[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
-    ends = of.get(FAR, cams[-1]).z1
+    by_name, density = stretches(reducer), design.material_of("shaft").density
+    journal, cams = by_name[JOURNAL], [by_name[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
+    ring, half = by_name[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
+    ends = by_name.get(FAR, cams[-1]).z1
     return (
         Part(names.SHAFT, (Stretch(JOURNAL, journal.outline, (), journal.z0, ends),), density),
         Part(names.SPACER, (Stretch(names.SPACER, ring.outline, ring.holes, -half, half),), density),
@@ -108,7 +108,7 @@ class CounterweightContour:
         return np.concatenate([lower, journal[: len(journal) // 2 + 1]])
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return both arcs and the edges between them."""
+        """Return both arcs and the edges between them; `splines` is not used."""
         outer, inner = self.radius, self.journal.radius
         return (
             Arc((0.0, 0.0), outer, math.pi, 2.0 * math.pi),
@@ -118,8 +118,8 @@ class CounterweightContour:
         )
 
 
-def _with_counterweight(reducer: Reducer, chord_error: float) -> list[Stretch]:
-    """Return the crank of one disc."""
+def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Stretch]:
+    """Return the stretches of the crank of one disc, with the counterweight that balances the disc."""
     design = reducer.design
     shaft, half = design.shaft, design.gear.face_width / 2
     journal, cam = JournalContour(shaft.radius), CircleContour(design.gear.bore_radius, (0.0, design.gear.eccentricity))
@@ -136,8 +136,8 @@ def _with_counterweight(reducer: Reducer, chord_error: float) -> list[Stretch]:
     ]
 
 
-def _of_several(reducer: Reducer) -> list[Stretch]:
-    """Return the crank of several discs, which is balanced without a counterweight."""
+def _multi_disc_crank(reducer: Reducer) -> list[Stretch]:
+    """Return the stretches of the crank of several discs, which balance each other without a counterweight."""
     design = reducer.design
     gear, shaft, half = design.gear, design.shaft, design.gear.face_width / 2
     room = gear.bore_radius - gear.eccentricity
@@ -159,7 +159,7 @@ def _of_several(reducer: Reducer) -> list[Stretch]:
 
 
 def spacer_radius(reducer: Reducer) -> float:
-    """Compute the outer radius of the spacer between two discs [m]: midway from their bores to the output pins.
+    """Compute the outer radius [m] of the spacer between two discs: midway between their bores and the output pins.
 
     Both discs are then guided over the full circumference at all crank angles.
     """
@@ -178,18 +178,19 @@ def bearing_width(reducer: Reducer, journal: float) -> float:
 
 
 def bearing_seats(
-    reducer: Reducer, along: Mapping[str, Stretch] | None = None
+    reducer: Reducer, by_name: Mapping[str, Stretch] | None = None
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the ends along z of the two bearings of the crank [m]: the far one from the discs, then the near one.
+    """Return start and end along z [m] of the two crank bearings: of the one far from the discs, then of the near one.
 
-    `along` are the stretches of the crank, if already known. The far bearing of a straddled shaft is beyond the discs.
+    `by_name` are the stretches of the crank, if already known. The far bearing of a straddled shaft is beyond the
+    discs.
     """
-    shaft, along = reducer.design.shaft, along or stretches(reducer)
-    start, end = along[JOURNAL].z0, min(along[JOURNAL].z1, reducer.near_face)
+    shaft, by_name = reducer.design.shaft, by_name or stretches(reducer)
+    start, end = by_name[JOURNAL].z0, min(by_name[JOURNAL].z1, reducer.near_face)
     width = bearing_width(reducer, end - start)
     near = end - shaft.bearing_offset
     far = near - width - shaft.bearing_spacing if shaft.bearing_spacing else start
-    far = along[FAR].z1 - width if FAR in along else far
+    far = by_name[FAR].z1 - width if FAR in by_name else far
     return (far, far + width), (near - width, near)
 
 
@@ -202,15 +203,16 @@ def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Str
 
 
 def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour, chord_error: float) -> float:
-    """Solve the balance of static moments about the axis, over the density of the shaft [m4], for the thickness t [m].
+    """Compute the thickness t [m] of the counterweight that balances cam and disc statically about the axis.
 
-    t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0, with S the integral of y over a cross-section.
+    It solves t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0 [m4], with S the integral of y over a
+    cross-section, w the width of the cam and c the eccentricity. Raises DesignError if t exceeds the shaft's length.
     """
     design = reducer.design
-    lighter = design.material_of("gear").density / design.material_of("shaft").density
+    density_ratio = design.material_of("gear").density / design.material_of("shaft").density
     volume = design.gear.face_width * section_area(reducer, chord_error)
-    of_cam = design.gear.face_width * area_moments(cam.polygon(chord_error)).y
-    unbalance = of_cam + volume * lighter * design.gear.eccentricity
+    cam_moment = design.gear.face_width * area_moments(cam.polygon(chord_error)).y
+    unbalance = cam_moment + volume * density_ratio * design.gear.eccentricity
     thickness = -unbalance / area_moments(counterweight.polygon(chord_error)).y
     shaft = design.shaft
     if thickness >= shaft.length:

@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism
-from cycloid_mj.parts.cut import cut
+from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, assembly_step, places
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.order import ALONG, assembly_order
@@ -99,7 +99,7 @@ def _draw_section(axes: Axes, component: Place, prisms: tuple[Prism, ...], shift
     red, green, blue, _ = COLOURS[names.family(component.part)]
     outer_radius = 0.0
     for prism in prisms:
-        for low, high in cut(prism, (0.0, distance if names.family(component.part) != names.GEAR else y)):
+        for low, high in cut_prism(prism, (0.0, distance if names.family(component.part) != names.GEAR else y)):
             corner = MILLIMETRES * (prism.z0 + z + shift), MILLIMETRES * low
             size = MILLIMETRES * (prism.z1 - prism.z0), MILLIMETRES * (high - low)
             axes.add_patch(Rectangle(corner, *size, facecolor=(red, green, blue), edgecolor="#26323D", linewidth=0.3))

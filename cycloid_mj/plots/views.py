@@ -13,7 +13,7 @@ from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gea
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, body_solids, output_centres, parts
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
-from cycloid_mj.parts.cut import cut
+from cycloid_mj.parts.cut_prism import cut_prism
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.plots.dimension import TEXT, draw_dimension, draw_leader
 from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_output_pins, draw_region, draw_ring_pins
@@ -99,7 +99,7 @@ def _draw_section(axes: Axes, reducer: Reducer, shift: float) -> None:
     for name, prism, centre, plane in _placed_prisms(reducer):
         part = family(name)
         look = {**LOOKS[PARTS[part]], "linewidth": 0.6, "hatch": HATCHES[part]}
-        for low, high in cut(prism, (float(centre[0]), float(centre[1]))):
+        for low, high in cut_prism(prism, (float(centre[0]), float(centre[1]))):
             corner = (MILLIMETRES * (prism.z0 + plane) + shift, MILLIMETRES * low)
             axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, MILLIMETRES * (high - low), **look))
     ends = [MILLIMETRES * end + shift for _, prism, _, plane in _placed_prisms(reducer) for end in (prism.z0, prism.z1)]

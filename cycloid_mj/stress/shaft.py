@@ -20,7 +20,7 @@ from scipy import sparse
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, Integers, Mask, cross
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
+from cycloid_mj.parts.crank import ShaftDimensions, shaft_dimensions
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.case import LoadCase, Response, mass_coefficients
@@ -159,7 +159,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     CycloidError
         The loads are not those of the cams of the shaft.
     """
-    shaft = shaft_measures(reducer)
+    shaft = shaft_dimensions(reducer)
     cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
     if loads.part != "shaft" or loads.labels != cams:
         raise CycloidError(

@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
+from cycloid_mj.parts.crank import ShaftDimensions, shaft_dimensions
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic_mesh
 from cycloid_mj.stress.packages import open_mesher
@@ -20,7 +20,7 @@ CORNER_DISTANCE = 0.15
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
     """Build the tetrahedral grid of the shaft in the frame of its solid: the reducer's axis, cam towards +y."""
-    shaft = shaft_measures(reducer)
+    shaft = shaft_dimensions(reducer)
     edge = settings.solid_edge * shaft.radius / settings.refinement
     return Grid(
         part="shaft",

@@ -17,7 +17,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE
-from cycloid_mj.parts.crank import shaft_measures
+from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.bulk import RUNGS_PER_OCTAVE, find_plateau, relative_drop
 from cycloid_mj.stress.closed import LineStress, line_stress
@@ -330,7 +330,7 @@ def _checked_rows(stress: Array, count: int) -> npt.NDArray[np.intp]:
 def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[Notch, ...]:
     """Compute the stress at the fillets of a part, nominal times notch factor, under the loads it was solved for."""
     if stress.part == "shaft":
-        return shaft_shoulders(reducer, shaft_measures(reducer), stress.moments, loads.angle)
+        return shaft_shoulders(reducer, shaft_dimensions(reducer), stress.moments, loads.angle)
     return output_roots(reducer, loads) if stress.part == "output" else ()
 
 

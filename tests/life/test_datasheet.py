@@ -23,7 +23,7 @@ from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, input_
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts import mass_properties, parts
-from cycloid_mj.parts.cut import cut
+from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.prism import Prism
 from cycloid_mj.plots.datasheet import datasheet_pages, datasheet_pictures, format_value
 from cycloid_mj.plots.save import document
@@ -153,16 +153,16 @@ def test_a_ring_that_turns_counts_in_the_place_of_the_output() -> None:
 
 def test_a_cut_is_what_the_plane_meets() -> None:
     hole = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
-    assert cut(Prism(SQUARE, (hole,), 0.0, 1.0)) == [(-2.0, -0.5), (0.5, 2.0)]
-    assert cut(Prism(SQUARE, (hole,), 0.0, 1.0), (0.0, 5.0)) == [(3.0, 4.5), (5.5, 7.0)]
-    assert cut(Prism(SQUARE, (hole,), 0.0, 1.0), (2.0, 0.0)) == [(-2.0, 2.0)]
-    assert cut(Prism(SQUARE, (), 0.0, 1.0), (9.0, 0.0)) == []
+    assert cut_prism(Prism(SQUARE, (hole,), 0.0, 1.0)) == [(-2.0, -0.5), (0.5, 2.0)]
+    assert cut_prism(Prism(SQUARE, (hole,), 0.0, 1.0), (0.0, 5.0)) == [(3.0, 4.5), (5.5, 7.0)]
+    assert cut_prism(Prism(SQUARE, (hole,), 0.0, 1.0), (2.0, 0.0)) == [(-2.0, 2.0)]
+    assert cut_prism(Prism(SQUARE, (), 0.0, 1.0), (9.0, 0.0)) == []
     # edges that lie in the plane itself count once
-    assert cut(Prism(SQUARE + np.array([3.0, 0.0]), (), 0.0, 1.0)) in ([], [(-2.0, 2.0)])
+    assert cut_prism(Prism(SQUARE + np.array([3.0, 0.0]), (), 0.0, 1.0)) in ([], [(-2.0, 2.0)])
 
 
 def test_the_section_of_the_gear_has_its_holes_and_bore() -> None:
-    found = cut(parts(Reducer(PIN))["gear"].prisms[0])
+    found = cut_prism(parts(Reducer(PIN))["gear"].prisms[0])
     edges = 1e3 * np.array(found).ravel()
     hole = 5.001
     assert edges[1:-1] == pytest.approx([-26 - hole, -26 + hole, -15.001, 15.001, 26 - hole, 26 + hole], abs=1e-3)

@@ -35,7 +35,7 @@ from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.patch import distribute_contacts
 from cycloid_mj.stress.recover import build_recovery, principal, stresses, stresses_at_points, von_mises
 from cycloid_mj.stress.region import Boundary, Region
-from cycloid_mj.stress.shaftgrid import shaft_measures
+from cycloid_mj.stress.shaftgrid import shaft_dimensions
 from cycloid_mj.stress.springs import PartSprings, part_springs
 from cycloid_mj.stress.study import StudySettings
 from cycloid_mj.stress.surface import select_surface
@@ -320,7 +320,7 @@ def test_bulk_leaves_the_patches_out_and_does_not_hang_on_the_grid() -> None:
 @pytest.mark.slow
 def test_torsion_of_the_shaft(shaft: Grid) -> None:
     """A couple between cam and input end shears the journal's surface by 2 T/(pi r^3), within 1 %."""
-    measures = shaft_measures(Reducer(PIN))
+    measures = shaft_dimensions(Reducer(PIN))
     part = elastic.assemble_body(
         shaft, STEEL, springs=shaft_loading.bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5)
     )
@@ -376,7 +376,7 @@ def test_superposition_equals_a_direct_solve() -> None:
     whole = elastic.assemble_stiffness(shaft, STEEL) + case.body.springs
     direct[free] = elastic._factorise_by_superlu(sparse.tril(whole[free][:, free], format="csc"), "shaft")(forces[free])
     np.testing.assert_allclose(moved, direct, rtol=0, atol=1e-9 * np.abs(direct).max())
-    measures = shaft_measures(Reducer(PIN))
+    measures = shaft_dimensions(Reducer(PIN))
     psi = np.linspace(-np.pi, np.pi, 721)
     series = sum(shaft_loading._half_cosine(m) * np.cos(m * psi) for m in shaft_loading.MODEL.harmonics)
     assert np.abs(series - np.maximum(0.0, np.cos(psi))).max() < 0.04

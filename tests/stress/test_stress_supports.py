@@ -12,7 +12,7 @@ from designs import cases, unlike
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.parts import shaft_solid
-from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
+from cycloid_mj.parts.crank import ShaftDimensions, shaft_dimensions
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.shoulder import BENDING, TORSION, shoulder_factor
 from cycloid_mj.stress import GridSettings, PartLoads, PartStress, part_grid, solve
@@ -111,7 +111,7 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
     Opposite the pressure of a bearing a stretch as short as the shaft is thick bears less than a beam (Timoshenko and
     Goodier, Theory of Elasticity, art. 40), so the second is less. Bearings that pull as well would leave 18 % less.
     """
-    shaft, force = shaft_measures(Reducer(design)), CAM_FORCE
+    shaft, force = shaft_dimensions(Reducer(design)), CAM_FORCE
     found = under_a_cam_force(design)
     bed = MODEL.bearing_stiffness * design.material.youngs_modulus * shaft.radius
     beam = beam_moment(design, shaft, force, bed)
@@ -130,7 +130,7 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
 @needs_fem
 def test_the_shoulders_have_the_moment_of_statics() -> None:
     """Before the counterweight the cam's force bends with its whole arm, and the crank's torque twists."""
-    shaft, force = shaft_measures(Reducer(OVERHANG)), CAM_FORCE
+    shaft, force = shaft_dimensions(Reducer(OVERHANG)), CAM_FORCE
     found = under_a_cam_force(OVERHANG)
     at_counterweight = shaft_shoulders(Reducer(OVERHANG), shaft, found.moments, found.angle)[1]
     section = math.pi * shaft.radius**3
@@ -142,12 +142,12 @@ def test_the_shoulders_have_the_moment_of_statics() -> None:
 def test_bearings_stand_where_the_design_says() -> None:
     """Spacing between middles, offset from the counterweight, width; straddling, the far one lies beyond the gear."""
     given = ["shaft.bearing_width_mm=5.0", "shaft.bearing_offset_mm=1.5", "shaft.bearing_spacing_mm=12.0"]
-    shaft = shaft_measures(Reducer(override(PIN, given)))
+    shaft = shaft_dimensions(Reducer(override(PIN, given)))
     (a, b), (c, d) = shaft.bearings
     assert (d - c, b - a) == pytest.approx((5e-3, 5e-3))
     assert shaft.counterweight[0] - d == pytest.approx(1.5e-3)
     assert (c + d - a - b) / 2 == pytest.approx(12e-3)
-    far, near = shaft_measures(Reducer(STRADDLE)).bearings
+    far, near = shaft_dimensions(Reducer(STRADDLE)).bearings
     assert near[1] < 0.0 < PIN.gear.face_width / 2 < far[0]
     beyond = shaft_solid(Reducer(STRADDLE)).prisms[-1]
     assert (beyond.z0, beyond.z1) == pytest.approx((PIN.gear.face_width / 2, far[1]))

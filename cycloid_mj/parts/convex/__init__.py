@@ -46,9 +46,10 @@ __all__ = [
 
 
 def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface, ...]:
-    """Return all sliced working surfaces of a design: teeth, bore and holes of the discs, and their mating surfaces.
+    """Slice all working surfaces of a design into convex pieces: teeth, bore and holes of the discs, and the ring.
 
-    Discs of another size have teeth of their own; all discs have the holes of the first one, at their own positions.
+    The ring has the lobes of an internal gear, or sockets of free pins, or nothing if its pins are fixed. Discs of
+    another size have teeth of their own; all discs have the holes of the first one, at their own positions.
 
     Raises the errors of `ring_lobes`.
     """

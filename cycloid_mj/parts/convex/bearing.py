@@ -42,7 +42,10 @@ def gear_bore(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
 
 
 def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Return the manufactured holes of a disc, in its frame; `member` is the hole, 1 on +y, clockwise."""
+    """Slice the output holes of a disc, as manufactured, into flat facets in the frame of the disc.
+
+    `SlicePlacement.member` is the number of the hole: 1 on +y, then clockwise.
+    """
     output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
     radius = output.hole_radius + reducer.design.clearance.output
@@ -52,7 +55,10 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Return the manufactured sockets of free pins, in the frame of the reducer; `member` is the pin, as for holes."""
+    """Slice the sockets of free ring pins, as manufactured, into flat facets in the frame of the reducer.
+
+    `SlicePlacement.member` is the number of the pin: 1 on +y, then clockwise.
+    """
     design = reducer.design
     ring = design.ring
     angles = 2.0 * math.pi * np.arange(ring.teeth) / ring.teeth
@@ -70,7 +76,10 @@ def facet_count(hole: Hole, settings: ConvexSettings) -> int:
 
 
 def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Return the slices of holes as flat facets of a thickness [m], with their positions."""
+    """Slice the wall of equal holes into flat facets of a `depth` [m], with one placement per facet and hole.
+
+    The facets are at such a distance from the axis that their middles and corners deviate equally from the circle.
+    """
     play, whole = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
     step = 2.0 * hole.half_angle / count
@@ -84,7 +93,7 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
     curvature = 1.0 / hole.inner_radius - 1.0 / hole.radius
     facet = convex_slice(hole.name, outline, width, curvature, hole.radius, play)
     angles = (np.arange(count) + 0.5) * step - hole.half_angle
-    places = [
+    placements = [
         SlicePlacement(0, member, float(turn + angle), (float(centre[0]), float(centre[1])))
         for member, (turn, centre) in enumerate(zip(hole.turns, hole.centres, strict=True), start=1)
         for angle in angles
@@ -95,7 +104,7 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
     return ConvexSurface(
         name=hole.name,
         slices=(facet,),
-        places=tuple(places),
+        places=tuple(placements),
         half_width=0.5 * (reducer.design.gear.stack_width if hole.name == "socket" else reducer.design.gear.face_width),
         points=hole.centres[0] + hole.radius * seen,
         normals=-seen,

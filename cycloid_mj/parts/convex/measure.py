@@ -7,13 +7,13 @@ from scipy.spatial import ConvexHull
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism
-from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, quality
+from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, summarize_quality
 from cycloid_mj.parts.convex.settings import METHOD
 from cycloid_mj.parts.inertia import region_moments
 
 
 def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, normals: Array) -> Quality:
-    """Measure convex pieces along the wall normals at half the height of their prism.
+    """Measure how far the convex pieces of a prism deviate from its walls, along normals at half its height.
 
     Parameters
     ----------
@@ -25,12 +25,21 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
         Points (k, 2) [m] of its true walls and unit normals out of the material.
     """
     middle = 0.5 * (region.z0 + region.z1)
-    at, out = np.insert(points, 2, middle, axis=1), np.insert(normals, 2, 0.0, axis=1)
+    points_3d, normals_3d = np.insert(points, 2, middle, axis=1), np.insert(normals, 2, 0.0, axis=1)
     bodies = [hull_body(piece.vertices) for piece in pieces]
-    ends = fill(at, out, bodies, METHOD.depth, METHOD.reach, seam=METHOD.coacd_grid * float(np.ptp(region.outline)))
+    ends = fill(
+        points_3d,
+        normals_3d,
+        bodies,
+        METHOD.depth,
+        METHOD.reach,
+        seam=METHOD.coacd_grid * float(np.ptp(region.outline)),
+    )
     volume = math.fsum(float(ConvexHull(piece.vertices).volume) for piece in pieces)
     true_volume = region_moments(region).area * region.height
-    return quality(np.minimum(ends, free_distance(region, points, normals)), len(pieces), volume / true_volume - 1.0)
+    return summarize_quality(
+        np.minimum(ends, free_distance(region, points, normals)), len(pieces), volume / true_volume - 1.0
+    )
 
 
 def wall_samples(region: Prism) -> tuple[Array, Array]:
@@ -46,7 +55,10 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
 
 
 def free_distance(region: Prism, points: Array, normals: Array) -> Array:
-    """Compute the distance along each normal to the next material of the prism, at most `METHOD.reach` [m] (k,)."""
+    """Compute the free length of each wall normal (k,) [m], up to the next material of the prism or `METHOD.reach`.
+
+    `points` (k, 2) [m] are on its walls, `normals` (k, 2) point out of its material.
+    """
     rings = (region.outline, *region.holes)
     starts = np.concatenate(rings)
     edges = np.concatenate([np.roll(ring, -1, axis=0) - ring for ring in rings])
@@ -55,11 +67,14 @@ def free_distance(region: Prism, points: Array, normals: Array) -> Array:
     )
 
 
-def _first_crossing(starts: Array, edges: Array, normal: Array) -> float:
-    """Solve ``s normal = start + q edge`` for the smallest s above rounding with q in [0, 1]."""
-    turn = normal[0] * edges[:, 1] - normal[1] * edges[:, 0]
-    turn = np.where(turn == 0.0, np.inf, turn)
-    along = (starts[:, 0] * edges[:, 1] - starts[:, 1] * edges[:, 0]) / turn
-    across = (starts[:, 0] * normal[1] - starts[:, 1] * normal[0]) / turn
-    met = (along > METHOD.depth) & (across >= 0.0) & (across <= 1.0)
-    return float(along[met].min(initial=METHOD.reach))
+def _first_crossing(corners: Array, edges: Array, normal: Array) -> float:
+    """Compute the distance [m] along a normal from the origin to the nearest of the edges, at most `METHOD.reach`.
+
+    The edges (m, 2) [m] start at `corners` (m, 2). An edge is hit where s normal = corner + q edge with q in [0, 1].
+    """
+    determinant = normal[0] * edges[:, 1] - normal[1] * edges[:, 0]
+    determinant = np.where(determinant == 0.0, np.inf, determinant)
+    along = (corners[:, 0] * edges[:, 1] - corners[:, 1] * edges[:, 0]) / determinant
+    across = (corners[:, 0] * normal[1] - corners[:, 1] * normal[0]) / determinant
+    hits = (along > METHOD.depth) & (across >= 0.0) & (across <= 1.0)
+    return float(along[hits].min(initial=METHOD.reach))

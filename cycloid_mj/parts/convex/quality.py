@@ -62,7 +62,7 @@ def polygon_body(outline: Array) -> ConvexRegion:
 
 
 def hull_body(vertices: Array) -> ConvexRegion:
-    """Build the half spaces of the convex hull of points (n, 3)."""
+    """Return the convex hull of points (n, 3) [m] as half spaces."""
     from scipy.spatial import ConvexHull
 
     scale = np.ptp(vertices, axis=0)
@@ -78,7 +78,7 @@ def hull_body(vertices: Array) -> ConvexRegion:
 def fill(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], start: float, reach: float, seam: float = METHOD.seam
 ) -> Array:
-    """Compute where the union of convex bodies ends along each normal [m], shape (k,).
+    """Compute the height above the surface [m] at which the union of convex bodies ends along each normal, shape (k,).
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def fill(
 
 
 def surface_quality(surface: ConvexSurface) -> Quality:
-    """Measure a sliced surface along its normals.
+    """Measure how far the slices of a working surface deviate from it, along its normals.
 
     Raises
     ------
@@ -116,14 +116,14 @@ def surface_quality(surface: ConvexSurface) -> Quality:
     start, reach = 0.5 * surface.depth, surface.depth
     ends = fill(surface.points, surface.normals, [polygon_body(outline) for outline in outlines], start, reach)
     area = math.fsum(area_moments(outline).area for outline in outlines)
-    measured = quality(ends, len(outlines), area / surface.strip_area - 1.0)
+    measured = summarize_quality(ends, len(outlines), area / surface.strip_area - 1.0)
     require_within(surface.name, measured, surface.overfill_bound, surface.underfill_bound)
     return measured
 
 
-def quality(ends: Array, parts: int, volume_error: float) -> Quality:
-    """Summarise the ends of the pieces along the normals [m], shape (k,)."""
-    over, under = np.maximum(ends, 0.0), np.maximum(-ends, 0.0)
+def summarize_quality(heights: Array, parts: int, volume_error: float) -> Quality:
+    """Summarize the heights (k,) [m] at which convex pieces end above (+) or below (-) the true surface."""
+    over, under = np.maximum(heights, 0.0), np.maximum(-heights, 0.0)
     return Quality(
         parts=parts,
         max_overfill=float(over.max()),
@@ -131,7 +131,7 @@ def quality(ends: Array, parts: int, volume_error: float) -> Quality:
         max_underfill=float(under.max()),
         rms_underfill=rms(under),
         volume_error=volume_error,
-        samples=len(ends),
+        samples=len(heights),
     )
 
 
@@ -146,12 +146,15 @@ def require_within(name: str, quality: Quality, overfill: float, underfill: floa
 
 
 def _intervals(
-    points: Array, normals: Array, bodies: Sequence[ConvexRegion], reach: float
+    points: Array, normals: Array, bodies: Sequence[ConvexRegion], max_distance: float
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
-    """Return the intervals of the normal lines inside the bodies: index of the line, start and end [m]."""
+    """Intersect the normal lines with the bodies; return for each interval inside a body its line, start and end [m].
+
+    Bodies farther than `max_distance` [m] from a point are skipped. Each returned array has one element per interval.
+    """
     intervals = []
     for body in bodies:
-        near = np.flatnonzero(np.linalg.norm(points - body.centre, axis=1) <= body.radius + reach)
+        near = np.flatnonzero(np.linalg.norm(points - body.centre, axis=1) <= body.radius + max_distance)
         if not len(near):
             continue
         slope = normals[near] @ body.normals.T

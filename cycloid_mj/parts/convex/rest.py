@@ -46,7 +46,7 @@ class Rest:
 
 
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """Return the sectors of disc, housing, shaft and output behind their sliced surfaces, spacers included."""
+    """Return the repeating sectors of disc, housing, shaft and output behind their sliced surfaces."""
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
     crank = [stretch for name, stretch in stretches(reducer, error).items() if family(name) != SPACER]
@@ -59,11 +59,11 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
         count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / eye, 0.0)))
         wedge = Prism(_wedge(eye, rim, math.pi / count, error), (), plate.z0, plate.z1)
         output.append(Sector("output", wedge, bound, count))
-    return (*_gear(reducer, settings), _housing(reducer, settings), *shaft, *output)
+    return (*_gear_sectors(reducer, settings), _housing_sector(reducer, settings), *shaft, *output)
 
 
 def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
-    """Decompose a sector into convex pieces by CoACD, with a finer threshold if they exceed the bound.
+    """Decompose a sector into convex pieces by CoACD, halving its threshold while the pieces exceed the bound.
 
     Raises
     ------
@@ -81,11 +81,10 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
     return Rest(sector, pieces, measured)
 
 
-def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Return the core of the gear below the convex pieces of its surfaces, as two sectors that repeat around the axis.
+def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
+    """Return the sectors of a disc inside its sliced surfaces: the hub with one hole, and the band below one valley.
 
-    The first is the hub with one hole, the second the band between hub and lobes, below one valley. Raises DesignError
-    if the band does not fit.
+    Both repeat around the axis. Raises DesignError if nothing is left between hub and lobes.
     """
     design = reducer.design
     depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
@@ -110,8 +109,8 @@ def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
     return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes, of_teeth=True)
 
 
-def _housing(reducer: Reducer, settings: ConvexSettings) -> Sector:
-    """Return the housing behind one lobe, or around one pin."""
+def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
+    """Return the sector of the housing behind the sliced surface of one lobe, or around one pin."""
     design = reducer.design
     ring, error, half = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
     pitch = math.pi / ring.teeth

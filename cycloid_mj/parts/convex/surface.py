@@ -106,7 +106,9 @@ def placed_outline(surface: ConvexSurface, placement: SlicePlacement) -> Array:
 def convex_slice(
     name: str, outline: Array, width: float, curvature: float, radius: float = 0.0, play: float = 0.0
 ) -> Slice:
-    """Return a slice with a counter-clockwise outline.
+    """Return a slice of a surface with this outline (n, 2) [m], made counter-clockwise.
+
+    The other arguments are those of `Slice`; `name` is that of the surface, for the error.
 
     Raises
     ------

@@ -22,7 +22,9 @@ from cycloid_mj.reducer import Reducer
 
 
 def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
-    """Return the manufactured flanks of a disc in its frame, valley 1 on +y; `member` is a valley and the next lobe.
+    """Slice the flanks of a disc, as manufactured, into convex pieces in its frame, valley 1 on +y.
+
+    `SlicePlacement.member` is the number of a valley and of the next lobe.
 
     Raises
     ------
@@ -47,15 +49,15 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)
     quads = _quads("teeth", face, base, between + 1.0 / gear.pin_radius, settings)
     slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
-    seen = profile.sample(gear, METHOD.samples, offset)
+    samples = profile.sample(gear, METHOD.samples, offset)
     base_area = -area_moments(_all_round(_symmetric(base), gear.lobes)).area
     return ConvexSurface(
         name="teeth",
         slices=tuple(slices),
         places=_all_places(len(slices), gear.lobes),
         half_width=0.5 * reducer.design.gear.face_width,
-        points=seen.points,
-        normals=seen.normals,
+        points=samples.points,
+        normals=samples.normals,
         strip_area=profile.area(gear, offset) - base_area,
         depth=depth,
         overfill_bound=METHOD.tolerance * max(settings.chord_error, settings.hull_chord_error),
@@ -65,7 +67,10 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
 
 
 def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Return the flanks of the internal gear in its frame, lobe 1 on +y; `member` is a lobe."""
+    """Slice the flanks of the internal gear into convex pieces in its frame, lobe 1 on +y.
+
+    `SlicePlacement.member` is the number of the lobe.
+    """
     gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
     B = envelope.sigma_nodes(gear, 2.0 * settings.chord_error)
     face, base = (_sigma(gear, B, into) for into in (settings.chord_error, depth))
@@ -73,15 +78,15 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     gear_bend = profile.curvature(gear, -middle / gear.lobes, reducer.profile_offset)
     bends = gear_bend - 1.0 / envelope.Sigma(gear, middle).radius
     slices = [*_quads("lobe", face, base, bends, settings), _ring_tip(gear, settings, depth)]
-    seen = envelope.sample_ring(gear, METHOD.samples)
+    samples = envelope.sample_ring(gear, METHOD.samples)
     base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
     return ConvexSurface(
         name="lobe",
         slices=tuple(slices),
         places=_all_places(len(slices), gear.ring_teeth),
         half_width=0.5 * reducer.design.gear.stack_width,
-        points=seen.points,
-        normals=seen.normals,
+        points=samples.points,
+        normals=samples.normals,
         strip_area=base_area - envelope.area(gear),
         depth=depth,
         overfill_bound=METHOD.tolerance * max(settings.chord_error, settings.hull_chord_error),
@@ -99,9 +104,10 @@ def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
 
 
 def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
-    """Compute the far ends of the slices of the internal gear over one pitch, clockwise, about lobe 1, (n, 2) [m].
+    """Compute the far ends of the slices of the internal gear over one pitch about lobe 1, clockwise, (n, 2) [m].
 
-    They are at `nodes` of the phase B (from the junction to pi), or else have a `chord_error` [m].
+    The slices are `depth` [m] thick. Their ends are at the phases B [rad] in `nodes`, from the junction to pi, or if
+    these are None at phases whose chords have a `chord_error` [m].
     """
     gear = reducer.tooth_profile
     left = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
@@ -111,11 +117,14 @@ def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_
 def _gear_nodes(gear: CycloidGear, offset: float, chord_error: float) -> Array:
     """Compute parameters t from the middle of valley 1 to the inflection, with chords of an error `chord_error`."""
     inflection = profile.inflection_phase(gear) / gear.lobes
-    return _sagitta(gear, offset, 0.0, inflection, chord_error) if inflection > 0.0 else np.zeros(1)
+    return _flank_nodes(gear, offset, 0.0, inflection, chord_error) if inflection > 0.0 else np.zeros(1)
 
 
-def _sagitta(gear: CycloidGear, offset: float, low: float, high: float, chord_error: float) -> Array:
-    """Compute flank parameters between two values whose chords have an error [m], as `profile.sagitta_nodes`."""
+def _flank_nodes(gear: CycloidGear, offset: float, low: float, high: float, chord_error: float) -> Array:
+    """Compute flank parameters [rad] from `low` to `high` whose chords deviate by `chord_error` [m] from the flank.
+
+    The flank is offset by `offset` [m]; see `profile.sagitta_nodes`.
+    """
     profile.require_no_undercut(gear, offset)
     flank = SmoothArc(
         points=lambda t: profile.outline(gear, t, offset),
@@ -133,30 +142,34 @@ def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
 
 
 def _quads(name: str, face: Array, base: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
-    """Return one quadrilateral for each chord of a concave face."""
+    """Return one quadrilateral slice per chord of a concave flank.
+
+    `face` and `base` (n, 2) [m] are points of the flank and of the far ends, `curvature` (n - 1,) [1/m] that of
+    contacts.
+    """
     width = np.linalg.norm(np.diff(face, axis=0), axis=1)
     overlap = METHOD.overlap * settings.chord_error
     outlines = [
-        np.concatenate([_longer(face[i : i + 2], overlap), _longer(base[i : i + 2], overlap)[::-1]])
+        np.concatenate([_extend_ends(face[i : i + 2], overlap), _extend_ends(base[i : i + 2], overlap)[::-1]])
         for i in range(len(width))
     ]
     return [convex_slice(name, outline, float(width[i]), float(curvature[i])) for i, outline in enumerate(outlines)]
 
 
-def _longer(points: Array, overlap: float) -> Array:
+def _extend_ends(points: Array, overlap: float) -> Array:
     """Move the ends of an open polygon outwards along its first and last edge, by half the overlap [m]."""
-    longer = points.copy()
+    extended = points.copy()
     for end, next_to in ((0, 1), (-1, -2)):
         edge = points[end] - points[next_to]
-        longer[end] += 0.5 * overlap * edge / np.linalg.norm(edge)
-    return longer
+        extended[end] += 0.5 * overlap * edge / np.linalg.norm(edge)
+    return extended
 
 
 def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth: float) -> list[Slice]:
-    """Return the convex half of the lobe after valley 1, from inflection to tip, as polygons on one base."""
+    """Slice the convex half of the lobe after valley 1, from inflection to tip, into `settings.hulls` polygons."""
     error = settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
-    t = _sagitta(gear, offset, inflection, tip, 2.0 * error)
+    t = _flank_nodes(gear, offset, inflection, tip, 2.0 * error)
     face = profile.outline(gear, t, offset - error)
     edge = profile.outline(gear, inflection, offset + depth)
     middle = float(edge @ profile.unit(tip)) * profile.unit(tip)
@@ -164,18 +177,18 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
     overlap = METHOD.overlap * settings.chord_error
     slices = []
     for low, high in itertools.pairwise(cuts):
-        base = _longer(edge + np.array([[high], [low]]) / (len(t) - 1) * (middle - edge), overlap)
+        base = _extend_ends(edge + np.array([[high], [low]]) / (len(t) - 1) * (middle - edge), overlap)
         bend = _hull_curvature(gear, offset, gear.lobes * t[[low, high]])
-        outline = np.concatenate([_longer(face[low : high + 1], overlap), base])
+        outline = np.concatenate([_extend_ends(face[low : high + 1], overlap), base])
         slices.append(convex_slice("teeth", outline, math.inf, bend))
     return slices
 
 
 def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
-    """Compute the representative relative curvature of pin and lobe [1/m] between two phases [rad].
+    """Compute the curvature [1/m] that represents the contact of pin and lobe between two phases [rad].
 
-    It is the mean of ln kappa, to which compliance is proportional, weighted by the square of the moment arm as in the
-    stiffness of the mesh.
+    It is the relative curvature kappa whose ln kappa, to which compliance is proportional, is the mean over the phases,
+    weighted by the square of the moment arm as in the stiffness of the mesh.
     """
     B = np.linspace(phases[0], phases[1], METHOD.flank_samples)
     kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius
@@ -184,15 +197,15 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
 
 
 def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slice:
-    """Return half the arc of lobe 1 as one polygon; contacts use a cylinder instead."""
+    """Return half the arc of lobe 1 of the internal gear as one polygon; contacts use a cylinder instead."""
     rho, alpha, error = gear.pin_radius, envelope.largest_alpha(gear), settings.chord_error
     angle = -np.linspace(0.0, alpha, math.ceil(0.5 * alpha / math.acos(1.0 - 2.0 * error / rho)) + 1)
     centre = gear.pin_circle_radius * profile.unit(0.0)
     face = centre - (rho + error) * profile.unit(angle)
     edge = centre - (rho - depth) * profile.unit(angle[-1])
     overlap = METHOD.overlap * settings.chord_error
-    base = _longer(np.array([edge, edge * [0.0, 1.0]]), overlap)
-    return convex_slice("lobe", np.concatenate([_longer(face, overlap), base]), math.inf, 1.0 / rho)
+    base = _extend_ends(np.array([edge, edge * [0.0, 1.0]]), overlap)
+    return convex_slice("lobe", np.concatenate([_extend_ends(face, overlap), base]), math.inf, 1.0 / rho)
 
 
 def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:

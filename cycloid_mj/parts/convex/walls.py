@@ -8,7 +8,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Compute the thickness of the slices of teeth, bore and holes of the disc [m]."""
+    """Compute the thickness [m] of the slices of a disc: `settings.depth` pin radii, less where a wall is thin."""
     design = reducer.design
     output, clearance = design.output, design.clearance
     hole = output.hole_radius + clearance.output
@@ -23,7 +23,7 @@ def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
 
 
 def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Compute the thickness of the slices of internal gear lobes or of sockets [m]."""
+    """Compute the thickness [m] of the slices of the ring: `settings.depth` pin radii, less where a wall is thin."""
     design = reducer.design
     ring = design.ring
     if ring.kind == "nonpin":

@@ -39,7 +39,7 @@ from cycloid_mj.parts.export.printing import STEEL, part_material, separate_part
 from cycloid_mj.parts.export.round_part import tube, with_holes
 from cycloid_mj.parts.export.rv_assembly import RV_COLOURS, rv_assembly_parts, rv_places
 from cycloid_mj.parts.export.step import SPLINES, Place, step_assembly
-from cycloid_mj.parts.parts import Colour, roller_places, tint
+from cycloid_mj.parts.parts import Colour, roller_positions, tint
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.sockets import require_one_ring
 
@@ -84,7 +84,7 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
     turned = {names.HOUSING: ring, names.SHAFT: crank, names.OUTPUT: carrier}
     for body, angle in turned.items():
         yield _rotated_place(body, body, origin, angle, body)
-    rollers = roller_places(reducer) if design.output.rollers else {}
+    rollers = roller_positions(reducer) if design.output.rollers else {}
     for body, attached in ((names.SHAFT, attached_parts(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
         for name, (part, position) in attached.items():
             yield _rotated_place(name, part, position, turned[body], names.ROLLER if part == names.ROLLER else body)

@@ -4,7 +4,7 @@ import math
 
 from cycloid_mj.base import names
 from cycloid_mj.design import fits, stock
-from cycloid_mj.parts import sleeve_core_radius
+from cycloid_mj.parts import parts, sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.casing import (
     bearing_width_of,
@@ -18,6 +18,9 @@ from cycloid_mj.reducer import Reducer
 
 DOWEL_FIT, PIN_FIT = "m6 in H7", "m6 in N7"
 """Fits of locating dowels (ISO 8734, m6), and of pins that carry load by their press fit, for which H7 may be loose."""
+
+GAUGE_FIT = "js5 in R7"
+"""Fit of a pin gauge that carries load by its press fit, as tight as `PIN_FIT`; its +-2 um are within js5."""
 
 RETAINED_FIT, FREE_FIT = "m6 in H7, glued: its socket is open", "0/-2 um, free in its socket"
 """Fits of ring pins in half-open sockets: a tighter fit would push them out; a free pin rolls (ISO 3096, grade G2)."""
@@ -75,6 +78,39 @@ def free_pin(reducer: Reducer) -> stock.Roller | None:
 def sleeve_pin_depth(reducer: Reducer) -> float:
     """Compute how deep the pin inside a sleeve stands in each cover [m]: by its diameter."""
     return 2.0 * sleeve_core_radius(reducer)
+
+
+def press_fit(diameter: float, length: float) -> str:
+    """Return the fit of a pressed-in pin of a diameter and total length [m], by the pin in stock for it."""
+    pin = stock.single_pin(diameter, length)
+    return GAUGE_FIT if pin and pin.designation.startswith(stock.GAUGES) else PIN_FIT
+
+
+def output_pin_span(reducer: Reducer) -> tuple[float, float]:
+    """Return the ends of an output pin [m], including its pressed-in lengths."""
+    output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
+    return drawn.z0 - output.disc_thickness * (output.support == "both_ends"), drawn.z1 + output.disc_thickness
+
+
+def output_pin_length(reducer: Reducer) -> float:
+    """Compute the length of an output pin through discs and gaps, including its pressed-in lengths [m]."""
+    low, high = output_pin_span(reducer)
+    return high - low
+
+
+def output_pin_fit(reducer: Reducer) -> str:
+    """Return the fit of the output pins in the discs of the output."""
+    return press_fit(2.0 * reducer.design.output.root_radius, output_pin_length(reducer))
+
+
+def sleeve_pin_length(reducer: Reducer) -> float:
+    """Compute the length [m] of the pin inside a sleeve, which stands in both covers by `sleeve_pin_depth`."""
+    return 2.0 * (ring_end(reducer) + sleeve_pin_depth(reducer))
+
+
+def sleeve_pin_fit(reducer: Reducer) -> str:
+    """Return the fit of the pins inside sleeves in the covers."""
+    return press_fit(2.0 * sleeve_core_radius(reducer), sleeve_pin_length(reducer))
 
 
 def fixed_pin(reducer: Reducer) -> tuple[stock.Dowel, int] | None:

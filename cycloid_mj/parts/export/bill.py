@@ -21,17 +21,18 @@ from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.bearings import (
     FREE_FIT,
-    PIN_FIT,
     RETAINED_FIT,
     ROLLER_FIT,
     SHAFT_BEARINGS,
     fit_of,
     fixed_pin,
     free_pin,
+    output_pin_length,
     pin_pieces,
+    press_fit,
     shaft_bearing,
     shaft_bearing_fit,
-    sleeve_pin_depth,
+    sleeve_pin_length,
 )
 from cycloid_mj.parts.export.bearings import (
     cam_seat as full_cam_seat,
@@ -54,7 +55,7 @@ from cycloid_mj.parts.export.crank_joints import cam_key
 from cycloid_mj.parts.export.drive import filling
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, Joint, JointKind, TappedHole
 from cycloid_mj.parts.export.joints import ITEMS, bought_parts, drive_joints
-from cycloid_mj.parts.export.printing import STEEL, manufactured_parts, output_pin_length, part_material
+from cycloid_mj.parts.export.printing import STEEL, manufactured_parts, part_material
 from cycloid_mj.parts.export.round_part import with_holes
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
@@ -249,18 +250,18 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
             sleeve = _round_line(names.PIN, count * ring.teeth, diameters, length, material)
             yield replace(sleeve, designation="sleeve to measure", fit="F7 on its pin")
             core = sleeve_core_radius(reducer)
-            reach = 2.0 * (sizes.end + sleeve_pin_depth(reducer)) if sizes else gear.stack_width
-            yield _pin(PRESSED_PIN, ring.teeth, core, reach, material, PIN_FIT)
+            reach = sleeve_pin_length(reducer) if sizes else gear.stack_width
+            yield _pressed_pin(PRESSED_PIN, ring.teeth, core, reach, material)
         elif ring.has_sockets:
             yield _free_pin(reducer, material)
         elif fixed_pin(reducer) or not free_pin(reducer):
-            yield _pin(names.PIN, ring.teeth, ring.pin_radius, gear.stack_width, material, RETAINED_FIT)
+            yield _fixed_pin(reducer, material)
         else:
             line = _free_pin(reducer, material)
             yield replace(line, fit=line.fit.replace(FREE_FIT.rpartition(", ")[2], "glued: its socket is open"))
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
-        yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, design.material_of(names.OUTPUT), PIN_FIT)
+        yield _pressed_pin(OUTPUT_PIN, output.pins, output.root_radius, length, design.material_of(names.OUTPUT))
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
         yield _bar(reducer, sizes)
 
@@ -288,17 +289,29 @@ def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
     return f", bored {_mm(2.0 * radius)} x {_mm(end - start)} mm"
 
 
-def _pin(item: str, count: int, radius: float, reach: float, material: Material, fit: str) -> BillLine:
-    """Return the line of round pins: pins in stock, perhaps cut to length, or pins of their own size.
+def _fixed_pin(reducer: Reducer, material: Material) -> BillLine:
+    """Return the line of fixed ring pins: pins in stock, several in line where none is long enough."""
+    ring, (in_line, length) = reducer.design.ring, pin_pieces(reducer)
+    pin = fixed_pin(reducer)
+    return _pin_line(names.PIN, ring.teeth * in_line, pin and pin[0], (ring.pin_radius, length), material, RETAINED_FIT)
 
-    Several short pins in line replace a ring pin, which rests in its socket; other pins bend and are one piece.
-    """
-    in_stock, diameter = stock.pins(2.0 * radius, reach), (("diameter", radius),)
-    if not in_stock or (in_stock[1] > 1 and item != names.PIN):
-        return _round_line(item, count, diameter, reach, material)
-    pin, in_line = in_stock
-    cut = reach / in_line if in_line * pin.length > reach + stock.ROUNDING else 0.0
-    line = _round_line(item, count * in_line, diameter, pin.length, material, cut)
+
+def _pressed_pin(item: str, count: int, radius: float, length: float, material: Material) -> BillLine:
+    """Return the line of pins that bend in their seats, each in one piece of a radius and length [m]."""
+    diameter = 2.0 * radius
+    pin, fit = stock.single_pin(diameter, length), press_fit(diameter, length)
+    return _pin_line(item, count, pin, (radius, length), material, fit)
+
+
+def _pin_line(
+    item: str, count: int, pin: stock.Dowel | None, size: tuple[float, float], material: Material, fit: str
+) -> BillLine:
+    """Return the line of round pins of a radius and length [m], cut from a pin in stock unless it is None."""
+    radius, length = size
+    if not pin:
+        return _round_line(item, count, (("diameter", radius),), length, material)
+    cut = length if pin.length > length + stock.ROUNDING else 0.0
+    line = _round_line(item, count, (("diameter", radius),), pin.length, material, cut)
     return replace(line, designation=pin.designation, fit=fit + (f", cut to {_mm(cut)} mm" if cut else ""))
 
 

@@ -7,7 +7,7 @@ from cycloid_mj.base import names
 from cycloid_mj.parts import Part, Stretch, lay_out_parts
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.contour import CircleContour
-from cycloid_mj.parts.export.bearings import pin_pieces, roller_bore, sleeve_pin_depth
+from cycloid_mj.parts.export.bearings import pin_pieces, roller_bore, sleeve_pin_length
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
@@ -103,7 +103,7 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     if name == names.HOUSING:
         return part.of(_wider(item, sizes.play, item is drawn[0], item is drawn[-1]) for item in drawn)
     if name == PRESSED_PIN:
-        reach = sizes.end + sleeve_pin_depth(reducer)
+        reach = 0.5 * sleeve_pin_length(reducer)
         return part.of(replace(stretch, z0=-reach, z1=reach) for stretch in drawn)
     if name == names.PIN:
         _, length = pin_pieces(reducer)

@@ -13,13 +13,14 @@ from cycloid_mj.parts import crank_stretches, sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import (
     FREE_FIT,
-    PIN_FIT,
     RETAINED_FIT,
     ROLLER_FIT,
     cam_radius,
     cup_fit,
+    output_pin_fit,
     pin_pieces,
     sleeve_pin_depth,
+    sleeve_pin_fit,
 )
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
@@ -155,7 +156,7 @@ def _sleeve_pins(reducer: Reducer, sizes: Casing) -> Joint:
     )
     parts = PRESSED_PIN, MOTOR_COVER, OUTPUT_COVER
     seats = 2 * ring.teeth, 2.0 * radius, depth
-    return Joint("pins of the sleeves", JointKind.PRESSED, parts, holes, (), PIN_FIT, *seats)
+    return Joint("pins of the sleeves", JointKind.PRESSED, parts, holes, (), sleeve_pin_fit(reducer), *seats)
 
 
 def _output_pins(reducer: Reducer) -> Iterator[Joint]:
@@ -166,7 +167,7 @@ def _output_pins(reducer: Reducer) -> Iterator[Joint]:
     diameter, discs = 2.0 * output.root_radius, 2 if output.support == "both_ends" else 1
     parts = OUTPUT_PIN, *((names.OUTPUT, SECOND_OUTPUT)[:discs])
     seats = output.pins * discs, diameter, output.disc_thickness
-    yield Joint("output pins in their discs", JointKind.PRESSED, parts, (), (), PIN_FIT, *seats)
+    yield Joint("output pins in their discs", JointKind.PRESSED, parts, (), (), output_pin_fit(reducer), *seats)
     if output.rollers:
         rolling = output.pins * gear.discs, diameter, gear.face_width
         parts = names.ROLLER, OUTPUT_PIN

@@ -19,7 +19,7 @@ from cycloid_mj.design import Material, fits
 from cycloid_mj.parts import Part
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import circle_of
-from cycloid_mj.parts.cut import cut
+from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.bearings import cam_radius
 from cycloid_mj.parts.export.casing import (
@@ -112,7 +112,7 @@ def _drawing(
     prisms = part.solid(VISUAL_CHORD_ERROR).prisms
     material, printed = part_material(reducer, name, sizes), is_printed(reducer, material_part(reducer, name))
     front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
-    section = tuple((prism.z0, prism.z1, low, high) for prism in prisms for low, high in cut(prism))
+    section = tuple((prism.z0, prism.z1, low, high) for prism in prisms for low, high in cut_prism(prism))
     diameters = tuple(_diameters(reducer, part, name, joints))
     faces = sorted({round(face, 9) for prism in prisms for face in (prism.z0, prism.z1)})
     lengths = tuple(Dimension(_mm(face - faces[0]), faces[0], face) for face in faces[1:])

@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Material
 from cycloid_mj.parts import Part, Solid, Stretch, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
-from cycloid_mj.parts.export.bearings import cam_radius
+from cycloid_mj.parts.export.bearings import cam_radius, output_pin_span
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
@@ -194,18 +194,6 @@ def separate_parts(
         density = part_material(reducer, SECOND_OUTPUT, sizes).density
         laid[SECOND_OUTPUT] = replace(laid[SECOND_OUTPUT], density=density)
     return laid
-
-
-def output_pin_span(reducer: Reducer) -> tuple[float, float]:
-    """Return the ends of an output pin [m], including its pressed-in lengths."""
-    output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
-    return drawn.z0 - output.disc_thickness * (output.support == "both_ends"), drawn.z1 + output.disc_thickness
-
-
-def output_pin_length(reducer: Reducer) -> float:
-    """Compute the length of an output pin through discs and gaps, including its pressed-in lengths [m]."""
-    low, high = output_pin_span(reducer)
-    return high - low
 
 
 def _cam_radius(reducer: Reducer, seat: float) -> float:
