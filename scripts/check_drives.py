@@ -19,7 +19,7 @@ from drive_distances import smallest_distances
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import presets_for, resolve
-from cycloid_mj.parts.export import Casing, bill, casing, places
+from cycloid_mj.parts.export import Casing, bill, casing, place_parts
 from cycloid_mj.parts.export.drive import drive_mass
 from cycloid_mj.reducer import Reducer
 
@@ -52,7 +52,7 @@ def bill_differences(reducer: Reducer, sizes: Casing) -> Iterator[str]:
     """Yield a sentence for each line of the bill whose count differs from the solids, and if the masses differ."""
     lines = [line for line in bill(reducer, 0.0, sizes) if line.made_or_bought != "consumable"]
     listed = {line.item: line.count for line in lines}
-    drawn = Counter(place.part for place in places(reducer, 0.0, sizes))
+    drawn = Counter(place.part for place in place_parts(reducer, 0.0, sizes))
     for item in sorted(listed.keys() | drawn.keys()):
         if listed.get(item, 0) != drawn[item]:
             yield f"{item}: {listed.get(item, 0)} in the bill, {drawn[item]} in the assembly"

@@ -21,7 +21,7 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.curve import Circle
-from cycloid_mj.parts.export import Casing, Place, places
+from cycloid_mj.parts.export import Casing, PlacedPart, place_parts
 from cycloid_mj.parts.export.assembly import assembly_sections
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import (
@@ -66,7 +66,7 @@ class Face:
     points: Array
     owners: Array
 
-    def moved(self, place: Place) -> "Face":
+    def moved(self, place: PlacedPart) -> "Face":
         """Return it at a place of its part."""
         motion = occ.gp_Trsf()
         motion.SetRotation(occ.gp_Ax1(occ.gp_Pnt(), occ.gp_Dir(0.0, 0.0, 1.0)), place.angle)
@@ -175,7 +175,7 @@ def _prisms(
 
     `faces` are the faces and sections of each part by name.
     """
-    for place in places(reducer, crank, sizes):
+    for place in place_parts(reducer, crank, sizes):
         z = place.origin[2]
         for face, section in faces[place.part]:
             ends = section.z0 + z, section.z1 + z
@@ -186,7 +186,7 @@ def _prisms(
                 yield Prism(place.name, place.body, face.moved(place), *ends)
 
 
-def _rings(reducer: Reducer, sizes: Casing, place: Place, drawn: PartSection) -> Iterator[tuple[str, Face]]:
+def _rings(reducer: Reducer, sizes: Casing, place: PlacedPart, drawn: PartSection) -> Iterator[tuple[str, Face]]:
     """Yield the outer ring of a bearing with its body, and its inner ring unless it is a drawn cup."""
     (outside,), (bore,) = drawn.loops
     assert isinstance(outside, Circle)

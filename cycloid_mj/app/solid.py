@@ -13,11 +13,11 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Part, mesh
 from cycloid_mj.parts.accuracy import SCREEN_CHORD_ERROR
-from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, places
+from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, place_parts
 from cycloid_mj.parts.export.casing import casing_or_none
-from cycloid_mj.parts.export.insertion import Move, moves
+from cycloid_mj.parts.export.insertion import Move, assembly_moves
 from cycloid_mj.parts.export.order import ALONG
-from cycloid_mj.parts.export.step import Place
+from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.parts.parts import tint
 from cycloid_mj.reducer import Reducer
 
@@ -50,8 +50,8 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     reducer = reducer_at_reference(reducer)
     design = reducer.design
     sizes, reason = casing_or_none(reducer, options.motor)
-    geometry, components = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
-    assembly_moves = moves(reducer, sizes) if sizes else ()
+    geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
+    assembly_moves = assembly_moves(reducer, sizes) if sizes else ()
     steps, shifts = _number_steps(assembly_moves), _exploded_shifts(reducer, geometry, components)
     phases = dict(zip(reducer.gears, map(float, reducer.phases), strict=True))
     parts = [
@@ -76,7 +76,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     }
 
 
-def _component_json(component: Place, phases: Mapping[str, float], step: int, shift: float) -> dict[str, Any]:
+def _component_json(component: PlacedPart, phases: Mapping[str, float], step: int, shift: float) -> dict[str, Any]:
     """Convert position and motion of a component to JSON values.
 
     A disc and its bearing are relative to the disc's centre; `shift` is that of the exploded view along the axis [m].
@@ -124,7 +124,7 @@ def _describe_steps(assembly_moves: Sequence[Move]) -> Iterator[str]:
         yield listed if group_name in new_parts or group in counts else f"{listed} into the {group}"
 
 
-def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Sequence[Place]) -> dict[str, float]:
+def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Sequence[PlacedPart]) -> dict[str, float]:
     """Compute the shift of each family of parts along the axis [m] in the exploded view, in order of assembly."""
     gap, start, shifts = EXPLODED_GAP * reducer.design.housing.outer_radius, 0.0, dict[str, float]()
     families = {names.family(component.part) for component in components}

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.checks.check import Check
 from cycloid_mj.parts.export.casing import casing_or_none
-from cycloid_mj.parts.export.rules import broken_rules
+from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.parts.export.running import running_gaps
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import is_drawn
@@ -18,7 +18,7 @@ def casing_checks(reducer: Reducer) -> Iterator[Check]:
     sizes, _ = casing_or_none(reducer)
     if sizes is None:
         return
-    broken = tuple(broken_rules(reducer, sizes))
+    broken = tuple(describe_violations(reducer, sizes))
     play = f"{MILLIMETRES * sizes.play:g} mm"
     least = min(gap.distance for gap in running_gaps(reducer, sizes) if gap.axial)
     yield Check(

@@ -479,13 +479,13 @@ def _casing_sizes(reducer: Reducer, motor: "Motor", cover_material: str) -> "Cas
     An RV reducer has none.
     """
     from cycloid_mj.parts.export import casing_or_none
-    from cycloid_mj.parts.export.rules import broken_rules
+    from cycloid_mj.parts.export.rules import describe_violations
 
     if isinstance(reducer, RvReducer):
         return None
     sizes, reason = casing_or_none(reducer, motor, cover_material)
     if sizes:
-        warn(reducer.design.name, broken_rules(reducer, sizes))
+        warn(reducer.design.name, describe_violations(reducer, sizes))
     else:
         warn(reducer.design.name, (f"without covers: {reason}",))
     return sizes

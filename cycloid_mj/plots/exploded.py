@@ -11,10 +11,10 @@ from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism
 from cycloid_mj.parts.cut import cut_prism
-from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, assembly_step, places
+from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, assembly_step, place_parts
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.order import ALONG, assembly_order
-from cycloid_mj.parts.export.step import Place
+from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.plots.save import encode_figure
 from cycloid_mj.plots.style import WIDTH, NotebookFigure, with_style
 from cycloid_mj.reducer import Reducer
@@ -47,7 +47,7 @@ def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 @with_style
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     """Draw the section of a drive through its axis, each part rotated into the plane: assembled, and exploded below."""
-    geometry, components = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
+    geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in geometry.items()}
     figure = NotebookFigure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
     assembled_axes, exploded_axes = figure.subplots(2, 1)
@@ -89,7 +89,7 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     return figure
 
 
-def _draw_section(axes: Axes, component: Place, prisms: tuple[Prism, ...], shift: float) -> float:
+def _draw_section(axes: Axes, component: PlacedPart, prisms: tuple[Prism, ...], shift: float) -> float:
     """Draw the section of a part in the plane through the axis and the part's centre; return its largest radius [m].
 
     `shift` moves the part along the axis [m].

@@ -26,14 +26,14 @@ from cycloid_mj.parts.export import (
     Casing,
     LineSegment,
     Motor,
-    Place,
+    PlacedPart,
     Spline,
     assembly_order,
     assembly_step,
     bill,
     casing,
     drive,
-    places,
+    place_parts,
 )
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
 from cycloid_mj.parts.export.casing_parts import casing_parts
@@ -113,7 +113,7 @@ def drawn_of(reducer: Reducer, sizes: Casing | None = None) -> dict[str, list[Pr
     return found
 
 
-def placed(place: Place, prism: Prism) -> Prism:
+def placed(place: PlacedPart, prism: Prism) -> Prism:
     """Move a prism to its place."""
     x, y, z = place.origin
     move = np.array([x, y])
@@ -153,7 +153,7 @@ def collisions(design: Design, angles: np.ndarray, phase: float = 0.0) -> list[s
     found = []
     for angle in angles:
         bodies: dict[str, list[Prism]] = {}
-        for place in places(reducer, angle, sizes):
+        for place in place_parts(reducer, angle, sizes):
             kind = family(place.part)
             if kind in ("shaft_bearing", "output_bearing", "cam_bearing"):
                 continue  # they touch what turns and what stands: OpenCASCADE tells
@@ -258,7 +258,7 @@ def test_a_motor_with_threads_of_its_own_is_held_by_screws_from_within(name: str
     """Their heads are in counterbores below the cavity's floor, and reach into the motor by a thread's diameter."""
     reducer = Reducer(design_of(name))
     sizes = casing(reducer, "nema17")
-    screws = [place for place in places(reducer, 0.0, sizes) if place.part == "motor_screw"]
+    screws = [place for place in place_parts(reducer, 0.0, sizes) if place.part == "motor_screw"]
     assert len(screws) == 4
     low, head = (min(one.z0 for one in assembly_sections(reducer, sizes)["motor_screw"]), screws[0].origin[2])
     assert sizes.face - (head + low) == pytest.approx(3e-3)
@@ -303,7 +303,7 @@ def test_pins_under_rollers_are_as_thick_in_the_assembly_as_on_the_bill_and_the_
     output, sizes = reducer.design.output, casing(reducer)
     assert output.rollers
     assert not output.has_roller_parts
-    sections, placed = assembly_sections(reducer, sizes), Counter(one.part for one in places(reducer, 0.0, sizes))
+    sections, placed = assembly_sections(reducer, sizes), Counter(one.part for one in place_parts(reducer, 0.0, sizes))
     (pin,), ((outside,), (bore,)) = sections["output_pin"][0].loops[0], sections["output_roller"][0].loops
     assert (pin.radius, outside.radius) == (output.root_radius, output.pin_radius)
     assert 1e-5 < 2.0 * (bore.radius - pin.radius) < 3e-5  # E8/m6: it turns
@@ -331,7 +331,7 @@ def test_all_that_a_whole_drive_buys_is_in_stock_and_its_steps_are_ten(name: str
     assert {"output_bearing", "screw", "flange_screw"} <= set(lines)
     if name.startswith("new"):
         assert all(line.designation for line in lines.values())
-    counts = Counter(place.part for place in places(reducer, 0.0, sizes))
+    counts = Counter(place.part for place in place_parts(reducer, 0.0, sizes))
     assert all(lines[item].count == counts[item] for item in ("output_bearing", "screw", "flange_screw"))
     assert len(assembly_order(reducer, sizes)) == 10
 
@@ -339,7 +339,7 @@ def test_all_that_a_whole_drive_buys_is_in_stock_and_its_steps_are_ten(name: str
 @pytest.mark.parametrize("name", cases(NAMES, "new_of_two"))
 def test_a_cad_kernel_reads_named_coloured_solids_in_their_places(name: str, tmp_path: Path) -> None:
     reducer, crank = Reducer(design_of(name)), 0.7
-    expected = {place.name: place for place in places(reducer, crank)}
+    expected = {place.name: place for place in place_parts(reducer, crank)}
     drawn = drawn_of(reducer)
     with opened(assembly_step(reducer, crank), tmp_path) as found:
         assert {label.split("/")[2] for label in found} == set(expected)
@@ -369,7 +369,10 @@ def test_a_drives_mass_is_that_of_its_solids(name: str) -> None:
     """Each part as it is drawn for CAD, of its density; two thirds of a bearing's ring are steel."""
     reducer = Reducer(design_of(name))
     sizes = casing(reducer)
-    laid, counts = separate_parts(reducer, 0.0, sizes), Counter(place.part for place in places(reducer, 0.0, sizes))
+    laid, counts = (
+        separate_parts(reducer, 0.0, sizes),
+        Counter(place.part for place in place_parts(reducer, 0.0, sizes)),
+    )
     mass = 0.0
     for part, drawn in drawn_of(reducer, sizes).items():
         share = drive.BEARING_FILL if part.endswith("_bearing") else 1.0
@@ -385,6 +388,6 @@ def test_the_command_writes_the_assembly(tmp_path: Path, monkeypatch, capsys) ->
     assert str(Path("made") / "assembly.step") in capsys.readouterr().out
     reducer = Reducer(design_of("new"))
     with opened(Path("made/assembly.step").read_bytes(), tmp_path) as found:
-        assert len(found) == len(places(reducer, 0.0, casing(reducer)))
+        assert len(found) == len(place_parts(reducer, 0.0, casing(reducer)))
     assert len(Path("made/assembly.txt").read_text().splitlines()) == 10
     assert Path("made/exploded.png").read_bytes().startswith(b"\x89PNG")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.design import PRESETS, stock
-from cycloid_mj.parts.export import BillLine, bill, casing, places
+from cycloid_mj.parts.export import BillLine, bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode
@@ -147,7 +147,7 @@ def test_each_bought_pin_of_a_wide_drive_is_listed_and_drawn_once(width: float) 
     reducer = Reducer(design)
     sizes = casing(reducer)
     lines = {line.item: line for line in bill(reducer, 0.0, sizes)}
-    placed = [place for place in places(reducer, 0.0, sizes) if place.part in ("pin", "output_pin")]
+    placed = [place for place in place_parts(reducer, 0.0, sizes) if place.part in ("pin", "output_pin")]
     counts = Counter(place.part for place in placed)
     assert {item: lines[item].count for item in counts} == counts
     assert counts["output_pin"] == design.output.pins

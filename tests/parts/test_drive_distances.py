@@ -7,7 +7,7 @@ import pytest
 from cycloid_mj.design import PRESETS, presets_for
 from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.curve import Circle
-from cycloid_mj.parts.export import Place, casing
+from cycloid_mj.parts.export import PlacedPart, casing
 from cycloid_mj.reducer import Reducer
 
 pytest.importorskip("OCP")
@@ -21,7 +21,7 @@ def ring(outer: float, inner: float) -> Face:
 
 
 def moved(face: Face, x: float, y: float) -> Face:
-    return face.moved(Place("", "", (x, y, 0.0), 0.3))
+    return face.moved(PlacedPart("", "", (x, y, 0.0), 0.3))
 
 
 def test_distances_of_rings_match_closed_forms():

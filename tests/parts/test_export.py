@@ -126,7 +126,7 @@ def test_a_wrong_clearance_is_an_error() -> None:
     """The outline of a design with another clearance, measured against this one."""
     (gear,), (housing,) = parts(Reducer(LOOSE))["gear"].prisms, parts(Reducer(LOOSE))["housing"].prisms
     with pytest.raises(DesignError, match=r"tooth of the exported outline is 20 to 20 um instead of 1 um"):
-        measured.measure(Reducer(NONPIN), [gear.outline, *gear.holes], housing.holes[0])
+        measured.measure_disc(Reducer(NONPIN), [gear.outline, *gear.holes], housing.holes[0])
 
 
 def test_flank_distance_is_that_of_the_parallel_curve() -> None:

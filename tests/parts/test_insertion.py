@@ -6,8 +6,8 @@ import pytest
 from designs import FOLDER, cases, design_file
 
 from cycloid_mj.design import PRESETS, load, presets_for
-from cycloid_mj.parts.export import assembly_order, casing, insertion, places
-from cycloid_mj.parts.export.insertion import DOWN, Blockage, Move, blockages, moves
+from cycloid_mj.parts.export import assembly_order, casing, insertion, place_parts
+from cycloid_mj.parts.export.insertion import DOWN, Blockage, Move, assembly_moves, blockages
 from cycloid_mj.reducer import Reducer
 
 NAMES = (*presets_for("export"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
@@ -21,8 +21,8 @@ def drive(name):
 @pytest.mark.parametrize("name", cases(NAMES, "pin", "printed", "twodisc", "sleeved-n40-d2-ring-25um"))
 def test_every_part_can_be_put_in_by_the_steps(name):
     reducer, sizes = drive(name)
-    moved = {part for move in moves(reducer, sizes) for part in move.parts}
-    assert {place.name for place in places(reducer, 0.0, sizes)} <= moved
+    moved = {part for move in assembly_moves(reducer, sizes) for part in move.parts}
+    assert {place.name for place in place_parts(reducer, 0.0, sizes)} <= moved
     assert blockages(reducer, sizes) == ()
     assert len(assembly_order(reducer, sizes)) == 10
 
@@ -36,7 +36,7 @@ def test_a_seat_that_is_shut_in_blocks_its_bearing():
 def test_a_cam_with_its_bearing_cannot_pass_a_spacer(monkeypatch):
     """With the spacer on the shaft before, gear 1 with its cam comes too late."""
     reducer, sizes = drive("twodisc")
-    order = list(moves(reducer, sizes))
+    order = list(assembly_moves(reducer, sizes))
     first = next(move for move in order if move.parts == ("gear_1",) and move.group == "shaft")
     order.remove(first)
     spacer = next(index for index, move in enumerate(order) if move.parts == ("spacer_1",))

@@ -8,7 +8,7 @@ from designs import cases, design_file
 
 from cycloid_mj.design import PRESETS, fits, load, stock
 from cycloid_mj.parts import mesh
-from cycloid_mj.parts.export import bill, casing, places
+from cycloid_mj.parts.export import bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.crank_joints import cam_key
 from cycloid_mj.parts.export.joint import JointKind
@@ -43,9 +43,9 @@ def test_bill_and_assembly_have_the_bought_parts_of_the_joints(name):
     for part in bought_parts(joints):
         expected[part.item] += len(part.origins)
     in_bill = {line.item: line.count for line in bill(reducer, 0.0, sizes) if line.item in expected}
-    in_assembly = Counter(place.part for place in places(reducer, 0.0, sizes) if place.part in expected)
+    in_assembly = Counter(place.part for place in place_parts(reducer, 0.0, sizes) if place.part in expected)
     assert in_bill == in_assembly == expected
-    numbered = [place.name for place in places(reducer, 0.0, sizes)]
+    numbered = [place.name for place in place_parts(reducer, 0.0, sizes)]
     assert len(numbered) == len(set(numbered))
 
 

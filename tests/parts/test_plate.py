@@ -48,10 +48,10 @@ from cycloid_mj.parts.export.casing_rules import (
     RULES,
 )
 from cycloid_mj.parts.export.clearance import flank_distance
-from cycloid_mj.parts.export.plate import GAP, shelves
-from cycloid_mj.parts.export.printable import COUPON, coupon, print_warnings, thinnest_wall
+from cycloid_mj.parts.export.plate import GAP, pack_rows
+from cycloid_mj.parts.export.printable import COUPON, coupon_solids, print_warnings, thinnest_wall
 from cycloid_mj.parts.export.printing import manufactured_parts, printed_parts
-from cycloid_mj.parts.export.supports import SUPPORTS, overhangs, support
+from cycloid_mj.parts.export.supports import SUPPORTS, build_support, find_overhangs
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
 from cycloid_mj.sizing.requirement import Requirement
@@ -270,13 +270,13 @@ def test_a_bore_that_does_not_fit_is_refused(capsys: pytest.CaptureFixture[str],
 
 def test_shelves_keep_rectangles_apart_and_the_plate_about_square() -> None:
     sizes = [(3.0, 2.0), (1.0, 4.0), (2.0, 2.0), (6.0, 1.0), (1.0, 1.0), (2.0, 3.0)] * 4
-    corners = shelves(sizes, 0.5)
+    corners = pack_rows(sizes, 0.5)
     for (a, b), (c, d) in combinations(zip(corners, sizes, strict=True), 2):
         gaps = [max(a[k] - c[k] - d[k], c[k] - a[k] - b[k]) for k in (0, 1)]
         assert max(gaps) >= 0.5
     width, depth = (max(corner[k] + size[k] for corner, size in zip(corners, sizes, strict=True)) for k in (0, 1))
     assert 0.5 < width / depth < 2.0
-    assert all(corner == (0.0, 0.0) for corner in shelves([(7.0, 1.0)], 0.5))
+    assert all(corner == (0.0, 0.0) for corner in pack_rows([(7.0, 1.0)], 0.5))
 
 
 def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -355,7 +355,7 @@ def test_a_plate_as_3mf_has_each_part_by_its_name() -> None:
 
 
 def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances() -> None:
-    drawn = coupon(CHORD_ERROR)
+    drawn = coupon_solids(CHORD_ERROR)
     (block,), (pin,) = (drawn[name].prisms for name in ("coupon_block", "coupon_pin"))
     radius = 0.5 * np.ptp(pin.outline, axis=0).min()
     sockets = [hole for hole in block.holes if np.ptp(hole, axis=0).min() > radius]
@@ -390,26 +390,26 @@ def cup(hole: float) -> Solid:
 
 
 def test_a_face_in_mid_air_is_supported_a_layer_below() -> None:
-    (face,) = overhangs(mesh(cup(5e-3)))
+    (face,) = find_overhangs(mesh(cup(5e-3)))
     assert (face.z, len(face.holes)) == (5e-3, 1)
     assert face.area == pytest.approx(np.pi * (9.5e-3**2 - 5e-3**2), rel=1e-2)
-    below = support(cup(5e-3), face, CHORD_ERROR)
+    below = build_support(cup(5e-3), face, CHORD_ERROR)
     assert below is not None
     radii = np.hypot(below.vertices[:, 0], below.vertices[:, 1])
     assert (radii.min(), radii.max()) == pytest.approx(
         (5e-3 + SUPPORTS.gap_aside, 9.5e-3 - SUPPORTS.gap_aside), abs=1e-6
     )
     assert (below.vertices[:, 2].min(), below.vertices[:, 2].max()) == pytest.approx((0.0, 5e-3 - SUPPORTS.gap_below))
-    assert not list(overhangs(mesh(cup(9.5e-3 - 0.9 * SUPPORTS.max_ledge))))
+    assert not list(find_overhangs(mesh(cup(9.5e-3 - 0.9 * SUPPORTS.max_ledge))))
 
 
 def test_a_face_on_uneven_ground_has_no_support() -> None:
     step = Prism(np.array([[1e-3, -1e-3], [3e-3, -1e-3], [3e-3, 1e-3], [1e-3, 1e-3]]), (), 0.0, 1e-3)
     uneven = Solid("cup", (*cup(0.0).prisms, step), 1.0)
-    (face,) = overhangs(mesh(uneven))
-    assert support(cup(0.0), face, CHORD_ERROR) is not None
+    (face,) = find_overhangs(mesh(uneven))
+    assert build_support(cup(0.0), face, CHORD_ERROR) is not None
     corners = Prism(np.array([[-9e-3, 0.0], [0.0, -9e-3], [9.4e-3, 0.0], [0.0, 9.4e-3]]), (), 0.0, 1e-3)
-    assert support(Solid("cup", (*cup(0.0).prisms, corners), 1.0), face, CHORD_ERROR) is None
+    assert build_support(Solid("cup", (*cup(0.0).prisms, corners), 1.0), face, CHORD_ERROR) is None
 
 
 PRINTED = PRESETS["printed"]

@@ -8,7 +8,7 @@ from designs import FOLDER, design_file
 from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, load, presets_for
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export import casing, places
+from cycloid_mj.parts.export import casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
@@ -102,7 +102,7 @@ def test_a_bearing_of_the_shaft_can_enter_its_seat(name):
 def test_every_rolling_cam_has_its_bearing_in_the_assembly(name):
     reducer = reducer_of(name)
     laid, sizes = assembly_parts(reducer, casing(reducer)), casing(reducer)
-    bearings = [place for place in places(reducer, 0.0, sizes) if place.part == "cam_bearing"]
+    bearings = [place for place in place_parts(reducer, 0.0, sizes) if place.part == "cam_bearing"]
     in_stock = cam_bearing(reducer)
     assert len(bearings) == reducer.design.gear.discs * (in_stock[1] if in_stock else 1)
     bore = laid["cam_bearing"].stretches[0].holes[0].radius

@@ -18,11 +18,11 @@ from cycloid_mj.parts.biarcs import arcs_of
 from cycloid_mj.parts.curve import Arc, Spline
 from cycloid_mj.parts.export import bill, casing, dxf_bytes, plates
 from cycloid_mj.parts.export import drive_files as files_of
-from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bill import consumables, out_of_stock
 from cycloid_mj.parts.export.drawing import part_drawings
 from cycloid_mj.parts.export.drive import drive_mass
-from cycloid_mj.parts.export.rules import broken_rules
+from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.reducer import Reducer
 
 PRINTED, PIN = Reducer(PRESETS["printed"]), Reducer(PRESETS["pin"])
@@ -117,7 +117,7 @@ def test_counts_of_the_bill_are_those_of_the_solids(name):
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)
     counts: dict[str, int] = {}
-    for place in places(reducer, 0.0, sizes):
+    for place in place_parts(reducer, 0.0, sizes):
         counts[place.part] = counts.get(place.part, 0) + 1
     assert {line.item: line.count for line in bill(reducer, 0.0, sizes)} == counts
 
@@ -133,9 +133,9 @@ def test_grease_and_adhesive_are_listed():
 
 
 def test_rules_report_a_motor_that_turns_with_the_ring():
-    assert list(broken_rules(PIN, casing(PIN))) == []
+    assert list(describe_violations(PIN, casing(PIN))) == []
     turning = Reducer(PRESETS["pin"].but(output={"member": "ring"}))
-    (text,) = broken_rules(turning, casing(turning))
+    (text,) = describe_violations(turning, casing(turning))
     assert "turns 35 times for a turn of the output, not 36" in text
 
 

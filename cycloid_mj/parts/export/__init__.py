@@ -18,7 +18,7 @@ from cycloid_mj.parts import Mesh, Part, PartSection, Solid, lay_out_parts, mass
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, SAME_LENGTH, mass_chord_error
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
-from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections, assembly_step, places
+from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections, assembly_step, place_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
 from cycloid_mj.parts.export.casing import (
@@ -39,7 +39,7 @@ from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate, plates
 from cycloid_mj.parts.export.polylines import polyline_sections, svg_bytes
 from cycloid_mj.parts.export.printing import manufactured_parts, widen_clearances
-from cycloid_mj.parts.export.step import SPLINES, Place, read_volume, step_part
+from cycloid_mj.parts.export.step import SPLINES, PlacedPart, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
 from cycloid_mj.parts.housing import SLIT_SHARE
@@ -60,7 +60,7 @@ __all__ = [
     "Motor",
     "OutlineClearance",
     "PartSection",
-    "Place",
+    "PlacedPart",
     "PrintPlate",
     "Spline",
     "assembly_order",
@@ -75,7 +75,7 @@ __all__ = [
     "export",
     "obj_bytes",
     "part_sections",
-    "places",
+    "place_parts",
     "plate",
     "plates",
     "read_stl",
@@ -174,7 +174,7 @@ def export(
     if reducer.design.gear.discs > 1:
         require_one_ring(reducer, "files of its parts with several discs")
     sizes = casing_or_none(reducer, motor, cover_material)[0]
-    exported = _with_halves(widen_clearances(reducer, offset), encoding, sizes)
+    exported = _encode_with_halves(widen_clearances(reducer, offset), encoding, sizes)
     return Export(
         exported.files,
         tuple(
@@ -226,7 +226,7 @@ def drive_files(
 
 
 def drilled_threads(reducer: Reducer, sizes: Casing, part: str) -> Iterator[DrilledThread]:
-    """Yield the tapped holes of a part, as its drawing names them."""
+    """Yield the tapped holes of a part with the name of their thread, for the layers of its DXF."""
     for joint in drive_joints(reducer, sizes):
         for thread in joint.threads:
             radius = core_radius(reducer, thread.thread)
@@ -274,27 +274,29 @@ class _Encoding:
         return svg_bytes(sections) if self.file_format == "svg" else dxf_bytes(sections, threads)
 
 
-def _with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Export all parts, with the halves of a ring as separate parts and pins of the length of a half."""
+def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+    """Encode all parts of a drive; a ring in two halves becomes two files, with pins as long as a half."""
     ring, file_format = reducer.design.ring, encoding.file_format
     if ring.halves == 1:
         return _encode_parts(reducer, encoding, sizes)
-    one = reducer.but(ring={"halves": 1, "preload": 0.0})
-    whole = _encode_parts(one, encoding, sizes)
+    undivided = reducer.but(ring={"halves": 1, "preload": 0.0})
+    encoded = _encode_parts(undivided, encoding, sizes)
     width = 0.5 * (1.0 - SLIT_SHARE) * reducer.design.gear.face_width
-    half = _encode_parts(one.but(gear={"face_width": width}), encoding, None).files
+    half_files = _encode_parts(undivided.but(gear={"face_width": width}), encoding, None).files
     housing = f"{names.HOUSING}.{file_format}"
     files: dict[str, bytes] = {}
-    for name, content in whole.files.items():
+    for name, content in encoded.files.items():
         if name == housing:
-            files |= {f"{names.numbered_name(names.HOUSING, number)}.{file_format}": half[name] for number in (1, 2)}
+            files |= {
+                f"{names.numbered_name(names.HOUSING, number)}.{file_format}": half_files[name] for number in (1, 2)
+            }
         else:
-            files[name] = half[name] if name.startswith((names.PIN, PRESSED_PIN)) else content
-    return Export(files, whole.clearances)
+            files[name] = half_files[name] if name.startswith((names.PIN, PRESSED_PIN)) else content
+    return Export(files, encoded.clearances)
 
 
 def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts in the format of the encoding; return files and clearances."""
+    """Encode all parts in the format of the encoding, and measure the clearances of their outlines."""
     file_format = encoding.file_format
     if encoding.is_mesh or encoding.is_polylines:
         return _encode_polygons(reducer, encoding, sizes)
@@ -308,11 +310,13 @@ def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -
             {f"{name}.dxf": dxf_bytes(stretches, (), encoding.arcs) for name, stretches in sections.items()}, clearances
         )
     solids = parts(reducer) | {names.SHAFT: shaft.solid(mass_chord_error(reducer))}
-    return Export({f"{name}.step": _step(reducer, solids[name], sections[name]) for name in sections}, clearances)
+    return Export(
+        {f"{name}.step": _encode_step(reducer, solids[name], sections[name]) for name in sections}, clearances
+    )
 
 
 def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts as meshes or polylines; return the files by name, and the clearances between the polygons."""
+    """Encode all parts as meshes or polylines, and measure the clearances between the polygons."""
     chord_error = encoding.chord_error
     shaft = bored_shaft(reducer, sizes, chord_error)
     solids = parts(reducer, chord_error) | {names.SHAFT: shaft.solid(chord_error)}
@@ -350,7 +354,7 @@ def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
             return encoding.polylines_of(part)
         if encoding.file_format == "dxf":
             return dxf_bytes(part.sections(1), (), encoding.arcs)
-        return _step(reducer, part.solid(EXPORT_CHORD_ERROR), part.sections(SPLINES))
+        return _encode_step(reducer, part.solid(EXPORT_CHORD_ERROR), part.sections(SPLINES))
 
     discs = [laid[gear].solid(error).prisms[0].outline for gear in reducer.gears]
     ring = laid[names.HOUSING].solid(error).prisms[0].holes[0]
@@ -358,8 +362,11 @@ def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
     return Export(files, measure_rings(reducer, discs, ring))
 
 
-def _step(reducer: Reducer, solid: Solid, stretches: tuple[PartSection, ...]) -> bytes:
-    """Encode a part as STEP and compare the volume of the solid read back with that of the part."""
+def _encode_step(reducer: Reducer, solid: Solid, stretches: tuple[PartSection, ...]) -> bytes:
+    """Encode a part as STEP; raise DesignError if the volume of the solid read back is not that of the part.
+
+    `stretches` are its sections, `solid` the same part as prisms.
+    """
     pins = reducer.design.ring.teeth if solid.name == names.HOUSING and reducer.design.ring.has_sleeves else 0
     content = step_part(solid.name, stretches, 1 + pins)
     volume, true = read_volume(content), mass_properties(solid).volume
@@ -376,7 +383,7 @@ def _loop_points(loop: tuple[Curve, ...]) -> Array:
 
 
 def _curve_points(curve: Curve, count: int = 200) -> Array:
-    """Compute `count` points along a curve (n, 2) [m]; the ends of a line."""
+    """Compute points along a curve, (count, 2) [m]; of a line only the two ends."""
     match curve:
         case Spline():
             return curve.points(count)

@@ -28,7 +28,7 @@ from cycloid_mj.parts.export.casing import (
     SHAFT_BEARING,
     Casing,
 )
-from cycloid_mj.parts.export.casing_parts import casing_places
+from cycloid_mj.parts.export.casing_parts import place_casing
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
 )
@@ -36,9 +36,9 @@ from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.printing import STEEL, part_material, separate_parts
-from cycloid_mj.parts.export.round_part import tube, with_holes
+from cycloid_mj.parts.export.round_part import cut_holes, tube
 from cycloid_mj.parts.export.rv_assembly import RV_COLOURS, rv_assembly_parts, rv_places
-from cycloid_mj.parts.export.step import SPLINES, Place, step_assembly
+from cycloid_mj.parts.export.step import SPLINES, PlacedPart, step_assembly
 from cycloid_mj.parts.parts import Colour, roller_positions, tint
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.sockets import require_one_ring
@@ -72,68 +72,81 @@ COLOURS: Mapping[str, Colour] = {
 """Colours by family of parts."""
 
 
-def places(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> tuple[Place, ...]:
-    """Return the places of all parts at a crank angle [rad], with all clearances centred: nothing touches."""
-    return tuple(_places(reducer, crank, sizes))
+def place_parts(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> tuple[PlacedPart, ...]:
+    """Return all parts of an assembly with their positions at a crank angle [rad], with all clearances centred.
+
+    Without `sizes` of a casing only the mechanism, in which each ring pin is one piece.
+    """
+    return tuple(_place_parts(reducer, crank, sizes))
 
 
-def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Place]:
-    """Yield the places of all parts at a crank angle [rad]."""
+def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[PlacedPart]:
+    """Yield all parts of an assembly with their positions at a crank angle [rad]; `sizes` None: without the casing."""
     design, origin = reducer.design, np.zeros(3)
-    ring, carrier = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
-    turned = {names.HOUSING: ring, names.SHAFT: crank, names.OUTPUT: carrier}
+    ring_angle, carrier_angle = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
+    turned = {names.HOUSING: ring_angle, names.SHAFT: crank, names.OUTPUT: carrier_angle}
     for body, angle in turned.items():
-        yield _rotated_place(body, body, origin, angle, body)
+        yield _place_rotated(body, body, origin, angle, body)
     rollers = roller_positions(reducer) if design.output.rollers else {}
     for body, attached in ((names.SHAFT, attached_parts(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
         for name, (part, position) in attached.items():
-            yield _rotated_place(name, part, position, turned[body], names.ROLLER if part == names.ROLLER else body)
+            yield _place_rotated(name, part, position, turned[body], names.ROLLER if part == names.ROLLER else body)
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
-            yield _rotated_place(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier, names.OUTPUT)
+            yield _place_rotated(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier_angle, names.OUTPUT)
         for number, centre in enumerate(output_centres(reducer), start=1):
-            at = np.array([*centre, 0.0])
-            yield _rotated_place(names.numbered_name(OUTPUT_PIN, number), OUTPUT_PIN, at, carrier, names.OUTPUT)
+            position = np.array([*centre, 0.0])
+            yield _place_rotated(
+                names.numbered_name(OUTPUT_PIN, number), OUTPUT_PIN, position, carrier_angle, names.OUTPUT
+            )
     discs = zip(reducer.gears, reducer.phases, design.gear.disc_planes, strict=True)
     for gear, phase, plane in discs:
         x, y = design.gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
-        yield Place(gear, gear, (float(x), float(y), plane), carrier, gear)
+        yield PlacedPart(gear, gear, (float(x), float(y), plane), carrier_angle, gear)
         if cam_seat(reducer) < design.gear.bore_radius:
-            yield from _cam_bearings(reducer, gear, (float(x), float(y), plane), carrier)
+            yield from _place_cam_bearings(reducer, gear, (float(x), float(y), plane), carrier_angle)
     if design.ring.kind == "pin":
-        yield from _ring_pins(reducer, ring, pin_pieces(reducer) if sizes else (1, 0.0))
-    for item in casing_places(reducer, sizes) if sizes else ():
-        yield _rotated_place(item.name, item.part, np.array(item.origin), turned[item.body], item.body)
+        yield from _place_ring_pins(reducer, ring_angle, pin_pieces(reducer) if sizes else (1, 0.0))
+    for item in place_casing(reducer, sizes) if sizes else ():
+        yield _place_rotated(item.name, item.part, np.array(item.origin), turned[item.body], item.body)
 
 
-def _cam_bearings(reducer: Reducer, gear: str, centre: tuple[float, float, float], angle: float) -> Iterator[Place]:
-    """Yield the places of the bearings of a cam, side by side in the middle of its disc."""
+def _place_cam_bearings(
+    reducer: Reducer, gear: str, centre: tuple[float, float, float], angle: float
+) -> Iterator[PlacedPart]:
+    """Yield the positions of the bearings of a cam, side by side in the middle of its disc.
+
+    `gear` is the name of the disc, `centre` [m] its centre and `angle` [rad] its rotation about z.
+    """
     in_stock, (x, y, z) = cam_bearing(reducer), centre
     width, count = (in_stock[0].width, in_stock[1]) if in_stock else (0.0, 1)
     name = gear.replace(names.GEAR, CAM_BEARING)
     for number in range(count):
         numbered = f"{name}_{number + 1}" if count > 1 else name
-        at = x, y, z + width * (number - 0.5 * (count - 1))
-        yield Place(numbered, CAM_BEARING, at, angle, gear)
+        origin = x, y, z + width * (number - 0.5 * (count - 1))
+        yield PlacedPart(numbered, CAM_BEARING, origin, angle, gear)
 
 
-def _ring_pins(reducer: Reducer, turn: float, pieces: tuple[int, float]) -> Iterator[Place]:
-    """Yield the places of ring pins or sleeves, several of a length [m] in line, and of the pins inside sleeves."""
+def _place_ring_pins(reducer: Reducer, ring_angle: float, pieces: tuple[int, float]) -> Iterator[PlacedPart]:
+    """Yield the positions of ring pins or sleeves, and of the pins inside sleeves, in a ring at an angle [rad].
+
+    `pieces` are how many pieces in line form a pin, and the length [m] of each.
+    """
     ring, (in_line, length) = reducer.design.ring, pieces
-    angles = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth - turn
+    angles = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth - ring_angle
     centres = (ring.pin_circle_radius * unit(angles)).tolist()
     heights = length * (np.arange(in_line) - 0.5 * (in_line - 1))
     body = names.PIN if reducer.design.seat_pair else names.HOUSING
     for number, (z, (x, y)) in enumerate(((z, centre) for z in heights.tolist() for centre in centres), start=1):
-        yield Place(names.pin(number), names.PIN, (x, y, z), turn, body)
+        yield PlacedPart(names.pin(number), names.PIN, (x, y, z), ring_angle, body)
     for number, (x, y) in enumerate(centres if ring.has_sleeves else (), start=1):
-        yield Place(f"{PRESSED_PIN}_{number}", PRESSED_PIN, (x, y, 0.0), turn, names.HOUSING)
+        yield PlacedPart(f"{PRESSED_PIN}_{number}", PRESSED_PIN, (x, y, 0.0), ring_angle, names.HOUSING)
 
 
-def _rotated_place(name: str, part: str, place: Array, angle: float, body: str) -> Place:
+def _place_rotated(name: str, part: str, origin: Array, angle: float, body: str) -> PlacedPart:
     cos, sin = np.cos(angle), np.sin(angle)
-    x, y, z = place
-    return Place(name, part, (float(cos * x - sin * y), float(sin * x + cos * y), float(z)), angle, body)
+    x, y, z = origin
+    return PlacedPart(name, part, (float(cos * x - sin * y), float(sin * x + cos * y), float(z)), angle, body)
 
 
 def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> bytes:
@@ -153,7 +166,7 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     parts = assembly_parts(reducer, sizes)
     sections = {name: part.sections(SPLINES) for name, part in parts.items()}
     colours = {name: tint(COLOURS[names.family(name)], name) for name in parts}
-    return step_assembly(reducer.design.name, sections, colours, places(reducer, crank, sizes))
+    return step_assembly(reducer.design.name, sections, colours, place_parts(reducer, crank, sizes))
 
 
 def assembly_sections(
@@ -164,7 +177,7 @@ def assembly_sections(
 
 
 def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, Part]:
-    """Return all parts of the assembly, including the casing if its sizes are not None.
+    """Return all parts of an assembly as exact outlines by name, with the casing unless its sizes are None.
 
     Pins pressed into housing or output are separate parts; cams have the radius of the bore of their bearing if one is
     in stock; the journal has a bore for the motor shaft if it is thick enough.
@@ -180,7 +193,7 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
         return separate_parts(reducer, 0.0, sizes)
     parts = separate_parts(reducer, cam_radius(reducer), sizes)
     width = in_stock[0].width if in_stock else gear.face_width
-    parts[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
+    parts[CAM_BEARING] = Part(CAM_BEARING, cut_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
     return parts
 
 

@@ -44,7 +44,7 @@ def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
 
 
 def cam_seat(reducer: Reducer) -> float:
-    """Return the radius of the cam in its bearing [m], or in the disc if it slides there.
+    """Return the radius [m] of the cam in its bearing, or in the bore of the disc if it slides there.
 
     Where no bearing in stock fits, rollers that touch each other fill the bore of the disc, which is their outer ring:
     ``contact.cam_rollers``, or thinner ones that leave half of the room for the cam around the shaft.
@@ -135,7 +135,7 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
 
 
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
-    """Return the radius of the cam in a drive [m] for a bearing of some `seat` (`cam_seat`).
+    """Return the radius [m] of the cam in a drive, for a bearing whose bore has the radius `seat` (`cam_seat`).
 
     It is less by the clearance if the bearing is pressed into the disc, but no less than the crank next to it needs.
     The bore of the disc has the clearance where the cam, or rollers without a ring, turn in it.
@@ -150,8 +150,8 @@ def cup_fit(reducer: Reducer, part: str) -> str:
     return "R6" if reducer.design.material_of(part).is_plastic else "N6"
 
 
-def fit_of(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str:
-    """Return the fit of a bearing in stock whose outer ring is in a part of the mechanism.
+def bearing_fit(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str:
+    """Return the fit, such as ``H7 outside, k5 on the crank``, of a bearing in stock whose outer ring is in a part.
 
     Needles run on the crank itself; the inner ring of a ball bearing turns with it against the load.
     """
@@ -164,5 +164,5 @@ def shaft_bearing_fit(reducer: Reducer) -> str:
     """Return the fit of the bearings of the crank; of sizes out of stock that of a bearing with rings."""
     bearing = shaft_bearing(reducer)
     if bearing:
-        return fit_of(reducer, bearing, names.HOUSING)
+        return bearing_fit(reducer, bearing, names.HOUSING)
     return f"H7 outside, {'j5' if 2.0 * reducer.design.shaft.radius <= LIGHT_BORE else 'k5'} on the crank"

@@ -18,13 +18,13 @@ from cycloid_mj.parts import Part, mass_properties, sleeve_core_radius
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.contour import Contour, circle_of
-from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bearings import (
     FREE_FIT,
     RETAINED_FIT,
     ROLLER_FIT,
     SHAFT_BEARINGS,
-    fit_of,
+    bearing_fit,
     fixed_pin,
     free_pin,
     output_pin_length,
@@ -56,7 +56,7 @@ from cycloid_mj.parts.export.drive import filling
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, Joint, JointKind, TappedHole
 from cycloid_mj.parts.export.joints import ITEMS, bought_parts, drive_joints
 from cycloid_mj.parts.export.printing import STEEL, manufactured_parts, part_material
-from cycloid_mj.parts.export.round_part import with_holes
+from cycloid_mj.parts.export.round_part import cut_holes
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
 
@@ -120,8 +120,8 @@ def bill(
 
 
 def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
-    """Yield what a drive needs in addition to its parts: grease for a third of its free space, and adhesive."""
-    parts, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
+    """Yield the grease (a third of the free space) and the adhesive that a drive needs, with their volumes."""
+    parts, placed = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     inside = [place for place in placed if place.body != names.HOUSING and sizes.floor <= place.origin[2] <= sizes.top]
     solid = sum(_inner_volume(parts[place.part], place.origin[2], sizes) for place in inside)
     wall = reducer.design.ring_root_radius
@@ -181,6 +181,7 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
 
 
 def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
+    """Yield the lines of the manufactured parts: size, material, threads and fits, and mass."""
     joints = drive_joints(reducer, sizes) if sizes else ()
     assembled = assembly_parts(reducer, sizes) if sizes and not cam_seat else {}
     for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
@@ -188,12 +189,12 @@ def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None)
         material = _material_name(part_material(reducer, name, sizes))
         drawn = assembled.get(name, part.drawn)
         mass = part.count * mass_properties(drawn.solid(EXPORT_CHORD_ERROR)).mass
-        size, fit = _extent(drawn) + bored, _machining(joints, name)
+        size, fit = _extent(drawn) + bored, _describe_machining(joints, name)
         yield BillLine(name, part.count, size, material, "made", fit=fit, mass_kg=mass)
 
 
-def _machining(joints: Iterable[Joint], part: str) -> str:
-    """Describe the threads of a part, and its seats with their fits."""
+def _describe_machining(joints: Iterable[Joint], part: str) -> str:
+    """Describe the threads of a part, and its seats with their fits, for its line of the bill."""
     threads, seats = [], []
     for joint in joints:
         threads += [_thread(thread) for thread in joint.threads if thread.part == part]
@@ -211,12 +212,12 @@ def _thread(tapped: TappedHole) -> str:
 
 
 def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of the bought parts."""
-    yield from _pins(reducer, sizes)
-    yield from _rollers(reducer)
-    yield from _bearings(reducer, cam_seat)
+    """Yield the lines of all bought parts: pins, rollers, bearings, and those of the casing if it has sizes."""
+    yield from _round_bar_lines(reducer, sizes)
+    yield from _roller_lines(reducer)
+    yield from _bearing_lines(reducer, cam_seat)
     if sizes:
-        yield from _of_casing(reducer, sizes)
+        yield from _casing_lines(reducer, sizes)
     elif reducer.design.housing.support == "bolts":
         design = reducer.design
         size = f"head at most {_mm(2.0 * design.bolt_radius)} mm, circle {_mm(2.0 * design.bolt_circle_radius)} mm"
@@ -224,8 +225,8 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
         yield BillLine("bolt", design.housing.bolts, size, "", "bought", screw.designation if screw else "")
 
 
-def _of_casing(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
-    """List the bought parts of the joints: bearings of the output first, then screws, inserts and dowels."""
+def _casing_lines(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
+    """Yield the lines of the bought parts of all joints: bearings of the output first, then screws, inserts, dowels."""
     counts: Counter[str] = Counter()
     parts = {}
     for part in bought_parts(drive_joints(reducer, sizes)):
@@ -233,13 +234,13 @@ def _of_casing(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
         parts[part.item] = part
     for item in sorted(parts.keys() - {SHAFT_BEARING}, key=lambda item: (item != OUTPUT_BEARING, ITEMS.index(item))):
         part = parts[item]
-        size, solid = _size(part.dimensions), Part(item, with_holes(item, part.solid), STEEL).solid(EXPORT_CHORD_ERROR)
+        size, solid = _size(part.dimensions), Part(item, cut_holes(item, part.solid), STEEL).solid(EXPORT_CHORD_ERROR)
         mass = counts[item] * filling(item) * mass_properties(solid).mass
         yield BillLine(item, counts[item], size, part.material, "bought", part.designation, part.fit, mass)
 
 
-def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
-    """List ring pins, output pins and the shaft of several discs, which are round bars."""
+def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
+    """Yield the lines of the bought ring pins, output pins and the shaft of several discs, which are round bars."""
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
     if ring.kind == "pin" and not is_printed(reducer, names.PIN):
@@ -251,23 +252,23 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
             yield replace(sleeve, designation="sleeve to measure", fit="F7 on its pin")
             core = sleeve_core_radius(reducer)
             reach = sleeve_pin_length(reducer) if sizes else gear.stack_width
-            yield _pressed_pin(PRESSED_PIN, ring.teeth, core, reach, material)
+            yield _pressed_pin_line(PRESSED_PIN, ring.teeth, core, reach, material)
         elif ring.has_sockets:
-            yield _free_pin(reducer, material)
+            yield _free_pin_line(reducer, material)
         elif fixed_pin(reducer) or not free_pin(reducer):
-            yield _fixed_pin(reducer, material)
+            yield _fixed_pin_line(reducer, material)
         else:
-            line = _free_pin(reducer, material)
+            line = _free_pin_line(reducer, material)
             yield replace(line, fit=line.fit.replace(FREE_FIT.rpartition(", ")[2], "glued: its socket is open"))
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
-        yield _pressed_pin(OUTPUT_PIN, output.pins, output.root_radius, length, design.material_of(names.OUTPUT))
+        yield _pressed_pin_line(OUTPUT_PIN, output.pins, output.root_radius, length, design.material_of(names.OUTPUT))
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
-        yield _bar(reducer, sizes)
+        yield _shaft_line(reducer, sizes)
 
 
-def _bar(reducer: Reducer, sizes: Casing | None) -> BillLine:
-    """Return the line of the shaft of several discs."""
+def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
+    """Return the line of the shaft of several discs: a ground bar with its bore and keyway."""
     diameter = 2.0 * reducer.design.shaft.radius
     shaft, material = bored_shaft(reducer, sizes), reducer.design.material_of(names.SHAFT)
     length = max(stretch.z1 for stretch in shaft.stretches) - min(stretch.z0 for stretch in shaft.stretches)
@@ -289,14 +290,14 @@ def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
     return f", bored {_mm(2.0 * radius)} x {_mm(end - start)} mm"
 
 
-def _fixed_pin(reducer: Reducer, material: Material) -> BillLine:
+def _fixed_pin_line(reducer: Reducer, material: Material) -> BillLine:
     """Return the line of fixed ring pins: pins in stock, several in line where none is long enough."""
     ring, (in_line, length) = reducer.design.ring, pin_pieces(reducer)
     pin = fixed_pin(reducer)
     return _pin_line(names.PIN, ring.teeth * in_line, pin and pin[0], (ring.pin_radius, length), material, RETAINED_FIT)
 
 
-def _pressed_pin(item: str, count: int, radius: float, length: float, material: Material) -> BillLine:
+def _pressed_pin_line(item: str, count: int, radius: float, length: float, material: Material) -> BillLine:
     """Return the line of pins that bend in their seats, each in one piece of a radius and length [m]."""
     diameter = 2.0 * radius
     pin, fit = stock.single_pin(diameter, length), press_fit(diameter, length)
@@ -315,8 +316,8 @@ def _pin_line(
     return replace(line, designation=pin.designation, fit=fit + (f", cut to {_mm(cut)} mm" if cut else ""))
 
 
-def _free_pin(reducer: Reducer, material: Material) -> BillLine:
-    """Return the line of ring pins that move in their sockets: needle rollers, gauges, or ground to their size."""
+def _free_pin_line(reducer: Reducer, material: Material) -> BillLine:
+    """Return the line of ring pins that move in their sockets: needle rollers, pin gauges, or ground to size."""
     ring, roller = reducer.design.ring, free_pin(reducer)
     diameter = (("diameter", ring.pin_radius),)
     if not roller:
@@ -327,8 +328,8 @@ def _free_pin(reducer: Reducer, material: Material) -> BillLine:
     return replace(line, designation=roller.designation, fit=fit)
 
 
-def _rollers(reducer: Reducer) -> Iterator[BillLine]:
-    """List the rollers of the output pins: manufactured if they turn on a core of their own, as none is in stock."""
+def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
+    """Yield the line of the rollers of the output pins: manufactured if they turn on a core, else bought."""
     output, gear = reducer.design.output, reducer.design.gear
     if output.rollers:
         diameters = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
@@ -342,28 +343,33 @@ def _rollers(reducer: Reducer) -> Iterator[BillLine]:
         )
 
 
-def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
-    """List the bearings of the cams and of the shaft."""
+def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
+    """Yield the lines of the bearings of the cams and of the shaft, of the sizes in stock or of their seats.
+
+    `cam_seat` is the radius of the bore of the cam bearing [m]; 0: not chosen yet.
+    """
     gear, shaft = reducer.design.gear, reducer.design.shaft
     if gear.bearing == "rolling":
         in_stock = cam_bearing(reducer)
         if in_stock and cam_seat in (0.0, round(0.5 * in_stock[0].bore, 9)):
             bearing, count = in_stock
-            yield _stock_bearing(CAM_BEARING, gear.discs * count, bearing, fit_of(reducer, bearing, names.GEAR))
+            yield _stock_bearing_line(
+                CAM_BEARING, gear.discs * count, bearing, bearing_fit(reducer, bearing, names.GEAR)
+            )
         else:
             diameters = ("outside diameter", gear.bore_radius), ("bore", cam_seat or full_cam_seat(reducer))
             line = _round_line(CAM_BEARING, gear.discs, diameters, gear.face_width)
             yield replace(line, fit="rollers in the bore of the disc")
-    on_shaft, fit = shaft_bearing(reducer), shaft_bearing_fit(reducer)
-    if on_shaft:
-        yield _stock_bearing(SHAFT_BEARING, SHAFT_BEARINGS, on_shaft, fit)
+    stock_bearing, fit = shaft_bearing(reducer), shaft_bearing_fit(reducer)
+    if stock_bearing:
+        yield _stock_bearing_line(SHAFT_BEARING, SHAFT_BEARINGS, stock_bearing, fit)
     else:
         width = bearing_width_of(reducer)
         diameters = ("outside diameter", seat_radius(reducer, width)), ("bore", shaft.radius)
         yield replace(_round_line(SHAFT_BEARING, SHAFT_BEARINGS, diameters, width), fit=fit)
 
 
-def _stock_bearing(item: str, count: int, bearing: stock.StockBearing, fit: str) -> BillLine:
+def _stock_bearing_line(item: str, count: int, bearing: stock.StockBearing, fit: str) -> BillLine:
     diameters = ("outside diameter", 0.5 * bearing.outside), ("bore", 0.5 * bearing.bore)
     line = _round_line(item, count, diameters, bearing.width)
     return replace(line, designation=bearing.designation, fit=fit)
@@ -377,7 +383,10 @@ def _round_line(
     material: Material | None = None,
     cut: float = 0.0,
 ) -> BillLine:
-    """Return the line of bought cylinders: named radii, the outer one first, and length [m], perhaps `cut` shorter."""
+    """Return the line of `count` bought cylinders of a length [m], with their mass; `cut` is the length if shortened.
+
+    `radii` are named radii [m], the outer one first. Without `material` they are steel, filled as a bearing.
+    """
     outer, inner = radii[0][1], radii[1][1] if len(radii) > 1 else 0.0
     volume = math.pi * (outer**2 - inner**2) * (cut or length)
     mass = count * volume * (material.density if material else STEEL * filling(item))

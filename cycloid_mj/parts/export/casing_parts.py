@@ -24,7 +24,7 @@ from cycloid_mj.parts.export.crank_rings import counterweight_shift, crank_rings
 from cycloid_mj.parts.export.joint import PRESSED_PIN, Point
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
 from cycloid_mj.parts.export.keyway import KeywayContour
-from cycloid_mj.parts.export.round_part import AXIS, Pocket, Round, RoundPart, with_holes
+from cycloid_mj.parts.export.round_part import AXIS, Pocket, Round, RoundPart, cut_holes
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, INNER, JOURNAL
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
@@ -34,7 +34,7 @@ MIN_POCKET = 3e-3
 
 
 @dataclass(frozen=True)
-class CasingPlace:
+class CasingPosition:
     """Position of a part of the casing: its name there, the part, its origin [m], and the body that it moves with."""
 
     name: str
@@ -44,12 +44,12 @@ class CasingPlace:
 
 
 def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
-    """Return all parts of the casing by name; for parts of the mechanism, what the casing adds to them."""
+    """Return the parts of the casing by name, and for parts of the mechanism what the casing adds to them."""
     joints = drive_joints(reducer, sizes)
     bodies = {
         names.HOUSING: (names.HOUSING, ()),
-        names.OUTPUT: (names.OUTPUT, _hub(reducer, sizes)),
-        MOTOR_COVER: (names.HOUSING, _motor_cover(sizes)),
+        names.OUTPUT: (names.OUTPUT, _hub_rounds(reducer, sizes)),
+        MOTOR_COVER: (names.HOUSING, _motor_cover_rounds(sizes)),
         OUTPUT_COVER: (names.HOUSING, _output_cover(sizes)),
         FLANGE: (names.OUTPUT, ((sizes.flange_radius, sizes.top, sizes.top + sizes.flange_thickness),)),
         names.SHAFT: (names.SHAFT, ()),
@@ -66,20 +66,20 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
     return parts | {part.item: part.solid for part in bought_parts(joints)}
 
 
-def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
-    """Yield the places of the parts of the casing at the crank angle 0; ring and output are not among them."""
+def place_casing(reducer: Reducer, sizes: Casing) -> Iterator[CasingPosition]:
+    """Yield the parts of the casing with their positions at crank angle 0; ring and output are not among them."""
     for name in (MOTOR_COVER, OUTPUT_COVER):
-        yield CasingPlace(name, name, (0.0, 0.0, 0.0), names.HOUSING)
-    yield CasingPlace(FLANGE, FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
+        yield CasingPosition(name, name, (0.0, 0.0, 0.0), names.HOUSING)
+    yield CasingPosition(FLANGE, FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
     for ring in crank_rings(reducer, sizes):
-        yield CasingPlace(ring.name, ring.name, (0.0, 0.0, 0.0), names.SHAFT)
+        yield CasingPosition(ring.name, ring.name, (0.0, 0.0, 0.0), names.SHAFT)
     for part in bought_parts(drive_joints(reducer, sizes)):
         for number, origin in enumerate(part.origins, start=part.first):
-            yield CasingPlace(names.numbered_name(part.item, number), part.item, origin, part.body)
+            yield CasingPosition(names.numbered_name(part.item, number), part.item, origin, part.body)
 
 
 def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | None = None) -> Part:
-    """Return the shaft, bored where the motor's shaft enters if `sizes` state one.
+    """Return the shaft as exact outlines, bored for the motor's shaft if the `sizes` of a casing say so.
 
     `chord_error` [m] is that of the outlines that balance, see `lay_out_parts`.
     """
@@ -89,52 +89,58 @@ def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | Non
     bore = motor_bore(reducer, sizes)
     holes = ((AXIS, *bore),) if bore else ()
     fitted = fit_part(reducer, sizes, names.SHAFT, shaft)
-    return fitted.of(with_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted.stretches))
+    return fitted.of(cut_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted.stretches))
 
 
 def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
-    """Return a part of the mechanism as its joints in a drive require, or `part` itself.
+    """Return a part of the mechanism as its joints in a drive require: with their clearances, bores and keyways.
 
     The ring is wider than discs, pins and sleeves. The counterweight makes room for a ring next to its bearing. A
     spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. Shaft, cams and spacer
     have keyways. Bearings in stock are pressed into the discs, and rollers turn on their pins.
     """
-    drawn, family = part.stretches, names.family(name)
+    stretches, family = part.stretches, names.family(name)
     if name == names.HOUSING:
-        return part.of(_wider(item, sizes.play, item is drawn[0], item is drawn[-1]) for item in drawn)
+        return part.of(_wider(item, sizes.play, item is stretches[0], item is stretches[-1]) for item in stretches)
     if name == PRESSED_PIN:
         reach = 0.5 * sleeve_pin_length(reducer)
-        return part.of(replace(stretch, z0=-reach, z1=reach) for stretch in drawn)
+        return part.of(replace(stretch, z0=-reach, z1=reach) for stretch in stretches)
     if name == names.PIN:
         _, length = pin_pieces(reducer)
-        return part.of(replace(stretch, z0=-0.5 * length, z1=0.5 * length) for stretch in drawn)
+        return part.of(replace(stretch, z0=-0.5 * length, z1=0.5 * length) for stretch in stretches)
     if family == names.GEAR and cam_bearing(reducer):
         bore = CircleContour(reducer.design.gear.bore_radius)
-        return part.of(replace(stretch, holes=(bore, *stretch.holes[1:])) for stretch in drawn)
+        return part.of(replace(stretch, holes=(bore, *stretch.holes[1:])) for stretch in stretches)
     if name == names.ROLLER:
         bore = CircleContour(roller_bore(reducer))
-        return part.of(replace(stretch, holes=(bore,)) for stretch in drawn)
+        return part.of(replace(stretch, holes=(bore,)) for stretch in stretches)
     if family in (names.CAM, names.SPACER, names.SHAFT):
-        return part.of(_on_crank(reducer, sizes, family, drawn))
+        return part.of(_fit_crank_stretches(reducer, sizes, family, stretches))
     return part
 
 
-def _wider(stretch: Stretch, by: float, below: bool, above: bool) -> Stretch:
-    return replace(stretch, z0=stretch.z0 - by * below, z1=stretch.z1 + by * above)
+def _wider(stretch: Stretch, play: float, at_start: bool, at_end: bool) -> Stretch:
+    """Return a stretch that is longer by a play [m] at its start, its end or both."""
+    return replace(stretch, z0=stretch.z0 - play * at_start, z1=stretch.z1 + play * at_end)
 
 
-def _on_crank(reducer: Reducer, sizes: Casing, family: str, drawn: Sequence[Stretch]) -> Iterator[Stretch]:
-    """Yield the stretches of shaft, cam or spacer with keyways and axial clearances, the shaft from its bearing on."""
+def _fit_crank_stretches(
+    reducer: Reducer, sizes: Casing, family: str, stretches: Sequence[Stretch]
+) -> Iterator[Stretch]:
+    """Yield the stretches of a shaft, cam or spacer with keyways and axial clearances; a shaft starts at its bearing.
+
+    `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``.
+    """
     if family == names.SHAFT:
-        drawn = (replace(drawn[0], z0=sizes.journal), *drawn[1:])
+        stretches = (replace(stretches[0], z0=sizes.journal), *stretches[1:])
     if reducer.design.gear.discs == 1:
         back = counterweight_shift(reducer)
-        for stretch in drawn:
+        for stretch in stretches:
             low, high = stretch.name in (COUNTERWEIGHT, INNER), stretch.name in (JOURNAL, COUNTERWEIGHT)
             yield replace(stretch, z0=stretch.z0 + back * low, z1=stretch.z1 + back * high)
         return
     key, radius = cam_key(reducer, sizes), reducer.design.shaft.radius
-    pieces = _with_hub(reducer, sizes, drawn) if family == names.SPACER else tuple(drawn)
+    pieces = _split_spacer(reducer, sizes, stretches) if family == names.SPACER else tuple(stretches)
     if key is None:
         yield from pieces
     elif family == names.SHAFT:
@@ -148,16 +154,16 @@ def _on_crank(reducer: Reducer, sizes: Casing, family: str, drawn: Sequence[Stre
         yield from (replace(piece, holes=(slot,)) for piece in pieces)
 
 
-def _with_hub(reducer: Reducer, sizes: Casing, drawn: Sequence[Stretch]) -> tuple[Stretch, ...]:
+def _split_spacer(reducer: Reducer, sizes: Casing, stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:
     """Return a spacer with a rim narrower by the axial play on both sides, and a hub as long as the gap."""
-    (ring,) = drawn
+    (ring,) = stretches
     hub = replace(ring, outline=CircleContour(hub_radius(reducer, sizes)))
     low, high = ring.z0 + sizes.play, ring.z1 - sizes.play
     return replace(hub, z1=low), replace(ring, z0=low, z1=high), replace(hub, z0=high)
 
 
-def _motor_cover(sizes: Casing) -> tuple[Round, ...]:
-    """Return the cover: slimmer next to the motor, and up to the ring, or around it.
+def _motor_cover_rounds(sizes: Casing) -> tuple[Round, ...]:
+    """Return the cylinders of the motor cover: one up to the ring or around it, and a slimmer one next to the motor.
 
     The rim around a ring is lower than the ring, which the other cover clamps.
     """
@@ -182,8 +188,8 @@ def _output_cover(sizes: Casing) -> tuple[Round, ...]:
     return ((sizes.outer, sizes.end, sizes.top),)
 
 
-def _hub(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
-    """Return what stands on the disc of the output: a floor over its bores, the shoulder and the hub."""
+def _hub_rounds(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
+    """Return the cylinders on the disc of the output: a floor over its bores, the bearings' shoulder and the hub."""
     floor = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
     hub, shoulder = 0.5 * sizes.hub.bore, floor + 0.5 * AXIAL_GAP
     return (

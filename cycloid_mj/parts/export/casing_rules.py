@@ -132,18 +132,18 @@ def hole_depth(reducer: Reducer, thread: float, reach: float) -> float:
     return max(reach, insert.length) if insert else reach
 
 
-def stock_screw_length(bolt: stock.Bolt, reach: float) -> float:
-    """Return the length in stock [m] of a screw of some minimum length [m].
+def stock_screw_length(bolt: stock.Bolt, min_length: float) -> float:
+    """Return the shortest length in stock [m] of a screw of at least some length [m].
 
     Raises
     ------
     DesignError
         All in stock are shorter.
     """
-    length = stock.bolt_length(bolt.thread, reach)
+    length = stock.bolt_length(bolt.thread, min_length)
     if length is None:
         raise DesignError(
-            f"the casing needs {bolt.designation} screws {1e3 * reach:.4g} mm long, but the longest in stock is "
+            f"the casing needs {bolt.designation} screws {1e3 * min_length:.4g} mm long, but the longest in stock is "
             "shorter: reduce housing.outer_radius_mm"
         )
     return length

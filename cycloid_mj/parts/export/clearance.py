@@ -39,7 +39,7 @@ class OutlineClearance:
 
 
 def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
-    """Compute the depth of points (n, 2) [m] inside the trochoid of a disc [m], by Newton's method."""
+    """Compute the distance (n,) [m] of points (n, 2) [m] from the trochoid of a disc, positive inside, by Newton."""
     from scipy.spatial import cKDTree
 
     grid = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
@@ -57,17 +57,19 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
 
 
 def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[OutlineClearance, ...]:
-    """Measure the clearances of all discs: the smallest and largest of each pair.
+    """Measure the clearances of all discs in the ring; return the smallest and largest of each mating pair.
 
-    Raises the errors of `measure`.
+    `discs` are the loops of each disc, `ring_loop` the inner outline of the housing, as for `measure_disc`.
+
+    Raises the errors of `measure_disc`.
     """
-    return _extremes([measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)])
+    return _extremes([measure_disc(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)])
 
 
-def measure(
+def measure_disc(
     reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0
 ) -> tuple[OutlineClearance, ...]:
-    """Measure the clearances cut into a disc and the housing.
+    """Measure the smallest and largest clearance of each mating pair between a disc, the housing and their mates.
 
     Parameters
     ----------
@@ -99,19 +101,19 @@ def measure(
 def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) -> tuple[OutlineClearance, ...]:
     """Measure the clearances between the outlines of all discs (n, 2) [m] and the ring, and of its sockets.
 
-    Raises the errors of `measure`.
+    Raises the errors of `measure_disc`.
     """
     return _extremes([_measure_ring(reducer, outline, ring_loop, disc) for disc, outline in enumerate(discs)])
 
 
 def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int) -> tuple[OutlineClearance, ...]:
-    """Measure the clearance between a disc and the ring, and of the sockets, if any; errors as `measure`."""
+    """Measure the clearance between a disc and the ring, and of the sockets, if any; errors as `measure_disc`."""
     design = reducer.design
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
     turned = rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)
     points: dict[str, Array] = {teeth: _flank_clearance(reducer, turned)}
     if design.ring.has_sockets:
-        points["pin_socket"] = _socket_points(reducer, ring_loop) - design.ring.pin_radius
+        points["pin_socket"] = _socket_distances(reducer, ring_loop) - design.ring.pin_radius
     return tuple(_require_asked(reducer, pair, values) for pair, values in points.items())
 
 
@@ -135,13 +137,13 @@ def _extremes(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[Outli
 
 
 def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
-    """Compute the clearance of points of the disc (n, 2) [m] without its modification, shape (n,).
+    """Compute the clearance (n,) [m] of points (n, 2) [m] of a disc's outline, before its modification.
 
     With rotated flanks the disc is the intersection of two rotated profiles.
     """
     gear, change = reducer.gear_profile, reducer.design.modification
-    turns = (change.rotation, -change.rotation) if change.rotation else (0.0,)
-    inside = [flank_distance(gear, rotate_clockwise(outline, turn)) for turn in turns]
+    rotations = (change.rotation, -change.rotation) if change.rotation else (0.0,)
+    inside = [flank_distance(gear, rotate_clockwise(outline, turn)) for turn in rotations]
     return np.asarray(np.min(inside, axis=0) - reducer.design.ring.pin_radius - change.equidistant)
 
 
@@ -149,8 +151,11 @@ def _range(values: Array) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
-def _socket_points(reducer: Reducer, ring_loop: Array) -> Array:
-    """Return the distances from the nearest pin centre [m] of the points of sockets, without the wall between them."""
+def _socket_distances(reducer: Reducer, ring_loop: Array) -> Array:
+    """Compute the distances [m] of the points of all sockets from the nearest pin centre.
+
+    `ring_loop` (n, 2) [m] is the inner outline of the housing; points of the wall between sockets are left out.
+    """
     from scipy.spatial import cKDTree
 
     ring = reducer.design.ring

@@ -60,23 +60,23 @@ class CamKey:
 
 def crank_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     """Yield the joints of crank, discs, ring pins and output pins."""
-    yield from _cams_on_shaft(reducer, sizes)
-    yield from _cam_bearings(reducer)
-    yield from _ring_pins(reducer, sizes)
-    yield from _output_pins(reducer)
+    yield from _cam_joint(reducer, sizes)
+    yield from _cam_bearing_joint(reducer)
+    yield from _ring_pin_joints(reducer, sizes)
+    yield from _output_pin_joints(reducer)
 
 
 @once
 def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
-    """Return the key of the cams of several discs where their walls over it are thickest; None if none fits.
+    """Choose the key of the cams of several discs, where their walls over it are thickest; None if none fits.
 
     Its keyways fix the phases of the cams. It must leave a wall in the cams, and in the shaft over the motor's bore.
     """
     design = reducer.design
     if design.gear.discs == 1:
         return None
-    along, radius = crank_stretches(reducer), design.shaft.radius
-    cams = [along[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
+    stretches, radius = crank_stretches(reducer), design.shaft.radius
+    cams = [stretches[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
     low, high = cams[0].z0, cams[-1].z1
     key = stock.key_for(2.0 * radius, high - low)
     if key is None:
@@ -84,8 +84,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     angles = 2.0 * math.pi * np.arange(KEY_ANGLES) / KEY_ANGLES
     directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     outer, eccentricity = cam_radius(reducer), design.gear.eccentricity
-    towards = eccentricity * directions @ unit(-np.array(reducer.phases)).T
-    walls = (towards + np.sqrt(towards**2 + outer**2 - eccentricity**2)).min(axis=1)
+    offsets = eccentricity * directions @ unit(-np.array(reducer.phases)).T
+    walls = (offsets + np.sqrt(offsets**2 + outer**2 - eccentricity**2)).min(axis=1)
     best, bore = int(np.argmax(walls)), motor_bore(reducer, sizes)
     core = bore[0] if bore and bore[2] > low else 0.0
     fits = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + RULES.min_wall
@@ -95,8 +95,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     return CamKey(key, float(angles[best]), middle - 0.5 * key.length, middle + 0.5 * key.length)
 
 
-def _cams_on_shaft(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of cams and shaft of several discs: keyed, or glued in marked phases."""
+def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the joint of cams and shaft of several discs: keyed, or glued if no key fits; none for one disc."""
     gear, radius = reducer.design.gear, reducer.design.shaft.radius
     if gear.discs == 1:
         return
@@ -117,8 +117,8 @@ def _cams_on_shaft(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     yield Joint(name, JointKind.KEYED, parts, (), (part,), "H7/k6", *seats)
 
 
-def _cam_bearings(reducer: Reducer) -> Iterator[Joint]:
-    """Yield the joint of discs and their bearings: pressed in, or rollers in the bore of the disc itself."""
+def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
+    """Yield the joint of discs and cam bearings: pressed in, or rollers in the bore; none if the cam slides."""
     gear, bought = reducer.design.gear, cam_bearing(reducer)
     if gear.bearing != "rolling":
         return
@@ -128,13 +128,13 @@ def _cam_bearings(reducer: Reducer) -> Iterator[Joint]:
     yield Joint("cam bearings in the discs", kind, (CAM_BEARING, *reducer.gears), (), (), fit, *seats)
 
 
-def _ring_pins(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joints of the ring pins."""
+def _ring_pin_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the joints of the ring pins: in their sockets, or with sleeves and covers; none for an internal gear."""
     ring, width = reducer.design.ring, reducer.design.gear.stack_width
     if ring.kind != "pin":
         return
     if ring.has_sleeves:
-        yield _sleeve_pins(reducer, sizes)
+        yield _sleeve_pin_joint(reducer, sizes)
         seats = ring.teeth, 2.0 * sleeve_core_radius(reducer), width
         parts = names.PIN, PRESSED_PIN
         yield Joint("sleeves on their pins", JointKind.CLEARANCE, parts, (), (), "F7/m6", *seats)
@@ -146,7 +146,7 @@ def _ring_pins(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     yield Joint("ring pins in their sockets", kind, (names.PIN, names.HOUSING), (), (), fit, *seats)
 
 
-def _sleeve_pins(reducer: Reducer, sizes: Casing) -> Joint:
+def _sleeve_pin_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of the pins inside sleeves: pressed into both covers by `sleeve_pin_depth`."""
     ring, radius, depth = reducer.design.ring, sleeve_core_radius(reducer), sleeve_pin_depth(reducer)
     centres = ring.pin_circle_radius * unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
@@ -159,7 +159,7 @@ def _sleeve_pins(reducer: Reducer, sizes: Casing) -> Joint:
     return Joint("pins of the sleeves", JointKind.PRESSED, parts, holes, (), sleeve_pin_fit(reducer), *seats)
 
 
-def _output_pins(reducer: Reducer) -> Iterator[Joint]:
+def _output_pin_joints(reducer: Reducer) -> Iterator[Joint]:
     """Yield the joints of separate output pins: pressed into the discs of the output, with rollers on them."""
     gear, output = reducer.design.gear, reducer.design.output
     if in_one_piece(reducer):

@@ -36,7 +36,7 @@ class CrankRing:
 
 def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
     """Return the rings of a crank: before counterweight or first cam, and beyond the last cam of a straddled shaft."""
-    return tuple(_rings(reducer, sizes))
+    return tuple(_crank_rings(reducer, sizes))
 
 
 def counterweight_shift(reducer: Reducer) -> float:
@@ -50,16 +50,17 @@ def hub_radius(reducer: Reducer, sizes: Casing) -> float:
     return cam_radius(reducer) - reducer.design.gear.eccentricity - sizes.play
 
 
-def _rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
-    shaft, along = reducer.design.shaft, crank_stretches(reducer)
+def _crank_rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
+    """Yield the rings of a crank: `crank_rings`, one by one."""
+    shaft, stretches = reducer.design.shaft, crank_stretches(reducer)
     radius = shoulder_radius(shaft.radius, sizes.seat)
-    if COUNTERWEIGHT not in along:
+    if COUNTERWEIGHT not in stretches:
         radius = min(radius, hub_radius(reducer, sizes))
-    cams = [stretch for name, stretch in along.items() if names.family(name) == names.CAM]
-    before = along[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in along else cams[0].z0
-    back = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
+    cams = [stretch for name, stretch in stretches.items() if names.family(name) == names.CAM]
+    ring_end = stretches[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in stretches else cams[0].z0
+    retreat = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
     thinnest, beyond = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
     if radius >= thinnest:
-        yield CrankRing(names.numbered_name(CRANK_RING, 1), radius, sizes.near[1] + back, before)
+        yield CrankRing(names.numbered_name(CRANK_RING, 1), radius, sizes.near[1] + retreat, ring_end)
     if sizes.far and beyond >= thinnest:
-        yield CrankRing(names.numbered_name(CRANK_RING, 2), beyond, cams[-1].z1, sizes.far[0] - back)
+        yield CrankRing(names.numbered_name(CRANK_RING, 2), beyond, cams[-1].z1, sizes.far[0] - retreat)

@@ -103,12 +103,16 @@ def part_drawings(reducer: Reducer, sizes: Casing) -> tuple[PartDrawing, ...]:
     counts = {name: part.count for name, part in manufactured.items()}
     if reducer.design.output.has_roller_parts:
         counts[names.ROLLER] = reducer.design.output.pins * reducer.design.gear.discs
-    return tuple(_drawing(reducer, sizes, parts[name], name, count, joints) for name, count in counts.items())
+    return tuple(_draw_part(reducer, sizes, parts[name], name, count, joints) for name, count in counts.items())
 
 
-def _drawing(
+def _draw_part(
     reducer: Reducer, sizes: Casing, part: Part, name: str, count: int, joints: Sequence[Joint]
 ) -> PartDrawing:
+    """Return the drawing of a part: section, front view, dimensions, notes and title block.
+
+    `count` is how many a drive has, `joints` are those of the drive.
+    """
     prisms = part.solid(VISUAL_CHORD_ERROR).prisms
     material, printed = part_material(reducer, name, sizes), is_printed(reducer, material_part(reducer, name))
     front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
@@ -116,13 +120,21 @@ def _drawing(
     diameters = tuple(_diameters(reducer, part, name, joints))
     faces = sorted({round(face, 9) for prism in prisms for face in (prism.z0, prism.z1)})
     lengths = tuple(Dimension(_mm(face - faces[0]), faces[0], face) for face in faces[1:])
-    notes = (*_holes(name, joints), *_geometry(reducer, name, diameters), *_surface(reducer, name, material, printed))
-    title = (f"{reducer.design.name}: {name}", f"{count} off, {material.name or 'own material'}", _treatment(material))
+    notes = (
+        *_describe_holes(name, joints),
+        *_describe_tolerances(reducer, name, diameters),
+        *_describe_surface(reducer, name, material, printed),
+    )
+    title = (
+        f"{reducer.design.name}: {name}",
+        f"{count} off, {material.name or 'own material'}",
+        _describe_treatment(material),
+    )
     return PartDrawing(name, title, section, tuple(front.values()), diameters, lengths, notes)
 
 
 def _diameters(reducer: Reducer, part: Part, name: str, joints: Sequence[Joint]) -> Iterator[Dimension]:
-    """Yield the diameters about the axis, or about the cam, each once from end to end, with their zone."""
+    """Yield each diameter of a part about its axis, or about its cam, with its ends along z and its tolerance zone."""
     spans: dict[tuple[float, bool, tuple[float, float]], list[float]] = {}
     for stretch in part.stretches:
         for contour, inner in ((stretch.outline, False), *((hole, True) for hole in stretch.holes)):
@@ -132,16 +144,19 @@ def _diameters(reducer: Reducer, part: Part, name: str, joints: Sequence[Joint])
                 key = round(circle.radius, 9), inner, centre
                 spans.setdefault(key, []).extend((stretch.z0, stretch.z1))
     for (radius, inner, centre), ends in spans.items():
-        off = float(np.hypot(*centre))
-        zone = _zone(reducer, name, joints, radius, inner=inner)
+        eccentricity = float(np.hypot(*centre))
+        zone = _tolerance_zone(reducer, name, joints, radius, inner=inner)
         limits = f" ({_deviations(zone, 2.0 * radius)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
         text = f"⌀{_mm(2.0 * radius)}" + (f" {zone}{limits}" if zone else "")
-        text += f", eccentric by {MILLIMETRES * off:.4f} ± 0.005" if off > SAME_LENGTH else ""
+        text += f", eccentric by {MILLIMETRES * eccentricity:.4f} ± 0.005" if eccentricity > SAME_LENGTH else ""
         yield Dimension(text, min(ends), max(ends), radius)
 
 
-def _zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius: float, *, inner: bool) -> str:
-    """Return the tolerance zone of a surface from the joint that it belongs to; empty if it is free."""
+def _tolerance_zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius: float, *, inner: bool) -> str:
+    """Return the tolerance zone, such as ``H7``, of a surface from the joint that it belongs to; empty if it is free.
+
+    `radius` [m] is that of the surface of the part `name`; `inner` for a bore.
+    """
     on_crank = name == names.SHAFT or names.family(name) == names.CAM
     if not inner and on_crank and abs(radius - cam_radius(reducer)) < SAME_LENGTH:
         return "h5"
@@ -163,15 +178,15 @@ def _deviations(zone: str, size: float) -> str:
     return f"{high:+d}/{low:+d} µm"
 
 
-def _holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
-    """Yield the holes off the axis: number, diameter or thread, depth, circle and angle of the first."""
+def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
+    """Yield a note for each group of holes off the axis: number, diameter or thread, depth, circle and first angle."""
     for joint in joints:
         threads = [item.thread for item in joint.threads if item.part == name]
         for centres, radius, low, high in joint.holes_in(name):
-            away = np.hypot(*centres.T)
-            if away.max() <= SAME_LENGTH:
+            radii = np.hypot(*centres.T)
+            if radii.max() <= SAME_LENGTH:
                 continue
-            circle, angle = 2.0 * float(away.mean()), float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
+            circle, angle = 2.0 * float(radii.mean()), float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
             zone = f" {joint.fit}" if joint.kind in (JointKind.DOWELLED, JointKind.PRESSED) else ""
             thread = next((f"M{_mm(item)} in it, " for item in threads if radius < 0.75 * item), "")
             place = f"on ⌀{_mm(circle)}, the first at {angle:.4g}°, position ⌀{'0.05' if zone else '0.2'} to A and B"
@@ -179,8 +194,8 @@ def _holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
             yield f"{size}, {thread}{place} ({joint.name})"
 
 
-def _geometry(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
-    """Yield datums, and tolerances of run-out and of the teeth."""
+def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
+    """Yield the notes on datums, run-out of the seats, and position and profile of teeth and pin holes."""
     design, seats = reducer.design, [item for item in diameters if " " in item.text and "eccentric" not in item.text]
     if seats:
         yield f"datum A: axis of {seats[0].text.partition(' ')[0]}; datum B: the face at z = 0 of the lengths"
@@ -197,15 +212,18 @@ def _geometry(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> It
             f"⌀{_mm(2.0 * design.output.pin_circle_radius)}, position ⌀{2.0 * profile:.4f} to A"
         )
     if name == names.HOUSING:
-        what = "sockets" if design.ring.kind == "pin" else "teeth"
-        yield f"{design.ring.teeth} {what} on ⌀{_mm(2.0 * design.ring.pin_circle_radius)}, profile {profile:.4f} to A"
+        tooth_name, circle = (
+            "sockets" if design.ring.kind == "pin" else "teeth",
+            _mm(2.0 * design.ring.pin_circle_radius),
+        )
+        yield f"{design.ring.teeth} {tooth_name} on ⌀{circle}, profile {profile:.4f} to A"
     if name == names.OUTPUT:
         circle = _mm(2.0 * design.output.pin_circle_radius)
         yield f"{design.output.pins} x ⌀{_mm(2.0 * design.output.root_radius)} N7 on ⌀{circle}, position ⌀0.01 to A"
 
 
-def _surface(reducer: Reducer, name: str, material: Material, printed: bool) -> Iterator[str]:
-    """Yield roughness, edges and general tolerances."""
+def _describe_surface(reducer: Reducer, name: str, material: Material, printed: bool) -> Iterator[str]:
+    """Yield the notes on roughness, fillets, edges and general tolerances of a part."""
     if printed:
         yield PRINTED
     else:
@@ -219,7 +237,7 @@ def _surface(reducer: Reducer, name: str, material: Material, printed: bool) -> 
     yield GENERAL
 
 
-def _treatment(material: Material) -> str:
+def _describe_treatment(material: Material) -> str:
     return next((text for key, text in HARDNESS if key in material.name), "no heat treatment")
 
 
@@ -237,7 +255,10 @@ Line = tuple[tuple[float, float], tuple[float, float], Dimension]
 
 
 def dimension_lines(drawing: PartDrawing) -> tuple[Line, ...]:
-    """Return the ends (x, y) [mm] of the dimension lines next to the section: lengths below, diameters on the right."""
+    """Return the dimension lines next to a section: both ends (x, y) [mm] and the dimension of each.
+
+    Lengths are below the section, diameters on its right.
+    """
     step, _, bottom, high = _layout(drawing)
     lengths = [
         ((MILLIMETRES * item.low, y), (MILLIMETRES * item.high, y), item)
@@ -285,9 +306,9 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
             space.add_lwpolyline(points, close=True, dxfattribs={"layer": "front"})
         override = {"dimtxt": height, "dimasz": height, "dimexe": 0.5 * height, "dimexo": 0.5 * height}
         for start, end, item in dimension_lines(drawing):
-            at = {"base": start, "angle": 90.0 if item.radius else 0.0, "text": item.text.replace("⌀", "%%c")}
+            direction = {"base": start, "angle": 90.0 if item.radius else 0.0, "text": item.text.replace("⌀", "%%c")}
             mark = space.add_linear_dim(
-                p1=start, p2=end, dimstyle="EZDXF", override=override, dxfattribs={"layer": "dimensions"}, **at
+                p1=start, p2=end, dimstyle="EZDXF", override=override, dxfattribs={"layer": "dimensions"}, **direction
             )
             mark.render()
         top = bottom - (len(drawing.lengths) + 2.0) * step

@@ -3,7 +3,7 @@
 from cycloid_mj.base import names
 from cycloid_mj.parts import mass_properties
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
-from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, casing, casing_or_none
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
 from cycloid_mj.reducer import Reducer, once
@@ -22,7 +22,7 @@ def has_casing(reducer: Reducer) -> bool:
 
 @once
 def drive_mass(reducer: Reducer) -> float:
-    """Compute the mass of a drive with its covers [kg].
+    """Compute the mass [kg] of a drive with its covers; a ring in two halves counts as an undivided one.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def assembly_mass(reducer: Reducer, sizes: Casing) -> float:
     """Compute the mass of all solids of an assembly [kg], bearings filled by `BEARING_FILL`."""
     parts = assembly_parts(reducer, sizes)
     mass = {name: filling(name) * mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in parts.items()}
-    return sum(mass[place.part] for place in places(reducer, 0.0, sizes))
+    return sum(mass[place.part] for place in place_parts(reducer, 0.0, sizes))
 
 
 def filling(part: str) -> float:
@@ -46,23 +46,25 @@ def filling(part: str) -> float:
 
 
 def casing_inertia(reducer: Reducer) -> float:
-    """Compute the inertia that the casing adds at the input [kg m2]: hub and flange, less the bore of the shaft.
+    """Compute the inertia [kg m2] at the input that the casing adds: hub and flange, less the bore of the shaft.
 
     Raises
     ------
     DesignError
         A part does not fit.
     """
-    bare, cased = (manufactured_parts(reducer, EXPORT_CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
-    slow, fast = (
-        sum(_inertia(cased.get(name)) - _inertia(bare.get(name)) for name in turning)
+    mechanism, drive = (
+        manufactured_parts(reducer, EXPORT_CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer))
+    )
+    output_side, shaft_side = (
+        sum(_inertia(drive.get(name)) - _inertia(mechanism.get(name)) for name in turning)
         for turning in (TURNING[reducer.mechanism.turning], (names.SHAFT,))
     )
-    return fast + slow / reducer.design.reduction**2
+    return shaft_side + output_side / reducer.design.reduction**2
 
 
 def drive_length(reducer: Reducer) -> float:
-    """Compute the length from motor flange to output flange [m].
+    """Compute the length [m] of a drive from the flange of the motor to the output flange.
 
     Raises
     ------
@@ -74,7 +76,7 @@ def drive_length(reducer: Reducer) -> float:
 
 
 def drive_diameter(reducer: Reducer) -> float:
-    """Compute the diameter of the covers [m], larger than the ring if the screws are outside of it.
+    """Compute the diameter [m] of the covers of a drive; they are larger than the ring if the screws are outside of it.
 
     Raises
     ------
@@ -88,5 +90,5 @@ def _inertia(part: PrintedPart | None) -> float:
     """Compute the moment of inertia of a part about the axis [kg m2]; 0 without it."""
     if part is None:
         return 0.0
-    whole = mass_properties(part.solid)
-    return float(whole.inertia[2, 2] + whole.mass * (whole.centroid[:2] ** 2).sum())
+    properties = mass_properties(part.solid)
+    return float(properties.inertia[2, 2] + properties.mass * (properties.centroid[:2] ** 2).sum())

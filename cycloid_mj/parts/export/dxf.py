@@ -51,19 +51,21 @@ Loop = tuple[Curve, ...] | Array | Circle
 def dxf_bytes(
     sections: Sequence[LoopSection], threads: Iterable[DrilledThread] = (), arcs: float | None = None
 ) -> bytes:
-    """Encode the sections of a part as DXF [mm], by `layers_of`; equal sections give equal bytes.
+    """Encode the sections of a part as DXF [mm], with the layers of `layers_of`; equal sections give equal bytes.
 
     `arcs` is the tolerance [m] within which arcs replace splines; None: splines.
     """
     layers = layers_of(sections, tuple(threads))
-    return encode_layers((name, chain.from_iterable(_shapes(loop, arcs) for loop in loops)) for name, loops in layers)
+    return encode_layers(
+        (name, chain.from_iterable(_split_loop(loop, arcs) for loop in loops)) for name, loops in layers
+    )
 
 
 def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] = ()) -> list[tuple[str, list[Loop]]]:
-    """Return the loops of sections by layer, each loop once from its lowest to its highest end.
+    """Group the loops of sections by layer name, each loop once from its lowest to its highest end along z.
 
-    A layer has the name of a section, or where several heights share the name ``z low to high`` [mm]. Tapped holes
-    have the thread before, and holes within a stretch of a crank the name of the stretch.
+    A layer has the name of a section, or where several heights share the name ``z low to high`` [mm]. Tapped holes have
+    the thread before, and holes within a stretch of a crank the name of the stretch.
     """
     heights: dict[str, set[tuple[float, float]]] = {}
     spans: dict[tuple[str, object], list[tuple[float, float]]] = {}
@@ -71,7 +73,7 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
     for section in sections:
         heights.setdefault(section.name, set()).add((section.z0, section.z1))
         for loop in section.loops:
-            key = (section.name, _key(loop))
+            key = (section.name, _loop_key(loop))
             loops[key] = loop
             spans.setdefault(key, []).append((section.z0, section.z1))
     layers: dict[str, list[Loop]] = {}
@@ -79,17 +81,17 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
     for key, ends in spans.items():
         name, loop = key[0], loops[key]
         thread = next((item.words for item in threads if _is_drilled(loop, item)), "")
-        whole = _join_stretches(list(heights[name]))
+        full_spans = _join_stretches(list(heights[name]))
         for low, high in _join_stretches(ends):
             prefix = thread or (name if named else "")
             at_height = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
-            plain = not thread and (len(heights[name]) == 1 or (named and (low, high) in whole))
+            plain = not thread and (len(heights[name]) == 1 or (named and (low, high) in full_spans))
             layers.setdefault(name if plain else f"{prefix} {at_height}".strip(), []).append(loop)
     return list(layers.items())
 
 
 def _join_stretches(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Join consecutive stretches along z."""
+    """Join intervals (start, end) along z [m] that follow each other without a gap."""
     joined: list[tuple[float, float]] = []
     for low, high in sorted(ends):
         if joined and low - joined[-1][1] < SAME_LENGTH:
@@ -99,8 +101,8 @@ def _join_stretches(ends: list[tuple[float, float]]) -> list[tuple[float, float]
     return joined
 
 
-def _key(loop: Loop) -> object:
-    """Return what equal loops have in common."""
+def _loop_key(loop: Loop) -> object:
+    """Return a value that is equal for equal loops, to use as a key."""
     if isinstance(loop, np.ndarray):
         return loop.tobytes()
     curves = (loop,) if isinstance(loop, Circle) else loop
@@ -116,7 +118,7 @@ def _is_drilled(loop: Loop, thread: DrilledThread) -> bool:
     return bool(np.min(np.linalg.norm(thread.centres - np.array(circle.centre), axis=1)) < SAME_LENGTH)
 
 
-def _shapes(loop: Loop, arcs: float | None) -> Iterator[Curve | Array]:
+def _split_loop(loop: Loop, arcs: float | None) -> Iterator[Curve | Array]:
     """Yield the curves of a loop, or the loop itself if it is a polygon or a circle."""
     if isinstance(loop, np.ndarray | Circle):
         yield loop
@@ -142,14 +144,14 @@ def encode_layers(layers: Iterable[tuple[str, Iterable[Curve | Array]]]) -> byte
             if name not in document.layers:
                 document.layers.add(name)
             for shape in shapes:
-                _add(space, shape, {"layer": name})
+                _add_entity(space, shape, {"layer": name})
         text = io.StringIO()
         document.write(text)
     return text.getvalue().encode()
 
 
-def _add(space: Any, curve: Curve | Array, attributes: dict[str, str]) -> None:
-    """Add a curve or a closed polygon to the drawing."""
+def _add_entity(space: Any, curve: Curve | Array, attributes: dict[str, str]) -> None:
+    """Add a curve, or a closed polygon (n, 2) [m], to the model space of ezdxf with DXF attributes, in mm."""
     match curve:
         case np.ndarray():
             space.add_lwpolyline((curve * MILLIMETRES).tolist(), close=True, dxfattribs=attributes)
@@ -171,7 +173,7 @@ def _point(point: tuple[float, float]) -> tuple[float, float]:
 
 @contextmanager
 def fixed_metadata(ezdxf: Any) -> Iterator[None]:
-    """Keep time stamps and random identifiers out of the file."""
+    """Keep time stamps and random identifiers out of the files that ezdxf writes inside this context."""
     before = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True
     try:

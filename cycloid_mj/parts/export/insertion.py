@@ -14,7 +14,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.parts import Prism
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
-from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
@@ -36,7 +36,7 @@ from cycloid_mj.parts.export.casing import (
 from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
-from cycloid_mj.parts.export.step import Place
+from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.reducer import Reducer
 
@@ -67,14 +67,17 @@ class Blockage:
     other: str
 
 
-def moves(reducer: Reducer, sizes: Casing) -> tuple[Move, ...]:
+def assembly_moves(reducer: Reducer, sizes: Casing) -> tuple[Move, ...]:
     """Return the moves of `order.assembly_order`; a group, once complete, moves by its name."""
-    return tuple(_moves(reducer, sizes, places(reducer, 0.0, sizes)))
+    return tuple(_list_moves(reducer, sizes, place_parts(reducer, 0.0, sizes)))
 
 
 def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
-    """Return each part that cannot pass another one by the moves of the assembly, and the other one."""
-    placed = {place.name: place for place in places(reducer, 0.0, sizes)}
+    """Find the parts that others block on the way to their place, by the moves of the assembly along z.
+
+    The outlines of moving parts are compared with those of all parts ahead of them that are there already.
+    """
+    placed = {place.name: place for place in place_parts(reducer, 0.0, sizes)}
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}
     groups: dict[str, list[str]] = {}
 
@@ -84,26 +87,26 @@ def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
         return tuple(_section(place, prism) for prism in prisms[place.part])
 
     blocked = []
-    for move in moves(reducer, sizes):
+    for move in assembly_moves(reducer, sizes):
         moving = [part for name in move.parts for part in groups.pop(name, [name])]
-        present = groups.setdefault(move.group, [])
+        present_parts = groups.setdefault(move.group, [])
         blocked += [
             Blockage(moving_part, present_part)
             for moving_part in _distinct(moving, placed)
-            for present_part in present
+            for present_part in present_parts
             if move.direction and _is_blocked(sections(moving_part), sections(present_part), move.direction)
         ]
-        present += moving
+        present_parts += moving
     return tuple(blocked)
 
 
-def _distinct(moving: list[str], placed: dict[str, Place]) -> list[str]:
+def _distinct(moving: list[str], placed: dict[str, PlacedPart]) -> list[str]:
     """Return the first of equal parts around the axis: the others pass as it does."""
-    alike = {(placed[name].part, round(placed[name].origin[2], 9)): name for name in reversed(moving)}
-    return [name for name in moving if name in alike.values()]
+    representatives = {(placed[name].part, round(placed[name].origin[2], 9)): name for name in reversed(moving)}
+    return [name for name in moving if name in representatives.values()]
 
 
-def _section(place: Place, prism: Prism) -> tuple[float, float, manifold3d.CrossSection]:
+def _section(place: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.CrossSection]:
     """Return the ends along z [m] of a prism in its place, and its section in micrometres."""
     x, y, z = place.origin
     rings = [rotate_points(ring, place.angle) + np.array([x, y]) for ring in (prism.outline, *prism.holes)]
@@ -115,22 +118,25 @@ Sections = tuple[tuple[float, float, manifold3d.CrossSection], ...]
 
 
 def _is_blocked(moving: Sections, present: Sections, direction: int) -> bool:
-    """Return whether sections overlap on the path of the moving ones; those that they only touch do not count."""
-    for low, high, one in moving:
-        for bottom, top, other in present:
+    """Return whether sections overlap on the path of the moving ones; those that they only touch do not count.
+
+    A section is its ends along z [m] and its outline; `direction` is `UP` or `DOWN`.
+    """
+    for low, high, moving_section in moving:
+        for bottom, top, present_section in present:
             ahead = bottom < high - SAME_LENGTH if direction == UP else top > low + SAME_LENGTH
             if not ahead:
                 continue
-            common = one ^ other
+            common = moving_section ^ present_section
             if not common.is_empty() and not common.offset(-0.5e6 * PASSAGE).is_empty():
                 return True
     return False
 
 
-def _moves(reducer: Reducer, sizes: Casing, placed: tuple[Place, ...]) -> Iterator[Move]:
-    """Yield the moves: output, ring, discs and crank, motor cover."""
-    yield from _output_moves(sizes, placed)
-    yield from _crank_moves(reducer, placed)
+def _list_moves(reducer: Reducer, sizes: Casing, placed: tuple[PlacedPart, ...]) -> Iterator[Move]:
+    """Yield the moves that assemble a drive, in order: output, ring, discs and crank, motor cover."""
+    yield from _list_output_moves(sizes, placed)
+    yield from _list_crank_moves(reducer, placed)
     yield Move((MOTOR_COVER,), MOTOR_COVER)
     yield Move(_names_of_family(placed, SCREW_INSERT), MOTOR_COVER, DOWN)
     yield Move(_names_of_family(placed, MOTOR_INSERT), MOTOR_COVER, UP)
@@ -141,7 +147,7 @@ def _moves(reducer: Reducer, sizes: Casing, placed: tuple[Place, ...]) -> Iterat
     yield Move(_names_of_family(placed, SCREW), DRIVE, DOWN)
 
 
-def _names_of_family(placed: tuple[Place, ...], family: str, side: int = 0) -> tuple[str, ...]:
+def _names_of_family(placed: tuple[PlacedPart, ...], family: str, side: int = 0) -> tuple[str, ...]:
     """Return the names of the parts of a family, all or those on one side of the middle of the discs."""
     return tuple(
         place.name
@@ -150,8 +156,8 @@ def _names_of_family(placed: tuple[Place, ...], family: str, side: int = 0) -> t
     )
 
 
-def _output_moves(sizes: Casing, placed: tuple[Place, ...]) -> Iterator[Move]:
-    """Yield the moves of output, ring and ring pins."""
+def _list_output_moves(sizes: Casing, placed: tuple[PlacedPart, ...]) -> Iterator[Move]:
+    """Yield the moves that assemble the output, its bearings and flange, then the ring and its pins."""
     yield Move((names.OUTPUT,), "hub")
     yield Move(_names_of_family(placed, FLANGE_INSERT), "hub", DOWN)
     yield Move(_names_of_family(placed, OUTPUT_PIN), "hub", UP)
@@ -173,10 +179,10 @@ def _output_moves(sizes: Casing, placed: tuple[Place, ...]) -> Iterator[Move]:
         yield Move(_names_of_family(placed, family), DRIVE, UP)
 
 
-def _crank_moves(reducer: Reducer, placed: tuple[Place, ...]) -> Iterator[Move]:
-    """Yield the moves of discs and crank: a disc, then the crank; or the crank of several with its discs."""
+def _list_crank_moves(reducer: Reducer, placed: tuple[PlacedPart, ...]) -> Iterator[Move]:
+    """Yield the moves that assemble discs and crank: a disc, then the crank; or the crank of several with its discs."""
     rings, shaft = _names_of_family(placed, CRANK_RING), names.SHAFT
-    second = [Move((SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
+    second_disc = [Move((SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
     if reducer.design.gear.discs == 1:
         yield Move((names.GEAR,), names.GEAR)
         yield Move(_names_of_family(placed, CAM_BEARING), names.GEAR, UP)
@@ -184,7 +190,7 @@ def _crank_moves(reducer: Reducer, placed: tuple[Place, ...]) -> Iterator[Move]:
         yield Move((shaft,), shaft)
         yield Move(rings[:1], shaft, UP)
         yield Move(rings[1:], shaft, DOWN)
-        yield from (*second, Move((shaft,), DRIVE, UP))
+        yield from (*second_disc, Move((shaft,), DRIVE, UP))
         return
     yield Move((shaft, *_names_of_family(placed, KEY)), shaft)
     for number, gear in enumerate(reducer.gears, start=1):
@@ -195,5 +201,5 @@ def _crank_moves(reducer: Reducer, placed: tuple[Place, ...]) -> Iterator[Move]:
         yield Move((names.numbered_name(names.CAM, number),), gear, DOWN)
         yield Move((gear,), shaft, DOWN)
     yield Move(rings[1:], shaft, DOWN)
-    yield from (Move((shaft,), DRIVE, UP), *second)
+    yield from (Move((shaft,), DRIVE, UP), *second_disc)
     yield Move(rings[:1], DRIVE, UP)

@@ -73,21 +73,21 @@ USUAL_CLASS, FLANGE_CLASS = "8.8", "12.9"
 
 @once
 def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
-    """Return all joints of the casing of a drive, from motor to load."""
+    """Return all joints of a drive with its casing, in order from motor to load, then those of the crank."""
     return (
-        *_motor_shaft(reducer, sizes),
-        _motor_pilot(sizes),
-        _cover_shaft_bearings(reducer, sizes),
-        *_cavities(sizes),
-        _output_bearings(sizes),
-        _cover_screws(reducer, sizes),
-        _motor_screws(reducer, sizes),
-        *_ring_seat(reducer, sizes),
-        _flange_screws(reducer, sizes),
-        *_hub_bore(reducer, sizes),
-        *_hub_shaft_bearing(reducer, sizes),
-        _load_threads(reducer, sizes),
-        *_dowels(reducer, sizes),
+        *_motor_shaft_joint(reducer, sizes),
+        _motor_pilot_joint(sizes),
+        _cover_bearing_joint(reducer, sizes),
+        *_cavity_joints(sizes),
+        _output_bearing_joint(sizes),
+        _cover_screw_joint(reducer, sizes),
+        _motor_screw_joint(reducer, sizes),
+        *_ring_seat_joint(reducer, sizes),
+        _flange_screw_joint(reducer, sizes),
+        *_hub_bore_joint(reducer, sizes),
+        *_hub_bearing_joint(reducer, sizes),
+        _load_thread_joint(reducer, sizes),
+        *_dowel_joints(reducer, sizes),
         *crank_joints(reducer, sizes),
     )
 
@@ -98,20 +98,20 @@ def bought_parts(joints: Iterable[Joint]) -> Iterator[BoughtPart]:
     yield from sorted(parts, key=lambda part: (ITEMS.index(part.item), part.first))
 
 
-def _motor_shaft(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+def _motor_shaft_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     bore = motor_bore(reducer, sizes)
     if bore:
         hole = (AXIS, *bore)
         yield Joint("shaft of the motor in the crank", JointKind.LOCATED, (MOTOR, names.SHAFT), ((names.SHAFT, hole),))
 
 
-def _motor_pilot(sizes: Casing) -> Joint:
+def _motor_pilot_joint(sizes: Casing) -> Joint:
     recess = (AXIS, sizes.motor.pilot, sizes.face, sizes.face + RULES.pilot_depth)
     return Joint("pilot of the motor", JointKind.LOCATED, (MOTOR, MOTOR_COVER), ((MOTOR_COVER, recess),))
 
 
-def _cover_shaft_bearings(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of the shaft in the cover on the motor's side: one bearing, or both of an overhung shaft."""
+def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of the shaft and the motor cover: one bearing, or both of an overhung shaft."""
     first = sizes.near[0]
     shoulder = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
     holes: tuple[Hole, ...] = (
@@ -132,8 +132,8 @@ def _cover_shaft_bearings(reducer: Reducer, sizes: Casing) -> Joint:
     )
 
 
-def _hub_shaft_bearing(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the joint of a straddled shaft in the hub of the output."""
+def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the joint of a straddled shaft and the hub of the output: one bearing; none for an overhung shaft."""
     if sizes.far:
         disc = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
         recess = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
@@ -148,7 +148,7 @@ def _hub_shaft_bearing(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -> BoughtPart:
-    """Return the bearings of the shaft with some of the numbers 1 (next to the disc) and 2."""
+    """Return the bearings of the shaft with some `numbers`: 1 is in the hub, or far from the discs; 2 is near them."""
     seats = bearing_seats(reducer, crank_stretches(reducer))
     middles = [0.5 * (low + high) for low, high in seats]
     radius, width, bearing = reducer.design.shaft.radius, bearing_width_of(reducer), shaft_bearing(reducer)
@@ -166,7 +166,7 @@ def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -
     )
 
 
-def _cavities(sizes: Casing) -> Iterator[Joint]:
+def _cavity_joints(sizes: Casing) -> Iterator[Joint]:
     """Yield the cavities in which crank and output turn."""
     crank = (AXIS, sizes.cavity, sizes.floor, -sizes.end)
     yield Joint("crank in its cavity", JointKind.CLEARANCE, (names.SHAFT, MOTOR_COVER), ((MOTOR_COVER, crank),))
@@ -174,8 +174,8 @@ def _cavities(sizes: Casing) -> Iterator[Joint]:
     yield Joint("output in its cavity", JointKind.CLEARANCE, (names.OUTPUT, OUTPUT_COVER), ((OUTPUT_COVER, output),))
 
 
-def _output_bearings(sizes: Casing) -> Joint:
-    """Return the joint of hub and output cover: two bearings on a common shoulder."""
+def _output_bearing_joint(sizes: Casing) -> Joint:
+    """Return the joint of the output's hub and its cover: two bearings on a common shoulder."""
     hub, ((first, inner), (outer, top)) = sizes.hub, sizes.bearings
     seat = 0.5 * hub.outside
     holes: tuple[Hole, ...] = (
@@ -198,8 +198,8 @@ def _output_bearings(sizes: Casing) -> Joint:
     return Joint(name, JointKind.BEARING, parts, drilled, (bearings,), fit, 2, hub.bore, hub.width)
 
 
-def _cover_screws(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of both covers: through the ring, or next to it."""
+def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of both covers by screws, through the ring or outside of it, with its holes and threads."""
     screws, bolt, half = sizes.screws, sizes.screws.bolt, sizes.end
     centres, end = screws.centres(), half - sizes.play if screws.outside else -half
     engagement = screws.length - sizes.grip - half + end
@@ -217,11 +217,11 @@ def _cover_screws(reducer: Reducer, sizes: Casing) -> Joint:
         *_inserts(reducer, SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
     ]
     parts = (MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), OUTPUT_COVER)
-    threads = (_tapped_hole(reducer, MOTOR_COVER, centres, bolt.thread, thread_depth),)
+    threads = (_tapped_holes(reducer, MOTOR_COVER, centres, bolt.thread, thread_depth),)
     return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought), threads=threads)
 
 
-def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
+def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of motor and cover: by threads in the cover, or by screws from within into a tapped motor."""
     motor, centres, face = sizes.motor, motor_centres(sizes), sizes.face
     name, parts = "screws of the motor", (MOTOR, MOTOR_COVER)
@@ -229,7 +229,7 @@ def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
         depth = hole_depth(reducer, motor.thread, RULES.engagement * motor.thread)
         thread = (centres, core_radius(reducer, motor.thread), face, face + depth)
         inserts = tuple(_inserts(reducer, MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
-        threads = (_tapped_hole(reducer, MOTOR_COVER, centres, motor.thread, depth),)
+        threads = (_tapped_holes(reducer, MOTOR_COVER, centres, motor.thread, depth),)
         return Joint(name, JointKind.SCREWED, parts, ((MOTOR_COVER, thread),), inserts, threads=threads)
     under_head = face + motor_grip(motor, sizes.wall)
     holes: tuple[Hole, ...] = (
@@ -240,7 +240,7 @@ def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
     return Joint(name, JointKind.SCREWED, parts, tuple((MOTOR_COVER, hole) for hole in holes), (bought,))
 
 
-def _ring_seat(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+def _ring_seat_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     """Yield the seat of a ring that the screws pass outside of."""
     if sizes.screws.outside:
         seat = (AXIS, reducer.design.housing.outer_radius + SEAT_PLAY, -sizes.end, sizes.end - sizes.play)
@@ -248,8 +248,8 @@ def _ring_seat(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         yield Joint("ring in the motor cover", JointKind.LOCATED, parts, ((MOTOR_COVER, seat),))
 
 
-def _flange_screws(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of flange and hub, which clamps the inner rings of the output's bearings."""
+def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings."""
     bolt, top, end = sizes.flange_bolt, sizes.top, sizes.top + sizes.flange_thickness
     centres, length, under_head = flange_centres(sizes)[::2], flange_screw_length(sizes), end - bolt.head_height
     depth = hole_depth(reducer, bolt.thread, length - sizes.flange_thickness + bolt.head_height)
@@ -264,17 +264,17 @@ def _flange_screws(reducer: Reducer, sizes: Casing) -> Joint:
         *(_washers(bolt, centres, under_head) if washer else ()),
         *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
-    threads = (_tapped_hole(reducer, names.OUTPUT, centres, bolt.thread, depth),)
+    threads = (_tapped_holes(reducer, names.OUTPUT, centres, bolt.thread, depth),)
     parts = (names.OUTPUT, FLANGE)
     return Joint("screws of the output flange", JointKind.SCREWED, parts, holes, bought, threads=threads)
 
 
-def _hub_bore(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the bore of hub and flange inside of their screws: it saves mass, and centres a load."""
+def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the central bore of hub and flange, which saves mass and centres a load, if the screws leave room."""
     bolt, top, wall = sizes.flange_bolt, sizes.top, sizes.wall
     bottom = max(sizes.hub_floor, sizes.far[1] + RULES.collar if sizes.far else 0.0) + 2.0 * wall
-    around = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    in_hub, in_flange = (sizes.flange_circle - radius - wall for radius in around)
+    hole_radii = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+    in_hub, in_flange = (sizes.flange_circle - radius - wall for radius in hole_radii)
     if min(in_flange, top - bottom) > 2.0 * wall:
         holes = (
             (names.OUTPUT, (AXIS, in_hub, bottom, top)),
@@ -283,18 +283,19 @@ def _hub_bore(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, FLANGE), holes)
 
 
-def _load_threads(reducer: Reducer, sizes: Casing) -> Joint:
+def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of flange and load: threads in the flange between its screws."""
     bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
     thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
     inserts = tuple(_inserts(reducer, LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
-    threads = (_tapped_hole(reducer, FLANGE, centres, bolt.thread, end - sizes.top),)
+    threads = (_tapped_holes(reducer, FLANGE, centres, bolt.thread, end - sizes.top),)
     return Joint(
         "threads for the load", JointKind.SCREWED, (FLANGE, LOAD), ((FLANGE, thread),), inserts, threads=threads
     )
 
 
-def _dowels(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the dowels of each face at which a cover and the ring meet."""
+def _dowel_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the dowelled joint of each face at which a cover and the ring meet; none if no dowel fits."""
     dowel = sizes.dowel
     if dowel is None:
         return
@@ -330,7 +331,7 @@ def _dowels(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         )
 
 
-def _tapped_hole(reducer: Reducer, part: str, centres: Array, thread: float, depth: float) -> TappedHole:
+def _tapped_holes(reducer: Reducer, part: str, centres: Array, thread: float, depth: float) -> TappedHole:
     insert = insert_in(reducer, thread)
     return TappedHole(part, len(centres), thread, depth, insert.designation if insert else "")
 
@@ -344,7 +345,10 @@ def _screws(
     under_head: float,
     property_class: str = USUAL_CLASS,
 ) -> BoughtPart:
-    """Return screws along -z with their heads on a plane [m]."""
+    """Return equal screws along -z as a bought part, with their heads on the plane z = `under_head` [m].
+
+    `centres` (n, 2) [m] are their axes, `length` [m] that of a screw, `body` the name of the body they move with.
+    """
     return BoughtPart(
         item,
         screw_body(bolt, length),
@@ -357,7 +361,10 @@ def _screws(
 
 
 def _washers(bolt: stock.Bolt, centres: Array, under_head: float) -> Iterator[BoughtPart]:
-    """Yield the washers under the heads of the screws of the flange, on a plane [m]."""
+    """Yield the washers under the heads of the flange screws with the axes `centres` (n, 2) [m].
+
+    The heads are on the plane z = `under_head` [m].
+    """
     washer = stock.washer_of(bolt.thread)
     yield BoughtPart(
         FLANGE_WASHER,
@@ -372,11 +379,14 @@ def _washers(bolt: stock.Bolt, centres: Array, under_head: float) -> Iterator[Bo
 
 
 def _inserts(
-    reducer: Reducer, item: str, thread: float, body: str, centres: Array, mouth: float, inwards: float
+    reducer: Reducer, item: str, thread: float, body: str, centres: Array, mouth: float, direction: float
 ) -> Iterator[BoughtPart]:
-    """Yield the inserts of threads in a plastic, each flush with the mouth of its hole [m]."""
+    """Yield the heat-set inserts of threads in a plastic, each flush with the mouth of its hole; none in a metal.
+
+    The holes have the axes `centres` (n, 2) [m] and go from z = `mouth` [m] along +z or -z (`direction` 1 or -1).
+    """
     if insert := insert_in(reducer, thread):
-        middle = mouth + inwards * 0.5 * insert.length
+        middle = mouth + direction * 0.5 * insert.length
         yield BoughtPart(
             item,
             tube(0.5 * insert.thread, 0.5 * insert.hole, insert.length),

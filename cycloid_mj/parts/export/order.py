@@ -63,30 +63,30 @@ ALONG = (
 
 
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
-    """Describe the assembly of a drive in ten steps, with parts and tools of each; see ``insertion.moves``."""
+    """Describe the assembly of a drive in ten sentences, with parts and tools of each step; see ``insertion``."""
     screws, hub = sizes.screws, sizes.hub.designation
     printed = is_plastic(reducer)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
     return (
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth.",
         "Set the threaded inserts with a hot iron." if printed else "Check that each screw enters its thread.",
-        _output_pins(reducer),
+        _describe_output_pins(reducer),
         f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside.",
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
         f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
         f"{', with washers' if printed else ''}): it clamps them.",
-        f"Lay the {names.HOUSING} on it{dowels.rstrip(',')}{_ring_pins(reducer)}.",
-        _discs(reducer, sizes),
-        _crank(reducer, sizes),
-        f"{_first_on_cover(sizes)}{'the' if sizes.far else 'both'} {SHAFT_BEARING} into the {MOTOR_COVER}, put it on"
-        f"{dowels} and tighten {len(screws.angles)} x {screws.bolt.designation} x {MILLIMETRES * screws.length:g} "
-        "crosswise from the output's side.",
-        _last(sizes),
+        f"Lay the {names.HOUSING} on it{dowels.rstrip(',')}{_describe_ring_pins(reducer)}.",
+        _describe_discs(reducer, sizes),
+        _describe_crank(reducer, sizes),
+        f"{_describe_motor_cover(sizes)}{'the' if sizes.far else 'both'} {SHAFT_BEARING} into the {MOTOR_COVER}, "
+        f"put it on{dowels} and tighten {len(screws.angles)} x {screws.bolt.designation} x "
+        f"{MILLIMETRES * screws.length:g} crosswise from the output's side.",
+        _describe_last_step(sizes),
     )
 
 
-def _first_on_cover(sizes: Casing) -> str:
-    """Describe the step before the bearing of the motor cover: a tapped motor is bolted on from within."""
+def _describe_motor_cover(sizes: Casing) -> str:
+    """Describe what precedes the bearing of the motor cover in its step: a tapped motor is bolted on from within."""
     if not sizes.motor.tapped:
         return "Press "
     bolt, length = motor_screw(sizes.motor, sizes.wall)
@@ -96,7 +96,7 @@ def _first_on_cover(sizes: Casing) -> str:
     )
 
 
-def _last(sizes: Casing) -> str:
+def _describe_last_step(sizes: Casing) -> str:
     """Describe the last step: mount the motor, or let a mounted motor turn the drive."""
     motor = sizes.motor
     if motor.tapped:
@@ -108,7 +108,7 @@ def _last(sizes: Casing) -> str:
     )
 
 
-def _output_pins(reducer: Reducer) -> str:
+def _describe_output_pins(reducer: Reducer) -> str:
     """Describe the step that mounts or inspects the output pins."""
     if in_one_piece(reducer):
         return "Check that the output pins, in one piece with their disc, are round and smooth."
@@ -117,8 +117,8 @@ def _output_pins(reducer: Reducer) -> str:
     )
 
 
-def _ring_pins(reducer: Reducer) -> str:
-    """Describe how the ring pins are put in and stay there while the drive is built."""
+def _describe_ring_pins(reducer: Reducer) -> str:
+    """Describe how the ring pins are inserted and what keeps them there; empty for an internal gear."""
     ring = reducer.design.ring
     if ring.kind != "pin":
         return ""
@@ -129,7 +129,7 @@ def _ring_pins(reducer: Reducer) -> str:
     return "; glue the pins into their sockets (retaining compound) and let it cure before the disc goes in"
 
 
-def _discs(reducer: Reducer, sizes: Casing) -> str:
+def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
     """Describe the step that mounts a single disc, or builds the crank of several with its discs."""
     design = reducer.design
     if design.gear.discs == 1:
@@ -137,24 +137,24 @@ def _discs(reducer: Reducer, sizes: Casing) -> str:
         first = f"Press the {CAM_BEARING} into the {names.GEAR}" if design.gear.bearing == "rolling" else "Oil its bore"
         second = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
         return f"{first}{rollers} {names.GEAR} over them{second}."
-    held = "Lay the key into the shaft" if cam_key(reducer, sizes) else "Mark the phases of the cams on the shaft"
+    first_step = "Lay the key into the shaft" if cam_key(reducer, sizes) else "Mark the phases of the cams on the shaft"
     glued = "" if cam_key(reducer, sizes) else " with retaining compound"
     return (
-        f"{held}. Put each cam with its bearing into its gear, then push them on the shaft from its output end{glued}: "
-        f"gear 1, a {names.SPACER}, gear 2{' and so on' if design.gear.discs > 2 else ''}."
+        f"{first_step}. Put each cam with its bearing into its gear, then push them on the shaft from its output "
+        f"end{glued}: gear 1, a {names.SPACER}, gear 2{' and so on' if design.gear.discs > 2 else ''}."
     )
 
 
-def _crank(reducer: Reducer, sizes: Casing) -> str:
+def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
     """Describe the step that mounts the crank, or the crank of several discs with its discs."""
     design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
     first, second = (names.numbered_name(CRANK_RING, number) for number in (1, 2))
-    before = [f"{first} on its journal"] * (first in rings) + [f"{second} on its far end"] * (second in rings)
+    ring_notes = [f"{first} on its journal"] * (first in rings) + [f"{second} on its far end"] * (second in rings)
     if design.gear.discs == 1:
-        put = f"Put {' and '.join(before)}; push" if before else "Push"
-        return f"{put} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
+        start = f"Put {' and '.join(ring_notes)}; push" if ring_notes else "Push"
+        return f"{start} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
     rollers = "Put a roller on each output pin; lower" if design.output.rollers else "Lower"
     disc = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
-    last = f"; put {before[0]}" if first in rings else ""
+    last = f"; put {ring_notes[0]}" if first in rings else ""
     far = f"{second} on, " if second in rings else ""
     return f"{rollers} the crank, {far}with its gears over the output pins into the ring{disc}{last}."

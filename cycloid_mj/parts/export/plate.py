@@ -17,7 +17,7 @@ from cycloid_mj.parts.export.casing_rules import (
     is_printed,
 )
 from cycloid_mj.parts.export.printing import material_part, printed_parts
-from cycloid_mj.parts.export.supports import overhangs, support
+from cycloid_mj.parts.export.supports import build_support, find_overhangs
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
 
@@ -67,7 +67,7 @@ class PrintPlate:
         first = np.cumsum([0, *(len(item.vertices) for item in meshes)])
         return Mesh(
             np.concatenate([item.vertices for item in meshes]),
-            np.concatenate([item.faces + np.int32(at) for item, at in zip(meshes, first, strict=False)]),
+            np.concatenate([item.faces + np.int32(offset) for item, offset in zip(meshes, first, strict=False)]),
         )
 
     @property
@@ -102,8 +102,8 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Ca
     DesignError
         A part cannot be manufactured, or its mesh is not watertight.
     """
-    (one,) = plates(reducer, chord_error, cam_seat, sizes)
-    return one
+    (single,) = plates(reducer, chord_error, cam_seat, sizes)
+    return single
 
 
 def plates(
@@ -113,7 +113,7 @@ def plates(
     sizes: Casing | None = None,
     bed: tuple[float, float] | None = None,
 ) -> tuple[PrintPlate, ...]:
-    """Place all printed parts as `plate` does, on as many plates as a bed of some length and width [m] needs.
+    """Lay all printed parts out on as many plates as a bed of some length and width [m] needs, as `plate` does.
 
     Raises
     ------
@@ -123,54 +123,65 @@ def plates(
     printed = printed_parts(reducer, chord_error, cam_seat, sizes)
     lying = [(name, part.count, *_lay_flat(part.solid)) for name, part in printed.items()]
     shapes = {name: mesh(solid) for name, _, solid, _ in lying}
-    stood, hanging = _supports(reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error)
+    supports, hanging = _build_supports(reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error)
     copies = [(name, over) for name, count, _, over in lying for _ in range(count)]
     boxes = [np.stack([shapes[name].vertices.min(axis=0), shapes[name].vertices.max(axis=0)]) for name, _ in copies]
-    spots = _spots([name for name, _ in copies], [box[1, :2] - box[0, :2] for box in boxes], bed)
+    spots = _pack_plates([name for name, _ in copies], [box[1, :2] - box[0, :2] for box in boxes], bed)
     numbers = sorted({number for number, _ in spots})
     return tuple(
-        _lay(
+        _build_plate(
             [
                 (*copy, box, np.array([*spot, 0.0]) - box[0])
-                for copy, box, (on, spot) in zip(copies, boxes, spots, strict=True)
-                if on == number
+                for copy, box, (plate_number, spot) in zip(copies, boxes, spots, strict=True)
+                if plate_number == number
             ],
             shapes,
-            stood,
+            supports,
             hanging,
         )
         for number in numbers
     )
 
 
-def _lay(
+def _build_plate(
     copies: Sequence[tuple[str, bool, Array, Array]],
     shapes: Mapping[str, Mesh],
-    stood: Mapping[str, Sequence[Mesh]],
+    supports: Mapping[str, Sequence[Mesh]],
     hanging: Mapping[str, Mapping[float, float]],
 ) -> PrintPlate:
-    """Return a plate of copies of parts: name, whether turned over, corners and shift [m] of each."""
-    places = tuple(
+    """Return a plate with copies of parts, at their positions, with their supports.
+
+    A copy is its part, whether it is turned over, the corners (2, 3) of its bounding box and its shift (3,) [m]. By
+    part `shapes` are the meshes, `supports` those below it and `hanging` its faces without one.
+    """
+    positions = tuple(
         PlatePosition(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
         for name, over, (low, high), shift in copies
     )
     meshes = tuple(_translate_mesh(shapes[name], shift) for name, _, _, shift in copies)
-    supports = tuple(tuple(_translate_mesh(item, shift) for item in stood[name]) for name, _, _, shift in copies)
-    own = {name for name, *_ in copies}
-    return PrintPlate(meshes, places, supports, {name: faces for name, faces in hanging.items() if name in own})
+    plate_supports = tuple(
+        tuple(_translate_mesh(item, shift) for item in supports[name]) for name, _, _, shift in copies
+    )
+    laid_parts = {name for name, *_ in copies}
+    return PrintPlate(
+        meshes, positions, plate_supports, {name: faces for name, faces in hanging.items() if name in laid_parts}
+    )
 
 
 def _translate_mesh(shape: Mesh, shift: Array) -> Mesh:
     return Mesh(shape.vertices + shift, shape.faces)
 
 
-def _spots(
+def _pack_plates(
     parts: Sequence[str], sizes: Sequence[Array], bed: tuple[float, float] | None
 ) -> list[tuple[int, tuple[float, float]]]:
-    """Return the number of the plate and the lower left corner of each rectangle on it [m]."""
+    """Pack rectangles in rows on plates; return for each the index of its plate and its lower left corner [m].
+
+    `sizes` are length and width [m]; `parts` their names, for the error. Without a `bed` there is one plate.
+    """
     pairs = [(float(width), float(depth)) for width, depth in sizes]
     if bed is None:
-        return [(0, spot) for spot in shelves(pairs, GAP)]
+        return [(0, spot) for spot in pack_rows(pairs, GAP)]
     length, width = bed
     for part, (along, across) in zip(parts, pairs, strict=True):
         if along > length or across > width:
@@ -192,38 +203,42 @@ def _spots(
     return spots
 
 
-def _supports(
+def _build_supports(
     reducer: Reducer, solids: Mapping[str, Solid], shapes: Mapping[str, Mesh], chord_error: float
 ) -> tuple[dict[str, list[Mesh]], dict[str, dict[float, float]]]:
-    """Return supports under the plastic parts, and the faces without a possible support."""
-    stood: dict[str, list[Mesh]] = {name: [] for name in solids}
+    """Build supports under overhanging faces of plastic parts; return their meshes and the area of other faces.
+
+    Both are by name of the part. `solids` and `shapes` are the parts as they lie; the areas [m2] are those of faces
+    without a possible support, by their height [m].
+    """
+    supports: dict[str, list[Mesh]] = {name: [] for name in solids}
     hanging: dict[str, dict[float, float]] = {}
     for name, solid in solids.items():
-        faces = overhangs(shapes[name]) if is_printed(reducer, material_part(reducer, name)) else ()
+        faces = find_overhangs(shapes[name]) if is_printed(reducer, material_part(reducer, name)) else ()
         for face in faces:
-            if below := support(solid, face, chord_error):
-                stood[name].append(below)
+            if below := build_support(solid, face, chord_error):
+                supports[name].append(below)
             else:
                 hanging.setdefault(name, {})[face.z] = face.area
-    return stood, hanging
+    return supports, hanging
 
 
-def shelves(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
-    """Return the lower left corner of each rectangle [m], packed in rows, the deepest first (shelf packing).
+def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
+    """Pack rectangles (length, depth) [m] in rows, the deepest first (shelf packing); return their lower left corners.
 
-    The length of the first row is chosen for the smallest longer side of the plate.
+    Rows are a `gap` [m] apart. The length of the rows is that which makes the longer side of the plate smallest.
     """
     order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0]))
     widest = max(width for width, _ in sizes)
     lengths = np.cumsum([sizes[i][0] + gap for i in order]) - gap
-    tried = [_rows(sizes, order, max(float(length), widest), gap) for length in lengths]
-    return min(tried, key=lambda corners: max(_end(corners, sizes, 0), _end(corners, sizes, 1)))
+    candidates = [_pack_rows_to(sizes, order, max(float(length), widest), gap) for length in lengths]
+    return min(candidates, key=lambda corners: max(_end(corners, sizes, 0), _end(corners, sizes, 1)))
 
 
-def _rows(
+def _pack_rows_to(
     sizes: Sequence[tuple[float, float]], order: Sequence[int], limit: float, gap: float
 ) -> list[tuple[float, float]]:
-    """Pack rectangles in rows up to a length; a row ends before the first rectangle that does not fit."""
+    """Pack rectangles in a given `order` into rows of at most a length `limit` [m]; return their lower left corners."""
     corners = [(0.0, 0.0)] * len(sizes)
     x = y = depth = 0.0
     for i in order:
@@ -239,18 +254,18 @@ def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, fl
 
 
 def _lay_flat(solid: Solid) -> tuple[Solid, bool]:
-    """Return a part on its larger end face on z = 0, and whether it is turned over."""
+    """Return a part as it lies with its larger end face on z = 0, and whether it is turned over for that."""
     low, high = min(prism.z0 for prism in solid.prisms), max(prism.z1 for prism in solid.prisms)
     below = sum(region_moments(prism).area for prism in solid.prisms if prism.z0 == low)
     above = sum(region_moments(prism).area for prism in solid.prisms if prism.z1 == high)
-    over = above > below
+    turned_over = above > below
     prisms = tuple(
         Prism(_mirror(prism.outline), tuple(_mirror(hole) for hole in prism.holes), high - prism.z1, high - prism.z0)
-        if over
+        if turned_over
         else Prism(prism.outline, prism.holes, prism.z0 - low, prism.z1 - low)
         for prism in solid.prisms
     )
-    return Solid(solid.name, prisms, solid.density), over
+    return Solid(solid.name, prisms, solid.density), turned_over
 
 
 def _mirror(polygon: Array) -> Array:

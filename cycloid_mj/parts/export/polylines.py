@@ -33,7 +33,7 @@ class PolylineSection:
 
 
 def polyline_sections(part: Part, chord_error: float) -> tuple[PolylineSection, ...]:
-    """Return the sections of a part; chords leave the outline by at most `chord_error` [m]."""
+    """Return the sections of a part as polygons and circles, with chords of an error of at most `chord_error` [m]."""
     return tuple(
         PolylineSection(
             stretch.name,

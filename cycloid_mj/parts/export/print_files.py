@@ -11,7 +11,7 @@ from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, consumables, 
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import is_plastic
 from cycloid_mj.parts.export.plate import PrintPlate, plates
-from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings
+from cycloid_mj.parts.export.printable import coupon_solids, coupon_words, print_warnings
 from cycloid_mj.parts.export.printing import widen_clearances
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import stl_bytes
@@ -64,7 +64,7 @@ def stock_cam_seat(reducer: Reducer) -> float:
 def print_files(
     reducer: Reducer, sizes: Casing | None, settings: PrintSettings, torques: Mapping[str, float] | None = None
 ) -> PrintFiles:
-    """Lay out the plates of a drive, and list its parts.
+    """Encode all files to print a drive (plates, coupon, bill), with notes and warnings.
 
     Parameters
     ----------
@@ -83,32 +83,35 @@ def print_files(
     stems = [PLATE] if len(laid) == 1 else [f"{PLATE}_{number}" for number in range(1, len(laid) + 1)]
     by_stem = dict(zip(stems, laid, strict=True))
     items, needed = bill(reducer, seat, sizes, torques), tuple(consumables(reducer, sizes)) if sizes else ()
-    materials = printed_materials(reducer, sizes, {part for one in laid for part in one.counts})
+    materials = printed_materials(reducer, sizes, {part for plate in laid for part in plate.counts})
     files, warnings = {BILL: bill_csv((*items, *needed))}, [*out_of_stock(items)]
-    for stem, one in by_stem.items():
-        files |= {f"{stem}.stl": stl_bytes(one.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(one, materials)}
+    for stem, plate in by_stem.items():
+        files |= {f"{stem}.stl": stl_bytes(plate.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(plate, materials)}
     if is_plastic(reducer):
-        files |= {f"{name}.stl": stl_bytes(mesh(one), MILLIMETRES) for name, one in coupon(error).items()}
-        hanging = {name: faces for one in laid for name, faces in one.hanging.items()}
+        files |= {f"{name}.stl": stl_bytes(mesh(plate), MILLIMETRES) for name, plate in coupon_solids(error).items()}
+        hanging = {name: faces for plate in laid for name, faces in plate.hanging.items()}
         warnings += print_warnings(reducer, hanging, error, sizes)
     described = tuple(describe_consumable(line) for line in needed)
-    notes = _notes(by_stem, described, coupon_words() if is_plastic(reducer) else "")
+    notes = _describe_plates(by_stem, described, coupon_words() if is_plastic(reducer) else "")
     return PrintFiles(by_stem, files, (*items, *needed), described, notes, tuple(warnings))
 
 
-def _notes(by_stem: Mapping[str, PrintPlate], needed: tuple[str, ...], coupon_note: str) -> tuple[str, ...]:
+def _describe_plates(by_stem: Mapping[str, PrintPlate], needed: tuple[str, ...], coupon_note: str) -> tuple[str, ...]:
     """Describe the plates with their size, what else is needed, the coupon, and the parts with supports."""
     notes = [
-        f"{stem} of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in one.size)} mm"
-        for stem, one in by_stem.items()
+        f"{stem} of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in plate.size)} mm"
+        for stem, plate in by_stem.items()
     ]
     notes += [f"also needed: {text}" for text in needed]
     notes += [coupon_note] if coupon_note else []
-    held = [
-        place.part for one in by_stem.values() for place, props in zip(one.places, one.supports, strict=True) if props
+    supported = [
+        place.part
+        for plate in by_stem.values()
+        for place, props in zip(plate.places, plate.supports, strict=True)
+        if props
     ]
-    if held:
+    if supported:
         notes.append(
-            f"supports that break away, a layer below the faces that they hold: {', '.join(dict.fromkeys(held))}"
+            f"supports that break away, a layer below the faces that they hold: {', '.join(dict.fromkeys(supported))}"
         )
     return tuple(notes)

@@ -38,8 +38,11 @@ class Coupon:
 COUPON = Coupon()
 
 
-def coupon(chord_error: float) -> dict[str, Solid]:
-    """Return a block with a socket for each of `COUPON.clearances`, marked by one to three holes, and its pin."""
+def coupon_solids(chord_error: float) -> dict[str, Solid]:
+    """Return the test print of clearances: a block with a socket for each of `COUPON.clearances`, and its pin.
+
+    One to three small holes mark the sockets. The keys are the names of both files.
+    """
     pitch = 2.0 * (COUPON.pin_radius + COUPON.wall)
     length, depth = pitch * len(COUPON.clearances), pitch + 4.0 * COUPON.mark_radius
     corners = np.array([[0.0, 0.0], [length, 0.0], [length, depth], [0.0, depth]])
@@ -68,7 +71,7 @@ def coupon_words() -> str:
 def print_warnings(
     reducer: Reducer, hanging: Mapping[str, Mapping[float, float]], chord_error: float, sizes: Casing | None
 ) -> Iterator[str]:
-    """Yield warnings about plastic parts that are hard to print, with part and dimension.
+    """Yield a warning for each plastic part that is hard to print: thin walls, small holes, faces without support.
 
     `hanging` has the faces that cannot be supported, as ``PrintPlate.hanging``.
     """
@@ -92,7 +95,7 @@ def thinnest_wall(prism: Prism) -> float:
     from scipy.spatial import cKDTree
 
     pairs = combinations((prism.outline, *prism.holes), 2)
-    return min((float(np.min(cKDTree(one).query(other)[0])) for one, other in pairs), default=np.inf)
+    return min((float(np.min(cKDTree(first).query(second)[0])) for first, second in pairs), default=np.inf)
 
 
 def _diameter(hole: Array) -> float:

@@ -23,7 +23,7 @@ from cycloid_mj.parts.export.casing_rules import (
 )
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
-from cycloid_mj.parts.export.round_part import RoundPart, with_holes
+from cycloid_mj.parts.export.round_part import RoundPart, cut_holes
 from cycloid_mj.parts.output import roller_part
 from cycloid_mj.reducer import Reducer
 
@@ -41,7 +41,7 @@ class PrintedPart:
 
 
 def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
-    """Return a design with all clearances increased by an offset [m]; press fits and bought parts do not change.
+    """Return a reducer with all clearances increased by an offset [m]; press fits and bought parts do not change.
 
     The pin in a sleeve keeps its size; the offset is in the bore of the sleeve.
 
@@ -100,11 +100,11 @@ def printed_parts(
 def manufactured_parts(
     reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None
 ) -> dict[str, PrintedPart]:
-    """Return all manufactured parts in their own frames, by name.
+    """Return the parts to be manufactured, as solids and outlines in their own frames, with their number, by name.
 
     Housing, discs and output are manufactured from any material; so are the crank of one disc, and cams and spacers of
-    several. Plain round parts (ring pins, sleeves, output pins, the shaft of several discs) are manufactured if
-    they are plastic. The discs of the output have bores for separate output pins.
+    several. Plain round parts (ring pins, sleeves, output pins, the shaft of several discs) are manufactured if they
+    are plastic. The discs of the output have bores for separate output pins.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def manufactured_parts(
     """
     design = reducer.design
     gear, ring, output = design.gear, design.ring, design.output
-    cam = _cam_radius(reducer, cam_seat) if cam_seat else 0.0
+    cam = _checked_cam_radius(reducer, cam_seat) if cam_seat else 0.0
     laid, of_mechanism = separate_parts(reducer, cam, sizes, chord_error), lay_out_parts(reducer, chord_error)
     counts = dict.fromkeys((names.HOUSING, *reducer.gears), 1)
     if gear.discs > 1:
@@ -150,7 +150,7 @@ def manufactured_parts(
 def separate_parts(
     reducer: Reducer, cam: float = 0.0, sizes: Casing | None = None, chord_error: float | None = None
 ) -> dict[str, Part]:
-    """Return all manufactured and bought parts of the assembly by name, each in its own frame.
+    """Return all manufactured and bought parts of an assembly as exact outlines, each in its own frame, by name.
 
     Pins pressed into housing or output, and rollers, are separate parts; the discs of the output have bores for pins.
 
@@ -170,34 +170,39 @@ def separate_parts(
     DesignError
         A part cannot be manufactured.
     """
-    laid = lay_out_parts(reducer, chord_error)
-    housing = laid[names.HOUSING]
+    parts_by_name = lay_out_parts(reducer, chord_error)
+    housing = parts_by_name[names.HOUSING]
     rings = housing.stretches[: reducer.design.ring.halves]
     if pressed := housing.stretches[len(rings) :]:
-        laid[names.HOUSING] = housing.of(rings)
+        parts_by_name[names.HOUSING] = housing.of(rings)
         core = Stretch(PRESSED_PIN, CircleContour(sleeve_core_radius(reducer)), (), pressed[0].z0, pressed[0].z1)
-        laid[PRESSED_PIN] = laid[names.PIN].of([core], PRESSED_PIN)
-    laid |= _output(reducer, laid[names.OUTPUT])
+        parts_by_name[PRESSED_PIN] = parts_by_name[names.PIN].of([core], PRESSED_PIN)
+    parts_by_name |= _split_output(reducer, parts_by_name[names.OUTPUT])
     if reducer.design.output.rollers:
-        laid[names.ROLLER] = roller_part(reducer)
+        parts_by_name[names.ROLLER] = roller_part(reducer)
     if cam:
         for name in (names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)):
-            if name in laid:
-                laid[name] = laid[name].of(_with_cam(reducer, stretch, cam) for stretch in laid[name].stretches)
+            if name in parts_by_name:
+                parts_by_name[name] = parts_by_name[name].of(
+                    _resize_cam(reducer, stretch, cam) for stretch in parts_by_name[name].stretches
+                )
     if sizes:
-        laid = {name: fit_part(reducer, sizes, name, part) for name, part in laid.items()}
+        parts_by_name = {name: fit_part(reducer, sizes, name, part) for name, part in parts_by_name.items()}
     for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
-        base = laid[name].stretches if name in laid else ()
+        base = parts_by_name[name].stretches if name in parts_by_name else ()
         density = STEEL if part.bought else part_material(reducer, name, sizes).density
-        laid[name] = Part(name, with_holes(name, part, base), density)
-    if SECOND_OUTPUT in laid:
+        parts_by_name[name] = Part(name, cut_holes(name, part, base), density)
+    if SECOND_OUTPUT in parts_by_name:
         density = part_material(reducer, SECOND_OUTPUT, sizes).density
-        laid[SECOND_OUTPUT] = replace(laid[SECOND_OUTPUT], density=density)
-    return laid
+        parts_by_name[SECOND_OUTPUT] = replace(parts_by_name[SECOND_OUTPUT], density=density)
+    return parts_by_name
 
 
-def _cam_radius(reducer: Reducer, seat: float) -> float:
-    """Return the radius of a drawn cam for a seat of its bearing [m]; raise DesignError if it does not fit."""
+def _checked_cam_radius(reducer: Reducer, seat: float) -> float:
+    """Return the radius [m] of a manufactured cam for a bearing of a bore radius; raise DesignError if it cannot fit.
+
+    `seat` is the radius of the bore [m].
+    """
     design = reducer.design
     gear, discs = design.gear, design.gear.discs
     flush = gear.eccentricity + design.shaft.radius
@@ -215,8 +220,8 @@ def _cam_radius(reducer: Reducer, seat: float) -> float:
     return cam_radius(reducer, seat)
 
 
-def _with_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:
-    """Return a cam with another radius [m]; other stretches are unchanged."""
+def _resize_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:
+    """Return a stretch of the crank, with another radius [m] if it is a cam."""
     if stretch.name != names.CAM:
         return stretch
     cam: Contour = CircleContour(radius, (0.0, reducer.design.gear.eccentricity))
@@ -225,8 +230,8 @@ def _with_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:
     return replace(stretch, outline=cam)
 
 
-def _output(reducer: Reducer, drawn: Part) -> dict[str, Part]:
-    """Split the output into its discs, with bores, and its pins; empty if it is one piece."""
+def _split_output(reducer: Reducer, drawn: Part) -> dict[str, Part]:
+    """Split the output into parts by name: its discs, with bores, and its pins; empty if it is printed in one piece."""
     if in_one_piece(reducer):
         return {}
     disc, *others = drawn.stretches
@@ -234,9 +239,9 @@ def _output(reducer: Reducer, drawn: Part) -> dict[str, Part]:
     pressed = RoundPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
     pin = Stretch(OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
     pieces = {
-        names.OUTPUT: drawn.of(with_holes(names.OUTPUT, pressed, [disc])),
+        names.OUTPUT: drawn.of(cut_holes(names.OUTPUT, pressed, [disc])),
         OUTPUT_PIN: drawn.of([pin], OUTPUT_PIN),
     }
     if reducer.design.output.support == "both_ends":
-        pieces[SECOND_OUTPUT] = drawn.of(with_holes(SECOND_OUTPUT, pressed, others[-1:]), SECOND_OUTPUT)
+        pieces[SECOND_OUTPUT] = drawn.of(cut_holes(SECOND_OUTPUT, pressed, others[-1:]), SECOND_OUTPUT)
     return pieces

@@ -74,8 +74,8 @@ def dowel_body(dowel: stock.Dowel) -> RoundPart:
     return RoundPart(names.PIN, ((0.5 * dowel.diameter, -half, half),), bought=True)
 
 
-def with_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
-    """Return the stretches of a round part, after those of a `base` part; its holes are cut into both.
+def cut_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
+    """Return a part as stretches of exact outlines: a round part and a `base`, with the part's holes cut into both.
 
     The stretches end at all faces of the part, of its holes and of its pockets.
     """
@@ -96,20 +96,22 @@ def with_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tupl
                 if start < 0.5 * (low + high) < end
                 for hole in circles_at(radius, centres)
             ]
-            whole = Stretch(shell.name, shell.outline, (*shell.holes, *through), low, high)
-            pocket = next((one for one in part.pockets if one[2] < 0.5 * (low + high) < one[3]), None)
-            stretches += _wall_and_boss(whole, pocket) if pocket else [whole]
+            piece = Stretch(shell.name, shell.outline, (*shell.holes, *through), low, high)
+            pocket = next(
+                (candidate for candidate in part.pockets if candidate[2] < 0.5 * (low + high) < candidate[3]), None
+            )
+            stretches += _split_pocket(piece, pocket) if pocket else [piece]
     return tuple(stretches)
 
 
-def _wall_and_boss(whole: Stretch, pocket: Pocket) -> Iterator[Stretch]:
+def _split_pocket(stretch: Stretch, pocket: Pocket) -> Iterator[Stretch]:
     """Yield what an annular pocket leaves of a stretch: the wall outside of it, and the boss inside."""
     outer, inner, *_ = pocket
-    circles = [circle for hole in whole.holes if (circle := circle_of(hole))]
-    in_wall = [one for one in circles if math.hypot(*one.centre) - one.radius > outer]
-    in_boss = [one for one in circles if math.hypot(*one.centre) + one.radius < inner]
-    yield replace(whole, holes=(*_contours(in_wall), CircleContour(outer)))
-    yield replace(whole, outline=CircleContour(inner), holes=_contours(in_boss))
+    circles = [hole for contour in stretch.holes if (hole := circle_of(contour))]
+    in_wall = [hole for hole in circles if math.hypot(*hole.centre) - hole.radius > outer]
+    in_boss = [hole for hole in circles if math.hypot(*hole.centre) + hole.radius < inner]
+    yield replace(stretch, holes=(*_contours(in_wall), CircleContour(outer)))
+    yield replace(stretch, outline=CircleContour(inner), holes=_contours(in_boss))
 
 
 def _contours(circles: Iterable[Circle]) -> tuple[CircleContour, ...]:

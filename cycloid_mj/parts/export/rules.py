@@ -17,8 +17,8 @@ from cycloid_mj.parts.export.running import running_gaps
 from cycloid_mj.reducer import Reducer
 
 
-def broken_rules(reducer: Reducer, sizes: Casing) -> Iterator[str]:
-    """Yield a sentence for each rule that the joints of a drive break, with the remedy.
+def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+    """Yield a sentence with the remedy for each rule that the joints of a drive violate.
 
     Parts that move against each other are apart by the axial play; each part can pass those that are there before; a
     ring is keyed to its covers, threads in a plastic have an insert, pressed and turning parts a fit; and a motor is

@@ -19,7 +19,7 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts import Stretch
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import Contour, circle_of
-from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
@@ -32,7 +32,7 @@ from cycloid_mj.parts.export.casing_rules import (
 )
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
 from cycloid_mj.parts.export.joints import MOTOR
-from cycloid_mj.parts.export.step import Place
+from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.reducer import Reducer
 
 PILOT_HEIGHT = 2.0e-3
@@ -83,7 +83,7 @@ class RunningGap:
 
 
 def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
-    """Measure the smallest distance of each two parts of different bodies; not positive: they touch.
+    """Measure the smallest distance of each pair of parts of different bodies; 0 or less: they touch.
 
     Raises
     ------
@@ -91,46 +91,50 @@ def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
         A part cannot be manufactured, or does not fit.
     """
     smallest: dict[tuple[str, str], RunningGap] = {}
-    for one, other in combinations(swept_annuli(reducer, sizes), 2):
-        axial, radial = one.distances(other)
-        if one.body == other.body or one.part == other.part or _is_mate(one, other, axial, radial):
+    for annulus, other in combinations(swept_annuli(reducer, sizes), 2):
+        axial, radial = annulus.distances(other)
+        if annulus.body == other.body or annulus.part == other.part or _are_mates(annulus, other, axial, radial):
             continue
         apart = math.hypot(max(axial, 0.0), max(radial, 0.0)) or max(axial, radial)
-        gap = RunningGap(one.part, other.part, apart, axial > radial)
-        key = min((one.part, other.part), (other.part, one.part))
+        gap = RunningGap(annulus.part, other.part, apart, axial > radial)
+        key = min((annulus.part, other.part), (other.part, annulus.part))
         if key not in smallest or gap.distance < smallest[key].distance:
             smallest[key] = gap
     return tuple(smallest.values())
 
 
-def _is_mate(one: Annulus, other: Annulus, axial: float, radial: float) -> bool:
-    """Return whether parts overlap along z by design, or a shoulder ends where the rolling elements begin."""
-    families = {names.family(one.part), names.family(other.part)}
+def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) -> bool:
+    """Return whether two parts overlap along z by design, or one is a shoulder that ends at the rolling elements.
+
+    `axial` and `radial` are the distances of their annuli [m].
+    """
+    families = {names.family(annulus.part), names.family(other.part)}
     if ROLLING_ELEMENTS in families and radial > -SAME_LENGTH:
         return True
-    if {one.body, other.body} == {names.PIN, names.HOUSING} and axial < -SAME_LENGTH:
+    if {annulus.body, other.body} == {names.PIN, names.HOUSING} and axial < -SAME_LENGTH:
         return True  # pins stay in their sockets
     return axial < -SAME_LENGTH and any(families <= mates for mates in _MATES)
 
 
 def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
     """Return the annuli that all parts of a drive and its motor sweep, each once."""
-    return tuple(dict.fromkeys((*_of_parts(reducer, sizes), *_of_motor(sizes))))
+    return tuple(dict.fromkeys((*_part_annuli(reducer, sizes), *_motor_annuli(sizes))))
 
 
-def _of_parts(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
+def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
+    """Yield the annuli that all stretches of all parts of a drive sweep, those of bearings by ring."""
     parts = assembly_parts(reducer, sizes)
-    for place in places(reducer, 0.0, sizes):
+    for place in place_parts(reducer, 0.0, sizes):
         for stretch in parts[place.part].stretches:
-            annulus = _swept(place, stretch)
+            annulus = _sweep(place, stretch)
             if names.family(place.part) in (SHAFT_BEARING, OUTPUT_BEARING):
-                yield from _rings(reducer, sizes, annulus)
+                yield from _split_bearing(reducer, sizes, annulus)
             else:
                 yield annulus
 
 
-def _swept(place: Place, stretch: Stretch) -> Annulus:
-    """Return what a stretch sweeps as its body turns about the axis; a disc orbits on its eccentric as well."""
+def _sweep(place: PlacedPart, stretch: Stretch) -> Annulus:
+    """Return the annulus that a stretch of a part sweeps as its body turns about the axis, or orbits with a disc."""
     x, y, z = place.origin
     orbit = math.hypot(x, y) if names.family(place.body) == names.GEAR else 0.0
     centre = np.zeros(2) if orbit else np.array([x, y])
@@ -160,8 +164,8 @@ def _surrounds_axis(contour: Contour, centre: Array) -> bool:
     return bool(abs(steps.sum()) > math.pi)
 
 
-def _rings(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulus]:
-    """Yield the outer ring, rolling elements and inner ring of a bearing; a drawn cup has no inner ring."""
+def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulus]:
+    """Yield the annuli of outer ring, rolling elements and inner ring of a bearing; a drawn cup has no inner ring."""
     on_shaft = bearing.part == SHAFT_BEARING
     ends = bearing.low, bearing.high
     in_hub = on_shaft and sizes.far is not None and bearing.low > 0.0
@@ -175,7 +179,7 @@ def _rings(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulu
     yield Annulus(bearing.part, outer_body, outer, bearing.outer, *ends)
 
 
-def _of_motor(sizes: Casing) -> Iterator[Annulus]:
+def _motor_annuli(sizes: Casing) -> Iterator[Annulus]:
     """Yield the annuli of the motor: body, pilot and shaft."""
     motor, face = sizes.motor, sizes.face
     yield Annulus(MOTOR, names.HOUSING, 0.0, motor.circle, face - motor.circle, face)

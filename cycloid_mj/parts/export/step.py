@@ -22,7 +22,7 @@ SPLINES = 6
 
 
 @dataclass(frozen=True)
-class Place:
+class PlacedPart:
     """Position of a part: its name there, the part, its origin [m], its angle about z [rad], and its rigid body."""
 
     name: str
@@ -33,7 +33,7 @@ class Place:
 
 
 def step_part(name: str, sections: Sequence[PartSection], solids_wanted: int = 1) -> bytes:
-    """Encode the sections of a part as STEP solids, one or several; the bytes of equal sections are equal.
+    """Encode the sections of a part as one STEP file of `solids_wanted` solids; equal sections give equal bytes.
 
     Raises
     ------
@@ -42,13 +42,13 @@ def step_part(name: str, sections: Sequence[PartSection], solids_wanted: int = 1
     """
     document = occ.TDocStd_Document(occ.TCollection_ExtendedString("BinXCAF"))
     _add_part(document, name, sections, solids_wanted)
-    return _encode(document, name)
+    return _encode_document(document, name)
 
 
 def step_assembly(
-    name: str, parts: Mapping[str, Sequence[PartSection]], colours: Mapping[str, Colour], places: Sequence[Place]
+    name: str, parts: Mapping[str, Sequence[PartSection]], colours: Mapping[str, Colour], places: Sequence[PlacedPart]
 ) -> bytes:
-    """Encode an assembly of named, coloured parts, each drawn once, with an occurrence of a part at each place.
+    """Encode an assembly as one STEP file of named, coloured parts, each drawn once, with all its positions.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def step_assembly(
         motion.SetTranslationPart(occ.gp_Vec(*(MILLIMETRES * value for value in place.origin)))
         _set_name(shapes.AddComponent(root, labels[place.part], occ.TopLoc_Location(motion)), place.name)
     shapes.UpdateAssemblies()
-    return _encode(document, name)
+    return _encode_document(document, name)
 
 
 def read_volume(content: bytes) -> float:
@@ -107,7 +107,10 @@ def _set_name(label: Any, name: str) -> None:
 
 
 def _add_part(document: Any, name: str, sections: Sequence[PartSection], solids_wanted: int = 1) -> Any:
-    """Add the union of the sections of a part to a document, a solid or several; return its label."""
+    """Add the union of the sections of a part to a document; raise CycloidError unless it has the number of solids.
+
+    Returns the label of the part.
+    """
     try:
         first, *others = [_extrude(section) for section in sections]
         shape = _fuse(first, others) if others else first
@@ -132,8 +135,8 @@ def _add_part(document: Any, name: str, sections: Sequence[PartSection], solids_
     return label
 
 
-def _encode(document: Any, name: str) -> bytes:
-    """Write a document as STEP, without the time and the machine."""
+def _encode_document(document: Any, name: str) -> bytes:
+    """Encode a document of OpenCASCADE as STEP, without time and machine, so that equal documents give equal bytes."""
     text, writer, content = occ.TCollection_HAsciiString, occ.STEPCAFControl_Writer(), BytesIO()
     _silence()
     writer.Transfer(document, occ.STEPControl_StepModelType.STEPControl_AsIs)
@@ -156,7 +159,7 @@ def _silence() -> None:
 
 
 def _make_reproducible(model: Any) -> None:
-    """Renumber the occurrences of a file from 1, and sort its colours by part: their order depends on addresses."""
+    """Renumber the occurrences of a STEP model from 1, and sort its colours by part; both depend on addresses."""
     entities = [model.Value(number) for number in range(1, model.NbEntities() + 1)]
     occurrences = (entity for entity in entities if isinstance(entity, occ.StepRepr_NextAssemblyUsageOccurrence))
     for number, occurrence in enumerate(occurrences, start=1):
@@ -184,7 +187,7 @@ def _rgb(entity: Any) -> tuple[float, ...]:
 
 
 def _fuse(first: Any, others: Sequence[Any]) -> Any:
-    """Return the union of solids, without the faces and edges that it makes superfluous."""
+    """Return the union of solids of OpenCASCADE, without superfluous faces and edges."""
     fuse = occ.BRepAlgoAPI_Fuse()
     fuse.SetArguments(_list([first]))
     fuse.SetTools(_list(others))
@@ -228,7 +231,7 @@ def _wire(loop: Sequence[Curve], z: float) -> Any:
 
 
 def _edge(curve: Curve, z: float) -> Any:
-    """Return a curve at a height [mm] as an edge."""
+    """Return a curve at a height z [mm] as an edge of OpenCASCADE."""
 
     def point(position: Array | tuple[float, float]) -> Any:
         x, y = np.asarray(position) * MILLIMETRES

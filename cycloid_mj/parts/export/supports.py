@@ -37,8 +37,8 @@ class Overhang:
     area: float
 
 
-def overhangs(shape: Mesh) -> Iterator[Overhang]:
-    """Yield the overhanging faces of a part on the plate, without those that are printed as bridges."""
+def find_overhangs(shape: Mesh) -> Iterator[Overhang]:
+    """Yield the overhanging faces of a part as it lies on the plate, without those that are printed as bridges."""
     corners = shape.vertices[shape.faces]
     a, b, c = corners.transpose(1, 0, 2)
     level = np.ptp(corners[..., 2], axis=1) == 0.0
@@ -54,8 +54,11 @@ def overhangs(shape: Mesh) -> Iterator[Overhang]:
                 yield face
 
 
-def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
-    """Return the support under a round face of a part, on the plate or on the part; None if impossible."""
+def build_support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
+    """Return the mesh of the support under a round face, standing on the plate or on the part; None if impossible.
+
+    `solid` is the part as it lies, `under` the face.
+    """
     outer = _circle_of(under.outline)
     if not outer:
         return None
@@ -69,7 +72,7 @@ def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
         if np.hypot(x - middle[0], y - middle[1]) + bore + 3.0 * gap > radius:
             return None
         holes = (circle(bore + gap, chord_error, inner[0]),)
-    floors = _floors(solid, np.concatenate([outline, *holes]), under.z)
+    floors = _floor_heights(solid, np.concatenate([outline, *holes]), under.z)
     if len(floors) > 1:
         return None
     floor = floors.pop()
@@ -100,8 +103,8 @@ def _circle_of(loop: Array) -> tuple[tuple[float, float], float] | None:
     return ((float(x), float(y)), float(radii.mean())) if np.ptp(radii) < SUPPORTS.circle_tolerance else None
 
 
-def _floors(solid: Solid, points: Array, z: float) -> set[float]:
-    """Return the heights of the plate (0) or of faces of the part below points (n, 2) at a height [m]."""
+def _floor_heights(solid: Solid, points: Array, z: float) -> set[float]:
+    """Return the set of heights [m] below points (n, 2) at a height z [m]: faces of the part, or the plate (0)."""
     heights = np.zeros(len(points))
     for prism in solid.prisms:
         if prism.z1 <= z:

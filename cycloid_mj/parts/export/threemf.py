@@ -38,7 +38,7 @@ def threemf_bytes(plate: PrintPlate, materials: Mapping[str, Material] | None = 
 
 
 def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
-    """Return the XML text of the 3MF model: its materials, its objects at their coordinates, and the build items.
+    """Format the XML text of a 3MF model: its materials, its objects at their coordinates, and the build items.
 
     A part and its supports are the components of one object.
     """
@@ -67,7 +67,7 @@ def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
 
 
 def _base_materials(materials: list[Material]) -> str:
-    """Write the group of base materials; empty without any."""
+    """Format the XML element of the base materials; empty if there are none."""
     if not materials:
         return ""
     bases = "".join(

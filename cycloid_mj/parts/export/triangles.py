@@ -20,7 +20,9 @@ def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
 
 
 def read_stl(content: bytes, path: str = "the file") -> Array:
-    """Read the corners (m, 3, 3) of the triangles of a binary STL, in its length unit; `path` names it in errors.
+    """Read the corners (m, 3, 3) of the triangles of a binary STL, in its length unit.
+
+    `path` names the file in errors.
 
     Raises
     ------
