@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from cycloid_mj.base.frame import Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
-from cycloid_mj.base.result import Condition, plain
+from cycloid_mj.base.result import Condition, to_json_values
 from cycloid_mj.reducer import Reducer
 
 Phase = Literal["hold", "ramp"]
@@ -207,7 +207,7 @@ class Findings(Presented):
 
     def as_json(self) -> dict[str, Any]:
         """Convert the findings to dicts, lists, numbers, text and None only."""
-        return dict(plain(vars(self)))
+        return dict(to_json_values(vars(self)))
 
 
 def _numbers(nested: Any, key_path: str = "") -> Iterator[tuple[str, float]]:

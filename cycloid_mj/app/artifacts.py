@@ -11,7 +11,7 @@ from cycloid_mj.app.jobs import Download
 from cycloid_mj.app.state import parse_design
 from cycloid_mj.base.atomic_write import zip_files
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.result import plain
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.design import Design, dump
 from cycloid_mj.parts.export import (
     CHORD_ERROR,
@@ -84,7 +84,7 @@ def joint_files_zip(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     from cycloid_mj.robot.identification import reduce
 
     reduced = reduce(design)
-    figures = json.dumps(plain(reduced.as_json()), indent=1)
+    figures = json.dumps(to_json_values(reduced.as_json()), indent=1)
     files = joint_files(reduced, *choose_scenes(reduced)) | {"reducer.json": figures.encode()}
     return _zip(f"{design.name}-joint", files)
 

@@ -33,7 +33,7 @@ from cycloid_mj.app.state import changed_values
 from cycloid_mj.app.summary import sentence_in_words
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.result import plain
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.design import PRESETS, Design, presets_for
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.sizing.process import COOLING, PROCESSES, ProcessLimits
@@ -306,7 +306,7 @@ def _error(status: HTTPStatus, words: str) -> Response:
 
 
 def _json(status: HTTPStatus, content: Any) -> Response:
-    text = json.dumps(plain(content), separators=(",", ":"))
+    text = json.dumps(to_json_values(content), separators=(",", ":"))
     return Response(text, status, media_type="application/json; charset=utf-8")
 
 

@@ -26,7 +26,7 @@ def significant(value: float) -> float:
 
 
 def significant_tensor(values: npt.ArrayLike) -> Array:
-    """Round numbers that belong together to as many decimals as leave the largest of them `DIGITS` digits."""
+    """Round an array so that its largest element has `DIGITS` significant digits and all others as many decimals."""
     array = np.asarray(values, dtype=np.float64)
     largest = float(np.abs(array).max(initial=0.0))
     if largest == 0.0:

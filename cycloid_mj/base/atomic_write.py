@@ -27,20 +27,20 @@ def encodable_text(text: str) -> str:
 
 @contextmanager
 def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield the name of a new hidden file next to `path`, which replaces `path` if the block ends without an error.
+    """Yield the path of a new hidden file that replaces `path` if the block ends without an error.
 
     Raises
     ------
     CycloidError
         It cannot be written; a file that was there before is as it was.
     """
-    with atomic_files([path]) as (beside,):
-        yield beside
+    with atomic_files([path]) as (hidden,):
+        yield hidden
 
 
 @contextmanager
 def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
-    """Yield new hidden files next to `paths`, which replace them together if the block ends without an error.
+    """Yield paths of new hidden files, which replace `paths` all together if the block ends without an error.
 
     Files that belong together, such as the parts of a model, are never left as a mixture of old and new ones. A
     symbolic link stays one: what it points to is replaced.
@@ -54,40 +54,40 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
     CycloidError
         One of them cannot be written; all files that were there before are as they were.
     """
-    beside: list[tuple[Path, Path]] = []
-    at = Path()
+    replacements: list[tuple[Path, Path]] = []
+    current = Path()
     try:
-        for at in map(Path, paths):
-            target = Path(os.path.realpath(at))
+        for current in map(Path, paths):
+            target = Path(os.path.realpath(current))
             with defer_signals():
-                beside.append((_create_hidden_file(target, at), target))
-        at = at if len(beside) == 1 else at.parent
-        yield [hidden for hidden, _ in beside]
+                replacements.append((_create_hidden_file(target, current), target))
+        current = current if len(replacements) == 1 else current.parent
+        yield [hidden for hidden, _ in replacements]
         with defer_signals():
-            for hidden, target in beside:
+            for hidden, target in replacements:
                 os.replace(hidden, target)
                 note_output(target)
     except OSError as problem:
         raise CycloidError(
-            f"cannot write {at}: {reason(problem)}. Choose a file in a writable folder with free disk space"
+            f"cannot write {current}: {reason(problem)}. Choose a file in a writable folder with free disk space"
         ) from problem
     finally:
         with defer_signals():
-            for hidden, _ in beside:
+            for hidden, _ in replacements:
                 with suppress(OSError):
                     hidden.unlink()
 
 
 def write_files(files: Mapping[Path, bytes]) -> None:
-    """Write files atomically, all of them or none.
+    """Write contents to files by path, all of them or none.
 
     Raises
     ------
     CycloidError
         One of them cannot be written.
     """
-    with atomic_files(list(files)) as beside:
-        for hidden, content in zip(beside, files.values(), strict=True):
+    with atomic_files(list(files)) as hidden_paths:
+        for hidden, content in zip(hidden_paths, files.values(), strict=True):
             hidden.write_bytes(content)
 
 
@@ -97,13 +97,16 @@ def hidden_path(path: Path) -> Path:
     return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.new{path.suffix}")
 
 
-def _create_hidden_file(path: Path, called: Path) -> Path:
-    """Create a hidden file next to `path`; errors name it as the user does."""
+def _create_hidden_file(path: Path, user_path: Path) -> Path:
+    """Create a hidden file next to `path` and return its path; refuse a log's name and files that may not be replaced.
+
+    Errors name the file by `user_path`, as the user wrote it.
+    """
     if path.suffix.lower() == LOG:
-        raise UsageError(f"cannot write {called}: only logs may have the ending {LOG}. Choose another ending")
-    require_replaceable(called)
+        raise UsageError(f"cannot write {user_path}: only logs may have the ending {LOG}. Choose another ending")
+    require_replaceable(user_path)
     if path.exists() and not path.is_file():
-        raise CycloidError(f"cannot write {called}: it is not a regular file. Choose another file name")
+        raise CycloidError(f"cannot write {user_path}: it is not a regular file. Choose another file name")
     hidden = hidden_path(path)
     with hidden.open("xb"):
         return hidden

@@ -27,10 +27,11 @@ SOURCES = (
 
 
 @cache
-def folder() -> Path | None:
-    """Return the folder of compiled code: in ``NUMBA_CACHE_DIR``, or next to the sources, or in the home folder.
+def cache_folder() -> Path | None:
+    """Return the writable folder for the compiled code of the current sources; None if there is none.
 
-    None where none of them can be written, as in some containers. Two folders of earlier sources are kept.
+    It is in ``NUMBA_CACHE_DIR``, or else next to the sources or in the home folder, and is created if needed. Two
+    folders of earlier sources are kept, older ones removed.
     """
     name = f"kernels-{_digest_of_sources()}"
     for place in [config.CACHE_DIR] if config.CACHE_DIR else [f"{PACKAGE}/__pycache__", "~/.cache/cycloid_mj"]:
@@ -52,38 +53,40 @@ def _remove_old_folders(parent: Path) -> None:
 
 
 class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """Numba's cache of one function in `folder`.
+    """Numba's cache of one function in `cache_folder`.
 
     A file that cannot be read, such as an empty or cut one, or written, as on a full disk, costs a compilation and one
     line; with numba's own it ends the program. A changed byte within machine code is not seen.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        before, config.CACHE_DIR = config.CACHE_DIR, str(folder())
+        before, config.CACHE_DIR = config.CACHE_DIR, str(cache_folder())
         try:
             super().__init__(function)
         finally:
             config.CACHE_DIR = before
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return the code for a signature, or None if there is no valid code."""
+        """Return the cached machine code for a signature, or None if there is none or if it is damaged."""
         try:
             return super().load_overload(signature, target)
         except Exception:  # whatever a damaged pickle raises
-            say_compiling(f"the compile cache in {folder()} is damaged: compiling again, which takes some seconds")
+            say_compiling(
+                f"the compile cache in {cache_folder()} is damaged: compiling again, which takes some seconds"
+            )
             with suppress(OSError):
                 self.flush()
             return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Keep the code for a signature, if that is possible."""
+        """Store the machine code for a signature; report once if that is not possible."""
         try:
             super().save_overload(signature, compiled)
         except OSError as problem:
             _say_once(
                 "kept",
-                f"compiled code cannot be stored in {folder()} ({problem.strerror}) and is used for this run only: "
-                "free disk space, or set NUMBA_CACHE_DIR to a writable folder",
+                f"compiled code cannot be stored in {cache_folder()} ({problem.strerror}) and is used for this run "
+                "only: free disk space, or set NUMBA_CACHE_DIR to a writable folder",
             )
 
 

@@ -8,7 +8,7 @@ import numba
 from numba.core import event, sigutils
 from numba.core.ccallback import CFunc
 
-from cycloid_mj.base.compile_cache import KernelCache, folder, say_compiling
+from cycloid_mj.base.compile_cache import KernelCache, cache_folder, say_compiling
 from cycloid_mj.base.interrupt import defer_signals
 
 Function = Callable[..., Any]
@@ -17,10 +17,11 @@ Function = Callable[..., Any]
 def njit(
     *, cache: bool = False, allocates: bool = True, inner: bool = False, **options: Any
 ) -> Callable[[Function], Any]:
-    """Compile a function for Python and other kernels, as ``numba.njit`` does; `cache` keeps it in a `KernelCache`.
+    """Return a decorator that compiles a function for Python and other kernels, as ``numba.njit`` does.
 
-    One that never `allocates` an array, nor what it calls, need not count references to those that it is given, which
-    costs it time. An `inner` one is for kernels alone, and must not raise: it is kept with those that call it.
+    With `cache` the machine code is stored in a `KernelCache`. Without `allocates`, neither the function nor its
+    callees may allocate arrays; numba then leaves out reference counting, which costs time. An `inner` function can be
+    called by kernels only and must not raise; its code is stored with that of its callers.
     """
     if inner:
         options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -35,7 +36,10 @@ def njit(
 
 
 def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
-    """Compile a function that C can call, as ``numba.cfunc`` does; `cache` keeps it in a `KernelCache`."""
+    """Return a decorator that compiles a function which C can call, as ``numba.cfunc`` does.
+
+    With `cache` the machine code is stored in a `KernelCache`.
+    """
 
     def compile_callback(function: Function) -> Any:
         compiled_function: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
@@ -50,7 +54,7 @@ def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
 
 def cacheable() -> bool:
     """Return whether compiled code can be stored."""
-    return folder() is not None
+    return cache_folder() is not None
 
 
 @contextmanager
@@ -65,7 +69,7 @@ def announce_compilation() -> Iterator[None]:
 
 class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
     def on_start(self, event: Any) -> None:
-        """Print once that code is being compiled."""
+        """Log that code is being compiled, with the reason; only once, see `say_compiling`."""
         if cacheable():
             say_compiling("compiling the contact code, once per installation; this takes some seconds")
         else:

@@ -6,27 +6,27 @@ from typing import Any
 from cycloid_mj.base.errors import CycloidError
 
 
-def extra(module: str, what: str, name: str, instead: str = "") -> Any:
-    """Import a module of an extra.
+def import_extra(module: str, feature: str, extra_name: str, alternative: str = "") -> Any:
+    """Import and return a module of an optional dependency group ("extra") of this package.
 
     Parameters
     ----------
     module
-        Its name.
-    what
-        What needs it, as the sentence of the error begins.
-    name
-        The extra.
-    instead
-        What else can be done, as the sentence ends.
+        Name of the module.
+    feature
+        What needs it, as the beginning of the error message.
+    extra_name
+        Name of the extra that installs it.
+    alternative
+        What else the user can do, as the end of the error message.
 
     Raises
     ------
     CycloidError
-        It, or a library that it needs, is not installed.
+        The module, or a library that it needs, is not installed.
     """
     try:
         return import_module(module)
     except (ImportError, OSError) as problem:
-        ways = ", or ".join(filter(None, (f"pip install 'cycloid-mj[{name}]'", instead)))
-        raise CycloidError(f"{what} needs {module.replace('_', '-')} ({problem}): {ways}") from problem
+        ways = ", or ".join(filter(None, (f"pip install 'cycloid-mj[{extra_name}]'", alternative)))
+        raise CycloidError(f"{feature} needs {module.replace('_', '-')} ({problem}): {ways}") from problem

@@ -27,7 +27,7 @@ def lock_file(path: Path) -> Callable[[], None]:
     try:
         from fcntl import LOCK_EX, LOCK_NB, flock
     except ImportError:
-        return _lock_file_next_to(path)
+        return _lock_sidecar(path)
     while True:
         stream = path.open("rb")
         try:
@@ -42,7 +42,8 @@ def lock_file(path: Path) -> Callable[[], None]:
         stream.close()
 
 
-def _lock_file_next_to(path: Path) -> Callable[[], None]:
+def _lock_sidecar(path: Path) -> Callable[[], None]:
+    """Lock an empty file next to `path`, with the ending ``.lock``, by filelock; return the unlocking function."""
     from filelock import FileLock, Timeout
 
     lock = FileLock(f"{path}.lock", timeout=0, thread_local=False)

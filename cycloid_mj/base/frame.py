@@ -126,12 +126,12 @@ def write_rows(columns: Mapping[str, Column], stream: TextIO, missing: str = "")
     lines = csv.writer(stream, lineterminator="\n")
     lines.writerow(columns)
     for start in range(0, len(next(iter(columns.values()), ())), 10_000):
-        block = (_words(column[start : start + 10_000], missing) for column in columns.values())
+        block = (_format_cells(column[start : start + 10_000], missing) for column in columns.values())
         lines.writerows(zip(*block, strict=True))
 
 
-def _words(column: Column, missing: str) -> list[str]:
-    """Return the cells of a column as text."""
+def _format_cells(column: Column, missing: str) -> list[str]:
+    """Format the cells of a column: floats with all digits, NaN as the text `missing`."""
     match column.dtype.kind:
         case "f":
             # the sum turns -0.0 into 0.0
@@ -147,7 +147,7 @@ def write_parquet(
     metadata: Mapping[str, Any],
     error: Callable[[str], CycloidError] = CycloidError,
 ) -> None:
-    """Write a frame as a Parquet file with its units and other metadata, atomically.
+    """Write a frame as a Parquet file with its units and other metadata, atomically, by DuckDB.
 
     Raises
     ------
@@ -161,13 +161,13 @@ def write_parquet(
     with atomic_file(path) as beside, duckdb.connect() as database, TemporaryDirectory() as elsewhere:
         database.register("frame", dict(frame.columns))
         # DuckDB takes names in UTF-8 alone
-        at = beside if str(beside).isprintable() else Path(elsewhere) / "frame.parquet"
+        target = beside if str(beside).isprintable() else Path(elsewhere) / "frame.parquet"
         try:
-            database.execute(f"COPY (SELECT * FROM frame) TO {_quote(str(at))} ({options})")
+            database.execute(f"COPY (SELECT * FROM frame) TO {_quote(str(target))} ({options})")
         except duckdb.Error as problem:
             raise error(f"cannot write {path}: {problem}; choose another file") from problem
-        if at != beside:
-            shutil.copyfile(at, beside)
+        if target != beside:
+            shutil.copyfile(target, beside)
 
 
 def _duckdb(what: str, instead: str, error: Callable[[str], CycloidError] = CycloidError) -> ModuleType:

@@ -28,10 +28,7 @@ def signal_name(stop: KeyboardInterrupt) -> str:
 
 
 def exit_code(stop: BaseException | None) -> int:
-    """Return the exit code of a program that a signal ended, as shells have it: 128 + its number, 143 after SIGTERM.
-
-    1 for anything that is not a stop.
-    """
+    """Return the exit code for an exception: 128 + the number of the signal that it stands for, or else 1."""
     if not isinstance(stop, KeyboardInterrupt):
         return 1
     return 128 + (signal.Signals[str(stop)] if str(stop) in signal.Signals.__members__ else signal.SIGINT)
@@ -52,8 +49,10 @@ def end_on_signals() -> None:
 
 
 @contextmanager
-def signals_kept() -> Iterator[None]:
-    """Restore the handlers of `STOPPING` after the block: gmsh resets them when it starts.
+def preserve_handlers() -> Iterator[None]:
+    """Restore the signal handlers of `STOPPING` after the block: gmsh resets them when it starts.
+
+    Works in any thread, unlike Python's own `signal.signal`.
 
     In any thread, which Python's own `signal.signal` does not allow.
     """
@@ -73,9 +72,9 @@ def signals_kept() -> Iterator[None]:
 
 @contextmanager
 def defer_signals() -> Iterator[None]:
-    """Defer Ctrl-C, SIGTERM and SIGHUP until the block ends, so that no sample of a log is truncated.
+    """Defer Ctrl-C, SIGTERM and SIGHUP until the block ends, so that it is not interrupted in the middle of a file.
 
-    The first one held back is raised anew after the block, for whoever handled it before.
+    The first signal held back is raised again after the block. Outside of the main thread nothing is deferred.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -105,7 +104,7 @@ def interrupt_on_event(event: threading.Event) -> Iterator[None]:
 
 
 def check_interrupt() -> None:
-    """Raise KeyboardInterrupt if the work of this thread is to stop; long work calls it periodically.
+    """Raise KeyboardInterrupt if this thread was asked to stop (`interrupt_on_event`); long work calls it periodically.
 
     An exception that another thread raises in this one, at any place, can leave a lock taken for good.
     """

@@ -19,7 +19,7 @@ _GRAVITY = (Judgement.FAILED, Judgement.WARNING, Judgement.PASSED, Judgement.NOT
 
 
 def judge(margin: float | None, decisive: bool = True) -> Judgement:
-    """Judge a requirement by its margin.
+    """Return the verdict on a requirement by its margin: passed from 1 on, else failed or a warning.
 
     Parameters
     ----------

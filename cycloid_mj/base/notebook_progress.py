@@ -30,13 +30,13 @@ class CellBar:
         self._handle: Any = None
 
     def __call__(self, done: int, total: int) -> None:
-        """Show the share that is done and the estimated time left."""
+        """Update the bar in the cell: share of the items done and estimated time left."""
         now = monotonic()
         if now - self._start < MIN_SECONDS or now - self._updated < UPDATE_SECONDS:
             return
         self._updated = now
-        left = (now - self._start) * (total / done - 1.0) if done else float("inf")
-        time_left = f", about {left:.0f} s left" if done else ""
+        seconds_left = (now - self._start) * (total / done - 1.0) if done else float("inf")
+        time_left = f", about {seconds_left:.0f} s left" if done else ""
         self._show(
             f'{self._name} <progress value="{done}" max="{total}"></progress> {done} of {total}{time_left}',
             f"{self._name}: {done} of {total}{time_left}",
@@ -65,7 +65,7 @@ def in_notebook() -> bool:
 
 
 def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
-    """Decorate a function with a parameter `progress`: in a notebook, it shows a bar unless the caller passes one.
+    """Decorate a function with a parameter `progress` so that a notebook shows a bar unless the caller passes one.
 
     Functions that it calls show no bars of their own.
     """
@@ -73,6 +73,7 @@ def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def with_bar(*arguments: P.args, **named: P.kwargs) -> R:
+        """Call the function with a bar as `progress`, in a notebook and where no outer call shows one."""
         if _shown.get() or not in_notebook() or "progress" in parameters.bind_partial(*arguments, **named).arguments:
             return function(*arguments, **named)
         bar, token = CellBar(function.__name__), _shown.set(True)

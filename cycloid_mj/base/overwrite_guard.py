@@ -78,7 +78,7 @@ _command: ContextVar[_Command | None] = ContextVar("command", default=None)
 
 @contextmanager
 def command_scope() -> Iterator[None]:
-    """Apply the rule inside this block; at its end, remove the folders that the command created and left empty."""
+    """Refuse to overwrite files inside this block, as a command must; at its end remove folders that it left empty."""
     command = _Command()
     token = _command.set(command)
     try:
@@ -89,28 +89,28 @@ def command_scope() -> Iterator[None]:
 
 
 def make_folder(path: Path) -> bool:
-    """Make a folder and those above it; a command that fails before it writes there leaves none of them.
+    """Create a folder and its parents; return whether this call created it, False if it existed before.
 
-    Returns True if this call created the folder, False if it existed or another command created it first.
+    Inside a `command_scope`, folders that the command created are removed again if it leaves them empty.
 
     Raises
     ------
     OSError
-        It cannot be created.
+        The folder cannot be created.
     """
-    made = False
+    was_created = False
     for folder in reversed([folder for folder in (path, *path.parents) if not folder.exists()]):
         try:
             folder.mkdir()
         except FileExistsError:
-            made = False
+            was_created = False
             continue
-        made = True
+        was_created = True
         if (command := _command.get()) is not None:
             command.made.append(folder)
     if not path.is_dir():
         raise FileExistsError(f"{path} is a file")
-    return made
+    return was_created
 
 
 def remove_empty(folders: Iterable[Path]) -> None:
@@ -136,8 +136,8 @@ def note_output(path: Path) -> None:
             command.read.pop(_identity(path), None)
 
 
-def claim(*paths: Path, force: bool) -> None:
-    """Refuse, before the work begins, files and folders that may not be written; `force` allows their replacement.
+def claim_outputs(*paths: Path, force: bool) -> None:
+    """Refuse output files that may not be written, before the work begins; `force` allows their replacement.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def claim(*paths: Path, force: bool) -> None:
 
 
 def require_replaceable(path: Path) -> None:
-    """Raise TakenError for a file that the command reads, of another kind, or not to be replaced."""
+    """Raise TakenError if a file exists that the command reads, may not replace, or that is of another kind."""
     command = _command.get()
     if command is None or not path.is_file():
         return
@@ -166,7 +166,7 @@ def require_replaceable(path: Path) -> None:
         raise TakenError(
             f"{path} already exists ({describe_file(path)}): choose another name (--out), or overwrite it with --force"
         )
-    _require_own_kind(path)
+    _require_same_kind(path)
 
 
 def require_ending(path: Path, ending: str) -> None:
@@ -179,7 +179,7 @@ def require_ending(path: Path, ending: str) -> None:
 
 
 def describe_file(path: Path) -> str:
-    """Return the type of a file, its subject if its head names one, and its time of change."""
+    """Describe a file in words: its type, its subject if its head names one, and its time of change."""
     head = _head(path)
     own = _own_kind(path)
     what = own.name if _begins(head, own) else _kind(head) or own.name
@@ -189,8 +189,8 @@ def describe_file(path: Path) -> str:
     return f"{what}{f', {about!r},' if about else ''} of {when}"
 
 
-def _require_own_kind(path: Path) -> None:
-    """Raise TakenError if an existing file is of another type than its name says."""
+def _require_same_kind(path: Path) -> None:
+    """Raise TakenError if an existing file is of another type than the ending of its name says."""
     head, wanted = _head(path), _own_kind(path)
     if not head or (wanted.start and _begins(head, wanted)):
         return

@@ -78,7 +78,7 @@ class Powers:
 
 
 def mean_powers(run: Run) -> Powers:
-    """Compute the mean powers of the samples of a run; unlogged terms count as 0."""
+    """Compute the mean powers [W] of a run: crank, output, losses by kind, and stored; terms not logged count as 0."""
     still = np.zeros(len(run))
     energy = run.columns.get("kinetic_energy", still) + run.columns.get("potential_energy", still)
     return Powers(

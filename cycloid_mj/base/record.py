@@ -89,6 +89,7 @@ class Run(Presented):
     source: str = ""
 
     def __post_init__(self) -> None:
+        """Lock all arrays and mappings, and check times, columns, units and topics."""
         columns = {name: _lock_array(values) for name, values in self.columns.items()}
         object.__setattr__(self, "time", _lock_array(self.time))
         object.__setattr__(self, "columns", MappingProxyType(columns))
@@ -97,7 +98,7 @@ class Run(Presented):
             object.__setattr__(self, name, value if isinstance(value, Deferred) else MappingProxyType(dict(value)))
         _check_time(self.time)
         _check_columns(self.time.size, self.columns, self.units)
-        object.__setattr__(self, "topics", MappingProxyType(_topics(self.topics, self.columns)))
+        object.__setattr__(self, "topics", MappingProxyType(_complete_topics(self.topics, self.columns)))
 
     @property
     def frame(self) -> Frame:
@@ -131,15 +132,15 @@ class Run(Presented):
 
     def __repr__(self) -> str:
         """Describe the run in one line."""
-        return f"Run({', '.join(f'{key} {value}' for key, value in self._facts())})"
+        return f"Run({', '.join(f'{key} {value}' for key, value in self._key_facts())})"
 
     def _repr_html_(self) -> str:
         """Describe the run in a table, for a notebook."""
-        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._facts())
+        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._key_facts())
         return f"<table>{rows}</table>"
 
-    def _facts(self) -> tuple[tuple[str, str], ...]:
-        """Return key facts of the run as pairs of name and value."""
+    def _key_facts(self) -> tuple[tuple[str, str], ...]:
+        """Return pairs of name and text: number of samples and columns, time span, attachments and completeness."""
         end = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
         time = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
         return (
@@ -255,7 +256,7 @@ def _check_time(time: Array) -> None:
 
 
 def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[str, str]) -> None:
-    """Raise LogError unless every column has one value per time and a unit."""
+    """Raise LogError unless every column has shape (samples,) and a unit."""
     for name, values in columns.items():
         if values.shape != (samples,):
             raise LogError(
@@ -272,8 +273,11 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
         )
 
 
-def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
-    """Return the columns of each topic; raise LogError for unknown or repeated columns."""
+def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
+    """Return the column names of each topic, with columns that none lists added to the first topic.
+
+    Raises LogError for a name that is no column, or is listed twice.
+    """
     names_by_topic = {topic: tuple(names) for topic, names in topics.items()}
     listed = [name for names in names_by_topic.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:

@@ -15,7 +15,7 @@ def register(**providers: str) -> None:
 
 
 def get_provider(name: str) -> Any:
-    """Return what is registered under a name.
+    """Import and return the object that is registered under a name.
 
     Raises
     ------

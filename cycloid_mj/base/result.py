@@ -14,19 +14,19 @@ if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
 
 
-def plain(value: Any) -> Any:
+def to_json_values(value: Any) -> Any:
     """Convert records, mappings and sequences to JSON values; NaN and infinities become None.
 
     A record with `as_json` becomes its return value, any other record its fields.
     """
     if hasattr(value, "as_json"):
-        return plain(value.as_json())
+        return to_json_values(value.as_json())
     if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+        return {field.name: to_json_values(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {key: plain(item) for key, item in value.items()}
+        return {key: to_json_values(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
+        return [to_json_values(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -68,7 +68,7 @@ class Quantity:
     causes: tuple[tuple[str, float], ...] = ()
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the quantity to JSON values."""
+        """Return name, value, unit, error, reference, source and note as JSON values, and the interval if any."""
         return {
             "name": self.name,
             "value": self.value,
@@ -81,7 +81,7 @@ class Quantity:
         }
 
     def interval_json(self) -> dict[str, Any]:
-        """Convert the interval and its two main causes to JSON values; empty where there is none."""
+        """Return low, high and the two main causes of the interval as JSON values; empty if there is no interval."""
         if self.low is None:
             return {}
         return {
@@ -106,7 +106,7 @@ def quantity_frame(quantities: Mapping[str, Quantity]) -> "Frame":
 
 
 def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
-    """Tabulate quantities as text, a line each; an error or a reference that is not known is left empty."""
+    """Return a table with a row per quantity: name, value, unit, numerical error, closed form and source."""
     rows = (
         (
             quantity.name,
@@ -164,7 +164,7 @@ class Curve(Presented):
         return f"{self.panel}: {self.name}, {len(self.x)} points; {self.x_label}, {self.y_label}"
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the curve to JSON values."""
+        """Return the curve's labels, units and points as JSON values."""
         x, y = self.x.tolist(), self.y.tolist()
         return {
             "panel": self.panel,

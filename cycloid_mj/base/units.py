@@ -31,7 +31,7 @@ MILLIMETRE, MEGAPASCAL = 1e-3, 1e6
 
 
 def unit_suffix(unit: str) -> str:
-    """Return a unit as it ends a key or the name of a column: ``nm_per_arcmin`` for "N m/arcmin"; of a number nothing.
+    """Return a unit as the ending of a key or column name, such as ``nm_per_arcmin`` for "N m/arcmin"; empty for "1".
 
     Only quotients with a torque have the word "per": those of length and time are written as in a log, ``mm_s``.
     """

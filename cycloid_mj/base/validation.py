@@ -52,7 +52,7 @@ class ValidationRow:
         return RowOutcome.PASS if self.difference <= self.bound else RowOutcome.FAIL
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the row to a flat dict with its verdict."""
+        """Return the row as a flat dict of JSON values, with its verdict."""
         return {
             "quantity": self.measured.name,
             "ours": self.measured.value,
@@ -103,10 +103,10 @@ def absolute(
     return ValidationRow(measured, float(abs(ours - reference)), "points" if unit == "%" else unit, bound)
 
 
-def deviation(
+def deviation_row(
     quantity: str, ours: Array, reference: Array, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Return a row for many values, shape (n,), or vectors, shape (..., 2).
+    """Return a row that compares many values, shape (n,), or vectors, shape (..., 2), with their reference.
 
     The row shows the largest magnitude of both sides, judged by the largest difference in percent of the largest
     reference.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.checks.rated_load import rated_load
-from cycloid_mj.design import material_limits
+from cycloid_mj.design import describe_plastic_limits
 from cycloid_mj.figures import figure
 from cycloid_mj.figures.geometry import mass
 from cycloid_mj.reducer import Reducer
@@ -57,7 +57,7 @@ class Summary:
     backlash: float
     capacity: float
     weakest: str
-    material_limits: tuple[str, ...]
+    describe_plastic_limits: tuple[str, ...]
 
 
 def summary(reducer: Reducer) -> Summary:
@@ -78,7 +78,7 @@ def summary(reducer: Reducer) -> Summary:
         backlash=ARCMINUTE * figure("backlash_arcmin").value(turning),
         capacity=_capacity(turning),
         weakest=weakest,
-        material_limits=material_limits(design),
+        material_limits=describe_plastic_limits(design),
     )
 
 

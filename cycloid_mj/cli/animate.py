@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.animation import ANIMATION
-from cycloid_mj.base.overwrite_guard import claim
+from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claim_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
@@ -92,7 +92,7 @@ def animate(
     from cycloid_mj.plots.movie import write_movie
 
     scene = select_samples(read(log), magnify, frames, turns, disc - 1)
-    claim(Path(out), force=delivery.force)
+    claim_outputs(Path(out), force=delivery.force)
     page = claim_page(delivery, f"{Path(out).stem}-film")
     write_movie(draw_frames(scene, width), out, fps)
     return deliver_files(f"film: {log}", [out], page, delivery)

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.overwrite_guard import claim
+from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, STEP, TIMESTEP, CommonFlags, DesignOptions, whole, within
@@ -75,7 +75,7 @@ def build(
 
     reducer = Reducer(chosen.resolve_checked([(TIMESTEP, timestep_us)]))
     _require_writable(out)
-    claim(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
+    claim_outputs(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-model")
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))

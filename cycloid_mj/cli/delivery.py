@@ -10,7 +10,7 @@ from cycloid_mj.base.atomic_write import encodable_text, write_files
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.overwrite_guard import claim, require_ending
+from cycloid_mj.base.overwrite_guard import claim_outputs, require_ending
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.flags import CommonFlags, Delivery
 from cycloid_mj.cli.outfile import STDOUT, Columns, claim_folder, write_csv
@@ -123,7 +123,7 @@ def claim_page(
     path = Path(named[0]) if named else (directory or claim_folder(RUNS, "the page", (), flags.force)) / f"{stem}.html"
     require_ending(path, ".html")
     if not resumed:
-        claim(path, force=flags.force)
+        claim_outputs(path, force=flags.force)
     return path
 
 

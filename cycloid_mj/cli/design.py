@@ -18,7 +18,7 @@ from cycloid_mj.cli.kinematics import kinematics
 from cycloid_mj.cli.new import new
 from cycloid_mj.cli.profile import EXAMPLES as PROFILE_EXAMPLES
 from cycloid_mj.cli.profile import profile
-from cycloid_mj.design import Design, Inheritance, dump, reasons, value_of
+from cycloid_mj.design import Design, Inheritance, dump, preset_reasons, value_of
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery
     the preset pin. JSON has the tables and keys of the file; --out writes the file as well.
     """
     design = chosen.resolve()
-    text, file = dump(design, reasons(chosen.design, design)), f"{design.name}.toml"
+    text, file = dump(design, preset_reasons(chosen.design, design)), f"{design.name}.toml"
     destination = claim_destination(delivery, f"{design.name}-design", [file])
     outcome = Outcome(
         title=f"design: {design.name}",

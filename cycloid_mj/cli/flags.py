@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import DesignError, UsageError, warn
 from cycloid_mj.cli.ranges import RANGES
-from cycloid_mj.design import PRESETS, Design, Inheritance, inheritance, override, resolve
+from cycloid_mj.design import PRESETS, Design, Inheritance, find_inheritance, override, resolve
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.design.units import BOUNDS, Unit, bounds_of, file_key, unit_of
 from cycloid_mj.reducer import reducer_of
@@ -288,7 +288,7 @@ class DesignOptions:
 
     def inheritance(self) -> Inheritance | None:
         """Return what the design takes from a preset; None for a preset."""
-        return inheritance(self.design, self.set_)
+        return find_inheritance(self.design, self.set_)
 
     def warn_of_inherited_motor(self, design: Design) -> None:
         """Warn if the design file states no motor torque, so that that of its preset applies."""

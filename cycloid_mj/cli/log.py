@@ -10,7 +10,7 @@ from cyclopts import App, Parameter
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.overwrite_guard import claim, require_ending
+from cycloid_mj.base.overwrite_guard import claim_outputs, require_ending
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.completion import CompletingApp
@@ -177,7 +177,7 @@ def repair(
         return deliver_files(f"nothing to repair: {log}", [], claim_page(delivery, "repaired"), delivery)
     source = Path(log)
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
-    claim(path, force=delivery.force)
+    claim_outputs(path, force=delivery.force)
     page = claim_page(delivery, path.stem)
     write(contents.run, path, _build_scene(contents, scene_hz), force=delivery.force)
     note(contents.run.note or f"wrote all {len(contents.run)} samples")
@@ -224,7 +224,7 @@ def _claim_output(log: str, out: str | None, ending: str, wanted: CommonFlags) -
     """Claim the name of a file converted from a log, and that of the page."""
     path = Path(log).with_suffix(ending) if out is None else Path(out)
     require_ending(path, ending)
-    claim(path, force=wanted.force)
+    claim_outputs(path, force=wanted.force)
     return path, claim_page(wanted, f"{path.stem}-{ending[1:]}")
 
 

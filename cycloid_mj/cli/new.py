@@ -11,14 +11,14 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.overwrite_guard import claim
+from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, load_design, out_flag, whole, whole_number
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.progress import show_activity
 from cycloid_mj.cli.terminal import tell
-from cycloid_mj.design import PRESETS, dump, reasons
+from cycloid_mj.design import PRESETS, dump, preset_reasons
 
 if TYPE_CHECKING:
     from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
@@ -361,7 +361,7 @@ def _write_designs(
     `descriptions` are the entries of the files in the JSON result.
     """
     paths = destination.paths(files)
-    claim(*map(Path, paths), force=delivery.force)
+    claim_outputs(*map(Path, paths), force=delivery.force)
     outcome = Outcome(
         title=f"new design: {destination.stem}",
         text=paths,

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
-from cycloid_mj.base.overwrite_guard import claim, make_folder, require_ending
+from cycloid_mj.base.overwrite_guard import claim_outputs, make_folder, require_ending
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -46,7 +46,7 @@ def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
     if file.startswith("-") or not file:
         raise UsageError(f"{flag} {file!r} is not a file name: give a file name, or - for stdout")
     require_ending(Path(file), ".csv")
-    claim(Path(file), force=force)
+    claim_outputs(Path(file), force=force)
 
 
 def write_csv(file: str, columns: Columns) -> None:
@@ -83,9 +83,9 @@ def claim_folder(name: str, contents: str, files: Iterable[str], force: bool) ->
         raise CycloidError(f"cannot write {contents} to {name}: it is a file, not a folder. Choose a folder with --out")
     if not os.access(path, os.W_OK | os.X_OK):
         raise CycloidError(f"cannot write {contents} to {name}: permission denied. Choose another folder with --out")
-    claim(*(path / file for file in files), force=force)
+    claim_outputs(*(path / file for file in files), force=force)
     if force:
-        claim(path, force=True)
+        claim_outputs(path, force=True)
     return path
 
 

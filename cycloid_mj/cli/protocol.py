@@ -120,7 +120,7 @@ def protocol(
 
 def _outcome(sheet: "Protocol") -> Outcome:
     """Convert a test protocol to an `Outcome`: figures of model and bench, definitions and page."""
-    from cycloid_mj.base.result import plain
+    from cycloid_mj.base.result import to_json_values
     from cycloid_mj.bench.protocol import LINES
     from cycloid_mj.plots.bench import protocol_figure
     from cycloid_mj.plots.save import encode_figure
@@ -138,5 +138,5 @@ def _outcome(sheet: "Protocol") -> Outcome:
         frame=sheet.frame,
         notes=[*sheet.notes, *(f"{line.name}: {line.definition} ({line.source})" for line in LINES.values())],
         pictures={f"{sheet.design}-protocol": partial(encode_figure, protocol_figure(sheet))},
-        result=plain(sheet.as_json()),
+        result=to_json_values(sheet.as_json()),
     )

@@ -256,7 +256,7 @@ def _outcome(
         frame=quantity_frame(quantities),
         files={**files, **sample_files},
         page=partial(joint_page, reduced, comparison, steps, scene, fit_bam_models(reduced), drives),
-        result=plain(
+        result=to_json_values(
             {
                 **reduced.as_json(),
                 "scene": scene.as_json(),

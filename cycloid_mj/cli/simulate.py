@@ -16,7 +16,7 @@ from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError,
 from cycloid_mj.base.interrupt import defer_signals, signal_name
 from cycloid_mj.base.names import FORCES
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.base.overwrite_guard import claim
+from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.cli.analyze import outcome_of
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, STEP, TIMESTEP, Delivery, DesignOptions
@@ -133,7 +133,7 @@ def simulate(
     if delivery.out is None and not force:
         names = _unused_logs(into, design.name)
     else:
-        claim(*names, *(review_of(log) for log in names if page is None and not delivery.json), force=force)
+        claim_outputs(*names, *(review_of(log) for log in names if page is None and not delivery.json), force=force)
     with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
         ran = run_into_log(design, names, force, progress, contact, solver, keep_run=True)
     findings = ran.require_findings()

@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.notebook_display import Presented
-from cycloid_mj.base.result import Table, load_words, plain
+from cycloid_mj.base.result import Table, load_words, to_json_values
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
 from cycloid_mj.comparison.sensitivity import Sensitivity, sensitivity_table
 from cycloid_mj.comparison.table import ROWS, figure_frame, table
@@ -86,10 +86,10 @@ class Comparison(Presented):
             "differences": self.differences,
             "runs": [_run_json(trial) for trial in self.trials],
             "sensitivity": [
-                plain(item) | {"changes": item.changes, "determined": item.is_determined} for item in self.sensitivity
+                to_json_values(item) | {"changes": item.changes, "determined": item.is_determined} for item in self.sensitivity
             ],
         }
-        return dict(plain(content))
+        return dict(to_json_values(content))
 
 
 def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) -> Comparison:
@@ -195,7 +195,7 @@ def _run_json(trial: Trial) -> dict[str, Any]:
     return {
         "design": trial.name,
         "load_nm": trial.load,
-        **plain(trial.measures),
+        **to_json_values(trial.measures),
         "starts": len(trial.starts),
         "start_logs": [each.findings.log for each in trial.starts],
         "spreads": spreads,

@@ -4,7 +4,7 @@ This room owns every input of the project and is the only place where mm, rpm, d
 """
 
 from cycloid_mj.design.file import Named, declaration_of, dump, load, loads, override, resolve, value_of
-from cycloid_mj.design.inheritance import Inheritance, inheritance
+from cycloid_mj.design.inheritance import Inheritance, find_inheritance
 from cycloid_mj.design.measured import Measured
 from cycloid_mj.design.model import (
     PARTNERS,
@@ -32,9 +32,9 @@ from cycloid_mj.design.model import (
     Stiffness,
     Tolerance,
     WorkingForce,
-    material_limits,
+    describe_plastic_limits,
 )
-from cycloid_mj.design.presets import PRESETS, presets_for, reasons
+from cycloid_mj.design.presets import PRESETS, preset_reasons, presets_for
 
 __all__ = [
     "PARTNERS",
@@ -67,14 +67,14 @@ __all__ = [
     "Tolerance",
     "WorkingForce",
     "declaration_of",
+    "describe_plastic_limits",
     "dump",
-    "inheritance",
+    "find_inheritance",
     "load",
     "loads",
-    "material_limits",
     "override",
+    "preset_reasons",
     "presets_for",
-    "reasons",
     "resolve",
     "value_of",
 ]

@@ -85,7 +85,7 @@ def preset(name: str) -> Design | None:
 
 
 def load(path: Path) -> Design:
-    """Read a design file."""
+    """Read a design file (TOML); raise UsageError if there is no such file, DesignError if it is no valid design."""
     try:
         text = note_input(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
@@ -100,10 +100,11 @@ def load(path: Path) -> Design:
 
 
 def loads(text: str, where: str = "the design", folder: Path | None = None) -> Design:
-    """Read the design of a TOML text; keys left out keep the values of the preset that ``[base]`` names, or of ``pin``.
+    """Parse the design of a TOML text; keys left out have the values of the preset in ``[base]``, or of ``pin``.
 
-    Without ``[base]``, a file that states a load but no motor has a motor for that load. Measurements are read from
-    files in the `folder`. A text without one, such as that of a log, lists their values.
+    Without ``[base]``, a text that states a load but no motor gets a motor for that load. `where` names the text in
+    errors. Files of measurements are relative to the `folder`; without one, as in a log, the text lists the measured
+    values.
     """
     tables = parse_toml(text, where)
     if not tables:
@@ -114,10 +115,10 @@ def loads(text: str, where: str = "the design", folder: Path | None = None) -> D
     if folder is not None and isinstance(tables.get("measured"), Mapping):
         tables["measured"] = read_measurements(tables["measured"], folder)
     if BASE in tables:
-        return _change(_base(tables.pop(BASE), where), list(_flat(tables)), where, folder)
-    values = _to_si(Design, tables, where)
+        return _apply_changes(_base(tables.pop(BASE), where), list(_flat(tables)), where, folder)
+    values = _read_table(Design, tables, where)
     design = _validate(Design, _expand_sparse_lists(values, where), where)
-    return design if "torque" in values.get("drive", {}) else _with_motor(design, values)
+    return design if "torque" in values.get("drive", {}) else _add_motor(design, values)
 
 
 def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
@@ -139,8 +140,11 @@ def _base(table: Any, where: str) -> Design:
     return PRESETS[name.casefold()]
 
 
-def _with_motor(design: Design, values: Mapping[str, Any]) -> Design:
-    """Return a design with the torque and power of a motor for its load, if a file states a load and no motor."""
+def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
+    """Return a design with the torque and power of a motor that its load needs, at the speed of the drive.
+
+    `values` are those of the file in SI: a power that it states is kept.
+    """
     torque = abs(design.load.torque) / design.reduction
     if not torque:
         return design
@@ -152,7 +156,9 @@ def _with_motor(design: Design, values: Mapping[str, Any]) -> Design:
 def parse_toml(
     text: str, where: str, example: str = "`cycloid-mj design show pin` prints a complete design file"
 ) -> dict[str, Any]:
-    """Parse a TOML text that a user wrote; `example` says where a correct file is shown.
+    """Parse a TOML text that a user wrote to a dict.
+
+    In errors, `where` names the text and `example` says where a correct file is shown.
 
     Raises
     ------
@@ -179,7 +185,7 @@ def parse_toml(
 
 def record(kind: type[S], tables: Mapping[str, Any], where: str) -> S:
     """Read the tables of another file than a design's, by the same rules; `kind` has them as its sections."""
-    return _validate(kind, _to_si(kind, tables, where, root=kind), where)
+    return _validate(kind, _read_table(kind, tables, where, root=kind), where)
 
 
 def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Design:
@@ -196,14 +202,18 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
         There is no such key, or its value is not allowed.
     """
     if isinstance(changes, Mapping):
-        return _change(design, [(path, _plain(value)) for path, value in changes.items()], "override", Path())
-    return _change(design, [_pair(change) for change in changes], "--set", Path())
+        return _apply_changes(design, [(path, _plain(value)) for path, value in changes.items()], "override", Path())
+    return _apply_changes(design, [_pair(change) for change in changes], "--set", Path())
 
 
-def _change(design: Design, pairs: Sequence[tuple[str, Any]], where: str, folder: Path | None) -> Design:
-    """Return the design with changed values; measurements that they name are read from the `folder`."""
-    named = {keys[0] for path, _ in pairs if (keys := _keys(path))}
-    tables, changed = dict(_tables(design, named)), dict[str, dict[str, Any]]()
+def _apply_changes(design: Design, pairs: Sequence[tuple[str, Any]], where: str, folder: Path | None) -> Design:
+    """Return the design with changed values, checked like a file.
+
+    `pairs` are paths such as ``load.torque_nm`` and values in the units of the file; `where` names their origin in
+    errors. Measurements that they name are read from the `folder`.
+    """
+    tables_changed = {keys[0] for path, _ in pairs if (keys := _keys(path))}
+    tables, changed = dict(_file_tables(design, tables_changed)), dict[str, dict[str, Any]]()
     for path, value in pairs:
         keys = _keys(path)
         if not keys:
@@ -223,7 +233,7 @@ def _change(design: Design, pairs: Sequence[tuple[str, Any]], where: str, folder
         tables["measured"] = read_measurements(tables["measured"], folder)
     if not pairs:
         return design
-    values = _values_except(design, named) | _to_si(Design, tables, where)
+    values = _values_except(design, tables_changed) | _read_table(Design, tables, where)
     return _validate(Design, _expand_sparse_lists(values, where), where)
 
 
@@ -249,14 +259,14 @@ def value_of(design: Design, path: str) -> Any:
     """
     declaration_of(path)
     first, *rest = _keys(path)
-    chosen: dict[str, Any] = dict(_tables(design, (first, "material")))
+    chosen: dict[str, Any] = dict(_file_tables(design, (first, "material")))
     return chosen.get(first, chosen["material"])[rest[0]] if rest else chosen[path]
 
 
 def _field_of(section: type[Section] | None, key: str, path: str, prefix: str) -> FieldInfo:
     known = {file_key(name, field): field for name, field in section.model_fields.items()} if section else {}
     if key not in known:
-        raise UsageError(f"unknown key {path:.80}; {_nearest(key, list(known), prefix)}")
+        raise UsageError(f"unknown key {path:.80}; {_suggest_key(key, list(known), prefix)}")
     return known[key]
 
 
@@ -280,7 +290,7 @@ def _plain(value: Any) -> Any:
 
 
 def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
-    """Write the complete commented design file of a design; the design that is read back is equal.
+    """Format the complete commented design file of a design; the design that is read back is equal.
 
     `reasons` explain values, by ``table.name`` as in the model, or by the name of a value in no table.
     """
@@ -340,13 +350,13 @@ def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
             yield name, field, value
 
 
-def _tables(section: Section, chosen: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
-    """Yield keys and values of a section, or of selected names, in the units of the file."""
+def _file_tables(section: Section, selected: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
+    """Yield the file keys of a section with their values in the units of the file, or only those of selected names."""
     for name, field, value in _fields(section):
-        if chosen is not None and name not in chosen:
+        if selected is not None and name not in selected:
             continue
         if isinstance(value, Section):
-            yield name, dict(_tables(value))
+            yield name, dict(_file_tables(value))
         else:
             yield file_key(name, field), _to_file(field, value)
 
@@ -366,30 +376,33 @@ def _keys_of(section: type[Section]) -> dict[str, tuple[str, FieldInfo]]:
     return {file_key(name, field): (name, field) for name, field in section.model_fields.items()}
 
 
-def _to_si(
+def _read_table(
     section: type[Section], table: Mapping[str, Any], where: str, prefix: str = "", root: type[Section] = Design
 ) -> dict[str, Any]:
-    """Translate the keys of the file to the names of the model and numbers to SI."""
+    """Convert a table of a file to values of the model: names instead of file keys, SI instead of file units.
+
+    `where` names the file in errors, `prefix` the table that contains this one, `root` the model of the whole file.
+    """
     known = _keys_of(section)
     values: dict[str, Any] = {}
     for key, value in table.items():
         if key not in known:
-            hint = unsupported_key(f"{prefix}{key}") or _nearest(key, list(known), prefix, root)
+            hint = unsupported_key(f"{prefix}{key}") or _suggest_key(key, list(known), prefix, root)
             raise DesignError(f"{where}: unknown key {prefix}{key:.80}; {hint}")
         name, field = known[key]
-        inner, table_of = field.annotation, section_of(field)
+        annotation, table_of = field.annotation, section_of(field)
         if table_of:
             if not isinstance(value, Mapping):
                 raise DesignError(
                     f"{where}: {key} is a table, but is given as a value: write [{key}], and its keys on the lines "
                     "below"
                 )
-            values[name] = _to_si(table_of, value, where, f"{prefix}{key}.", root)
-        elif get_origin(inner) is tuple and isinstance(value, Mapping):
+            values[name] = _read_table(table_of, value, where, f"{prefix}{key}.", root)
+        elif get_origin(annotation) is tuple and isinstance(value, Mapping):
             values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
-        elif get_origin(inner) is tuple and isinstance(value, (list, tuple)):
+        elif get_origin(annotation) is tuple and isinstance(value, (list, tuple)):
             values[name] = tuple(_number_to_si(unit_of(field), item) for item in value)
-        elif inner is float or (isinstance(value, int) and abs(value) > LIMITS.integer):
+        elif annotation is float or (isinstance(value, int) and abs(value) > LIMITS.integer):
             values[name] = _number_to_si(unit_of(field), value)
         elif isinstance(value, str):
             values[name] = match_case(value, literal_choices(field))
@@ -408,7 +421,10 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 
 
 def _expand_sparse_lists(values: dict[str, Any], where: str) -> dict[str, Any]:
-    """Expand lists such as ``{3 = 5.0}``: the third value 5 and the others 0."""
+    """Expand lists such as ``{3 = 5.0}``, in place, to full ones: the third value 5 and the others 0.
+
+    `values` are the tables of the file; the lengths of lists follow from counts such as ``ring.teeth``.
+    """
     for table, section in values.items():
         inner = section_of(Design.model_fields[table])
         fields = inner.model_fields if inner else {}
@@ -416,7 +432,7 @@ def _expand_sparse_lists(values: dict[str, Any], where: str) -> dict[str, Any]:
             counts = [_count(values, *key) for key in counted_by(fields[name])]
             if counts:
                 key = f"{table}.{file_key(name, fields[name])}"
-                section[name] = _full_list(section[name], counts, f"{where}: {key}")
+                section[name] = _expand_list(section[name], counts, f"{where}: {key}")
     return values
 
 
@@ -425,8 +441,11 @@ def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
     return values.get(table, {}).get(name, section_of(Design.model_fields[table]).model_fields[name].default)
 
 
-def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> tuple[Any, ...]:
-    """List as many values as there are parts, 0 but for those named by their number from 1 on."""
+def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> tuple[Any, ...]:
+    """Return a list with a value for each part: 0, or the one that `sparse` has under the part's number, from 1 on.
+
+    The number of parts is the product of `counts`; `where` names the key in errors.
+    """
     if not all(isinstance(count, int) and count <= LIMITS.list_length for count in counts):
         return tuple(sparse.values())  # the validation reports the number of parts, which is out of range
     number = math.prod(counts)
@@ -444,8 +463,11 @@ def _validate(kind: type[S], values: dict[str, Any], where: str) -> S:
         raise as_design_error(error, kind, where) from error
 
 
-def _nearest(key: str, known: list[str], prefix: str, root: type[Section] = Design) -> str:
-    """Suggest a key: the same with another unit, the same in another table, or the most similar."""
+def _suggest_key(key: str, known: list[str], prefix: str, root: type[Section] = Design) -> str:
+    """Suggest the key that was meant: the same with another unit, the same in another table, or the most similar one.
+
+    `known` are the keys of the table, `prefix` its name and a point, `root` the model of the file.
+    """
     stems = (key, key.rsplit("_", 1)[0])
     other_unit = next(
         filter(None, ([prefix + name for name in known if name.rsplit("_", 1)[0] == stem] for stem in stems)), []

@@ -75,7 +75,7 @@ def grade_width(grade: int, size: float) -> float:
 
 
 def limits(zone: str, size: float) -> tuple[float, float]:
-    """Compute the lower and upper deviation [m] of a shaft's or hole's zone, such as ``g6`` or ``H7``, at a size [m].
+    """Compute lower and upper deviation [m] of a tolerance zone, such as ``g6`` or ``H7``, at a nominal size [m].
 
     Raises
     ------
@@ -96,7 +96,7 @@ def limits(zone: str, size: float) -> tuple[float, float]:
         return (nearest - width, nearest) if letter <= "h" else (nearest, nearest + width)
     if letter <= "h":
         return -nearest, width - nearest
-    upper = _upper_of_hole(letter, grade, size)
+    upper = _upper_hole_deviation(letter, grade, size)
     return upper - width, upper
 
 
@@ -117,8 +117,8 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
     return hole_low - shaft_high, hole_high - shaft_low
 
 
-def _upper_of_hole(letter: str, grade: int, size: float) -> float:
-    """Compute the upper deviation [m] of a hole beyond H (4.3.2.5 and table 3)."""
+def _upper_hole_deviation(letter: str, grade: int, size: float) -> float:
+    """Compute the upper deviation [m] of a hole of a letter beyond H at a nominal size [m] (4.3.2.5 and table 3)."""
     finest = 8 if letter in "kmn" else 7
     if letter == "n" and grade > finest:
         return 0.0 if size > 3e-3 else -_deviation(letter, grade, size)

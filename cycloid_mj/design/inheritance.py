@@ -58,8 +58,10 @@ class Inheritance:
         return () if self.is_stated else tuple(key for key in MOTOR if key in self.values)
 
 
-def inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None:
-    """Return what a design file, with changes on the command line, takes from a preset; None for anything but a file.
+def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None:
+    """Find the values that a design file, with changes on the command line, takes from a preset.
+
+    Returns None for a preset or a design.
 
     Parameters
     ----------
@@ -82,12 +84,16 @@ def inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None
     design = resolve(named, changes)
     kinds = design.pair_kinds
     unused = {f"clearance.{kind}_um" for kind in PARTNERS if kind not in kinds}
-    values = {key: value for key in _keys(design) if key not in stated | unused and (value := value_of(source, key))}
+    values = {
+        key: value
+        for key in _describing_keys(design)
+        if key not in stated | unused and (value := value_of(source, key))
+    }
     return Inheritance(base, BASE in tables, values)
 
 
-def _keys(design: Design) -> list[str]:
-    """List the keys of `DESCRIBING` that apply to a design, its motor and the name of its material."""
+def _describing_keys(design: Design) -> list[str]:
+    """List the file keys of the tables `DESCRIBING` that apply to a design, without ramp and material properties."""
     tables: dict[str, Section] = {name: getattr(Design(), name) for name in DESCRIBING}
     keys = [
         f"{table}.{file_key(name, field)}"

@@ -61,16 +61,16 @@ def _entry(
     poisson: float,
     density: float,
     tensile: float,
-    limit: float,
+    yield_strength: float,
     hottest: float,
     expansion: float,
     source: str,
-    surface: float = 0.0,
-    endurance: float = 0.0,
+    surface_yield: float = 0.0,
+    endurance_pressure: float = 0.0,
 ) -> Entry:
-    """Build an entry from moduli, strengths and pressures in MPa, and expansion in um/(m K)."""
-    strengths = (tensile * 1e6, limit * 1e6)
-    hard = (surface * 1e6, endurance * 1e6)
+    """Build a library entry in SI from moduli, strengths and pressures in MPa, and expansion in um/(m K)."""
+    strengths = (tensile * 1e6, yield_strength * 1e6)
+    hard = (surface_yield * 1e6, endurance_pressure * 1e6)
     return Entry(modulus * 1e6, poisson, density, *strengths, hottest, expansion / 1e6, source, *hard)
 
 

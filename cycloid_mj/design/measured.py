@@ -72,8 +72,8 @@ class Measured(Section):
         return {**{key: value for key, value in values.items() if key not in replaced}, **change}
 
     @model_validator(mode="after")
-    def _lists_belong_together(self) -> Self:
-        """Refuse lists of different lengths, and two descriptions of one profile."""
+    def _check_lists(self) -> Self:
+        """Refuse lists of unequal length, files that were not read, and two descriptions of one profile."""
         groups = {
             "gear_angle_deg and gear_deviation_um": (self.gear_angle, self.gear_deviation),
             "gear_x_mm and gear_y_mm": (self.gear_x, self.gear_y),
@@ -103,7 +103,7 @@ class Measured(Section):
 
 
 def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return the table ``[measured]``, in the units of the file, with the values of the files that it names.
+    """Read the files that the table ``[measured]`` names; return the table with their values as lists, in file units.
 
     Parameters
     ----------
@@ -118,17 +118,17 @@ def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         A file cannot be read, or a line of it is wrong.
     """
     values: dict[str, Any] = {}
-    for part, read in READERS.items():
+    for part, read_file in READERS.items():
         name = table.get(part)
         is_listed = any(key.startswith(f"{part}_") and value for key, value in table.items())
         if isinstance(name, str) and name and not is_listed:
-            values |= {f"{part}_{key}": list(column) for key, column in read(folder / name).items()}
+            values |= {f"{part}_{key}": list(column) for key, column in read_file(folder / name).items()}
     return {**table, **values}
 
 
 def _read_gear(path: Path) -> Columns:
-    """Read a measured profile: columns `ANGLES` or `POINTS`; without a header, two or three numbers are x, y (, z)."""
-    lines = list(_lines(path))
+    """Read the columns of a measured profile: `ANGLES` or `POINTS`; without a header, numbers are x, y (and z)."""
+    lines = list(_read_rows(path))
     number, first = lines[0]
     header = tuple(cell.lower() for cell in first)
     if all(_number(cell) is not None for cell in first) and len(first) in (2, 3):
@@ -139,16 +139,16 @@ def _read_gear(path: Path) -> Columns:
         names, lines = POINTS, lines[1:]
     else:
         raise _wrong_header(path, number, first, [ANGLES, POINTS])
-    return _columns(path, names, lines)
+    return _parse_columns(path, names, lines)
 
 
 def _read_pins(path: Path) -> Columns:
-    """Read measured ring pins, each once and in any order."""
-    lines = list(_lines(path))
+    """Read the columns of measured ring pins, listed once each in any order; return them in the order of the pins."""
+    lines = list(_read_rows(path))
     number, first = lines[0]
     if tuple(cell.lower() for cell in first) != PINS:
         raise _wrong_header(path, number, first, [PINS])
-    columns = _columns(path, PINS, lines[1:])
+    columns = _parse_columns(path, PINS, lines[1:])
     order = {pin: index for index, pin in enumerate(columns["pin"])}
     for pin in range(1, len(columns["pin"]) + 1):
         if pin not in order:
@@ -163,8 +163,8 @@ READERS = {"gear": _read_gear, "pins": _read_pins}
 """Reader of each file by its key; the lists that it returns have the key as a prefix."""
 
 
-def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield number and cells of each line that is neither empty nor a comment (#)."""
+def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Yield line number and cells of each line of a CSV file that is neither empty nor a comment (#)."""
     try:
         if note_input(path).stat().st_size > MAX_SIZE:
             raise DesignError(f"{path} has more than {MAX_SIZE:,} bytes: reduce it to at most {MAX_ROWS:,} rows")
@@ -194,25 +194,28 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in (line.split(",") if "," in line else re.split(r"\s+", line))]
 
 
-def _columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int, list[str]]]) -> Columns:
-    """Convert lines to columns of numbers; further cells of points (z) are left out."""
+def _parse_columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int, list[str]]]) -> Columns:
+    """Convert rows to columns of numbers by name; a third coordinate of points is left out.
+
+    `lines` are line numbers and cells; raises DesignError with the line of a wrong value.
+    """
     rows = []
     for number, cells in lines:
-        most = len(names) + (names == POINTS)
+        max_cells = len(names) + (names == POINTS)
         values = [value for cell in cells if (value := _number(cell)) is not None]
-        if len(values) != len(cells) or not len(names) <= len(cells) <= most:
+        if len(values) != len(cells) or not len(names) <= len(cells) <= max_cells:
             raise DesignError(
                 f"{path}, line {number}: {','.join(cells)[:60]!r} is not valid. Write {len(names)} numbers: "
                 f"{','.join(names)}"
             )
-        if (wrong := _out_of_range(dict(zip(names, values, strict=False)))) is not None:
+        if (wrong := _describe_out_of_range(dict(zip(names, values, strict=False)))) is not None:
             raise DesignError(f"{path}, line {number}: {wrong}")
         rows.append(values[: len(names)])
     return dict(zip(names, zip(*rows, strict=True), strict=True))
 
 
-def _out_of_range(row: Mapping[str, float]) -> str | None:
-    """Describe a value of a row that the table does not allow; None if all are allowed."""
+def _describe_out_of_range(row: Mapping[str, float]) -> str | None:
+    """Describe the first value of a row that is beyond the limit of its unit; None if all are within."""
     limits = {"um": 1000.0, "mm": 5000.0, "deg": 3600.0}
     for name, value in row.items():
         limit = limits.get(name.rsplit("_", 1)[-1], MAX_ROWS)

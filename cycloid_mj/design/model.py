@@ -106,14 +106,14 @@ class Ring(Section):
     )
 
     @model_validator(mode="after")
-    def _preload_needs_halves(self) -> Self:
-        """Refuse a preload of a ring in one piece, and a preload that is set twice."""
+    def _check_preload(self) -> Self:
+        """Refuse a preload of an undivided ring, and a preload that is set both as an angle and as a torque."""
         named = {"preload_arcmin": self.preload, "preload_torque_nm": self.preload_torque}
-        given = [key for key, value in named.items() if value]
-        if given and self.halves == 1:
-            raise ValueError(f"{given[0]} applies to two halves of a ring only: set halves = 2 as well")
-        if len(given) > 1:
-            raise ValueError(f"{' and '.join(given)} both set the angle between the halves: set one of them to 0")
+        set_keys = [key for key, value in named.items() if value]
+        if set_keys and self.halves == 1:
+            raise ValueError(f"{set_keys[0]} applies to two halves of a ring only: set halves = 2 as well")
+        if len(set_keys) > 1:
+            raise ValueError(f"{' and '.join(set_keys)} both set the angle between the halves: set one of them to 0")
         return self
 
     @property
@@ -502,7 +502,7 @@ class Friction(Section):
     @field_validator("lubricant")
     @classmethod
     def _refuse_unknown_lubricant(cls, name: str) -> str:
-        """Refuse a name that is not in the table of lubricants."""
+        """Return the lubricant's name as in the table of lubricants; refuse one that is not there."""
         from cycloid_mj.design.lubricants import lubricant
 
         try:
@@ -704,7 +704,7 @@ class Material(Section):
     @model_validator(mode="before")
     @classmethod
     def _fill_from_library(cls, value: Any) -> Any:
-        """Fill values that are not set from the library."""
+        """Fill in the values of a material that are not set, from the library, by its name."""
         if not isinstance(value, Mapping):
             return value
         numbers = [key for key in cls.model_fields if key != "name"]
@@ -715,8 +715,8 @@ class Material(Section):
 
     @field_validator("name")
     @classmethod
-    def _refuse_unknown(cls, name: str) -> str:
-        """Refuse a name that is not in the library."""
+    def _refuse_unknown_material(cls, name: str) -> str:
+        """Return the name of a material; refuse one that is not in the library."""
         if name and name not in MATERIALS:
             near = get_close_matches(name.casefold(), BY_CASEFOLD, n=1)
             meant = f'did you mean "{BY_CASEFOLD[near[0]]}"? ' if near else ""
@@ -904,18 +904,18 @@ def _rv_table(what: str) -> Any:
     return Field(default=None, description=f"{what} (layout rv).")
 
 
-def _rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
-    """Yield the values of a section in the units of the design file, with those of its tables."""
+def _value_rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
+    """Yield a row (key, value, unit, meaning) for each value of a section and its tables, in the units of the file."""
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
-            yield from _rows(value, f"{name}.")
+            yield from _value_rows(value, f"{name}.")
         elif value is not None:
             unit = unit_of(field)
-            of_file = unit.from_si(value) if isinstance(value, float) else value
-            of_file = [unit.from_si(item) for item in value] if isinstance(value, tuple) else of_file
+            file_value = unit.from_si(value) if isinstance(value, float) else value
+            file_value = [unit.from_si(item) for item in value] if isinstance(value, tuple) else file_value
             key = f"{prefix}{file_key(name, field)}"
-            yield {"key": key, "value": str(of_file), "unit": unit.suffix, "meaning": field.description or ""}
+            yield {"key": key, "value": str(file_value), "unit": unit.suffix, "meaning": field.description or ""}
 
 
 class Design(Section, Presented):
@@ -981,13 +981,13 @@ class Design(Section, Presented):
 
     def __repr__(self) -> str:
         """Return the key facts in one line; `design.dump` writes the complete file."""
-        return f"Design({', '.join(f'{key} {value}' for key, value in self._facts())})"
+        return f"Design({', '.join(f'{key} {value}' for key, value in self._key_facts())})"
 
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
         """Return the key facts as a table for a notebook."""
-        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._facts())
+        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._key_facts())
         return f"<table>{rows}</table>"
 
     @property
@@ -995,10 +995,10 @@ class Design(Section, Presented):
         """Its values as the design file has them, a row each."""
         from cycloid_mj.base.frame import make_frame  # which takes NumPy, that no help page needs
 
-        return make_frame([*_rows(self, "")], ("key", "value", "unit", "meaning"), {})
+        return make_frame([*_value_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
-    def _facts(self) -> tuple[tuple[str, str], ...]:
-        """Return key facts as pairs of name and value."""
+    def _key_facts(self) -> tuple[tuple[str, str], ...]:
+        """Return pairs of name and text: ratio, ring, eccentricity, speed and torques."""
         ring = self.ring
         kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins.replace('_', ' ')} pins"
         return (
@@ -1051,7 +1051,7 @@ class Design(Section, Presented):
         return self.but(thermal=dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)) if self.thermal.words else self
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
-        """Return the design for a run at full speed from the start, with changes in SI, as in `but`.
+        """Return the design for a run at full speed from the start that lasts a number of crank turns after settling.
 
         Parameters
         ----------
@@ -1070,8 +1070,8 @@ class Design(Section, Presented):
 
     @model_validator(mode="before")
     @classmethod
-    def _parts_as_the_rest(cls, value: Any) -> Any:
-        """Fill the material table of a part that has no name from the table `material`."""
+    def _inherit_material(cls, value: Any) -> Any:
+        """Fill the material tables of parts that have no material name from the table `material`."""
         unnamed = [f"{part}_material" for part in PARTS]
         tables = {key: value[key] for key in unnamed if isinstance(value.get(key), Mapping)}
         base = value.get("material", {})
@@ -1089,13 +1089,13 @@ class Design(Section, Presented):
         return {**value, **{name: {} for name in absent}}
 
     @model_validator(mode="after")
-    def _keys_apply_to_the_layout(self) -> Self:
-        """Refuse values of parts that the layout does not have."""
+    def _check_layout(self) -> Self:
+        """Refuse values of parts that the layout of the reducer does not have."""
         if self.layout == "central":
             set_keys = [f"the table {name}" for name in RV_TABLES if getattr(self, name) is not None]
             remedy = 'remove it, or set layout = "rv"'
         else:
-            set_keys = [key for key, is_default in _keys_without_use(self) if not is_default]
+            set_keys = [key for key, is_default in _unused_keys(self) if not is_default]
             remedy = "remove it; an RV reducer has neither a central crank nor output pins"
         if set_keys:
             raise ValueError(f'layout = "{self.layout}" has no use for {", ".join(set_keys)}: {remedy}')
@@ -1200,7 +1200,7 @@ class Design(Section, Presented):
         return self.clearance.pin_socket if self.ring.has_sockets else 0.0
 
     def friction_of(self, pair: str) -> float:
-        """Compute the friction coefficient of a kind of mating pair [1], reduced for rollers.
+        """Return the friction coefficient [1] of a kind of mating pair, reduced where rollers turn in between.
 
         With the law ``film`` it is the upper limit, that of boundary lubrication, where parts slide.
         """
@@ -1216,7 +1216,7 @@ class Design(Section, Presented):
 
     @property
     def mesh_friction(self) -> float:
-        """Friction per normal force where the gear slides past its ring [1].
+        """Friction force per normal force where the gear slides past its ring [1].
 
         A pin that can turn slips where it is the easier: on the gear, or in its seat, where a free pin's socket has the
         pin's radius and the bore of a sleeve a smaller arm. It is a two-force body: where both are alike, the loss is
@@ -1235,7 +1235,7 @@ class Design(Section, Presented):
         return self.friction.law == "film"
 
     @model_validator(mode="after")
-    def _impact_stands_alone(self) -> Self:
+    def _check_impact_law(self) -> Self:
         """Refuse other stiffness or damping of contacts, and flexible structures, with the contact law IMPACT."""
         if self.contact.law != "impact":
             return self
@@ -1251,26 +1251,26 @@ class Design(Section, Presented):
         return self
 
     @model_validator(mode="after")
-    def _errors_fit_the_parts(self) -> Self:
-        """Refuse a list of errors that is too long or too short, and errors of pins where the ring has none."""
+    def _check_error_lists(self) -> Self:
+        """Refuse lists of errors whose length is not the number of parts, and errors of pins in an internal gear."""
         tables: tuple[tuple[str, Section], ...] = (("errors", self.errors),)
         if self.crank_errors is not None:
             tables += (("crank_errors", self.crank_errors),)
         for table, section in tables:
-            self._fit_errors(table, section)
+            self._check_error_table(table, section)
         return self
 
-    def _fit_errors(self, table: str, section: Section) -> None:
-        """Raise ValueError for a list of errors of the wrong length, and for pin errors of a ring without pins."""
+    def _check_error_table(self, table: str, section: Section) -> None:
+        """Raise ValueError if a list of errors in a table has a wrong length, or is of pins that the ring lacks."""
         for name, field in type(section).model_fields.items():
             counts = {key: getattr(getattr(self, key[0]), key[1]) for key in counted_by(field)}
             value, key = getattr(section, name), f"{table}.{file_key(name, field)}"
             number = math.prod(counts.values())
             if counts and value and len(value) != number:
-                several = {part: count for part, count in counts.items() if count > 1} or counts
-                of = " times ".join(".".join(part) for part in several)
+                plural_counts = {part: count for part, count in counts.items() if count > 1} or counts
+                product = " times ".join(".".join(part) for part in plural_counts)
                 raise ValueError(
-                    f"{key} has {len(value)} values, but {of} is {number}: give one value for each, or only those "
+                    f"{key} has {len(value)} values, but {product} is {number}: give one value for each, or only those "
                     f"other than 0, as in {{1 = 5.0}}"
                 )
             if self.ring.kind == "nonpin" and name.startswith("pin_") and (any(value) if counts else value):
@@ -1280,8 +1280,8 @@ class Design(Section, Presented):
                 )
 
     @model_validator(mode="after")
-    def _measurements_fit_the_parts(self) -> Self:
-        """Refuse measured pins of an internal gear, or of another number of pins."""
+    def _check_measured_pins(self) -> Self:
+        """Refuse measured pins of an internal gear, or another number of them than ``ring.teeth``."""
         count, teeth = len(self.measured.pins_radial), self.ring.teeth
         if count and self.ring.kind == "nonpin":
             raise ValueError(
@@ -1295,8 +1295,8 @@ class Design(Section, Presented):
         return self
 
 
-def _keys_without_use(design: Design) -> Iterator[tuple[str, bool]]:
-    """Yield keys that do not apply to the layout of a design, and whether their values are the defaults."""
+def _unused_keys(design: Design) -> Iterator[tuple[str, bool]]:
+    """Yield the file keys that do not apply to the layout of a design, each with whether its value is the default."""
     for name, field in Design.model_fields.items():
         table = section_of(field)
         if table is None or name.endswith("material"):
@@ -1314,8 +1314,8 @@ def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def material_limits(design: Design) -> tuple[str, ...]:
-    """Return the temperature limits and creep of the plastics of a design; empty for metals."""
+def describe_plastic_limits(design: Design) -> tuple[str, ...]:
+    """Describe temperature limits and creep of the plastics of a design, a sentence for each; empty for metals."""
     by_material: dict[Material, list[str]] = {}
     for part in PARTS:
         by_material.setdefault(design.material_of(part), []).append(part)

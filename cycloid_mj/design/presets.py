@@ -9,13 +9,13 @@ from cycloid_mj.design.units import MICROMETRE, MILLIMETRE, RPM
 
 
 def _make_printed() -> Design:
-    """Return the baseline drive of a master thesis (JelmerV, Twente 2024), as drawn.
+    """Return the printed drive of a master thesis (JelmerV, Twente 2024).
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
     parts that ``Documentation/Bill of Materials.xlsx`` names: HK0509 needle rollers on 5 mm output pins, HK1522 with an
-    inner ring 12 x 15 x 22.5 on the shaft. Other values are assumed, each with its `reasons`. One differs: the
-    ring has the double-enveloping internal gear, printed, where this one has pins of steel. Its shaft
-    is stepped to a 6803 and a 6806, here its bearings stand on the 12 mm of the inner ring.
+    inner ring 12 x 15 x 22.5 on the shaft. Other values are assumed, each with its `preset_reasons`. The thesis has a
+    printed internal gear; this preset has pins of steel. Its shaft is stepped to a 6803 and a 6806; here the bearings
+    are on the 12 mm of the inner ring.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="printed", structure="springs").but(
@@ -43,10 +43,10 @@ def _make_printed() -> Design:
 
 
 def _make_twodisc() -> Design:
-    """Return a drive with two discs, of a worked calculation: github.com/kubakos/cycloid-drive-generator.
+    """Return a drive with two discs from a worked calculation (github.com/kubakos/cycloid-drive-generator).
 
     Ratio, teeth, discs, output pins, input torque and speed, and the rating of the bearings on the eccentrics. Other
-    values are assumed, each with its `reasons`.
+    values are assumed, each with its `preset_reasons`.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="twodisc", structure="springs").but(
@@ -79,11 +79,11 @@ def _make_twodisc() -> Design:
 
 
 def _make_rv80e() -> Design:
-    """Return an RV-80E reducer: Yang, Zhou, Chang, Chen, Mech. Mach. Theory 163 (2021), 104384.
+    """Return an RV-80E reducer (Yang, Zhou, Chang, Chen, Mech. Mach. Theory 163 (2021), 104384).
 
     Teeth, module, pin circle, eccentricity, pin radius and cranks are published. The load is the catalogue's rated
-    torque at 15 rpm of the output. Other values are assumed, each with its `reasons`; the stiffness of bearings and
-    teeth is such that the drive is as stiff as the catalogue states.
+    torque at 15 rpm of the output. Other values are assumed, each with its `preset_reasons`; bearings and teeth are as
+    stiff as makes the drive as stiff as the catalogue states.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="rv80e", layout="rv").but(
@@ -186,8 +186,8 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
 """Why a preset's values are as they are; those of the paper's designs have their sources in the model itself."""
 
 
-def reasons(name: str, design: Design) -> dict[str, str]:
-    """Return why the preset `name` has its values, by ``table.key``, for the values that a design still has of it."""
+def preset_reasons(name: str, design: Design) -> dict[str, str]:
+    """Return why a preset has its values, by ``table.key``, for the values that `design` still shares with it."""
     name = name.casefold()
     return {
         key: reason

@@ -313,85 +313,87 @@ def dowel_diameters() -> tuple[float, ...]:
     return tuple(round(size * MM, 9) for size in _DOWELS)
 
 
-def pins(diameter: float, reach: float) -> tuple[Dowel, int] | None:
-    """Find stock pins of a diameter [m] for a length [m], and their number in line; None if there are none.
+def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
+    """Find the shortest pin in stock of a diameter that fills a length [m], and how many in line; None if none fits.
 
-    The shortest that reaches so far: its end stands in the cover. Pin gauges are cut to length.
+    Above 1 mm it is a dowel (ISO 8734) that is at least as long, or several in line; below a pin gauge (DIN 2269).
     """
-    size, needed = round(diameter / MM, 6), reach / MM
-    if size in _DOWELS:
-        shortest, longest = _DOWELS[size]
-        count = max(-(-needed // longest), 1)
-        usual = [length for length in _LENGTHS if shortest <= length <= longest]
-        length = usual[min(bisect_left(usual, needed / count - 1e-6), len(usual) - 1)]
-        return Dowel(f"ISO 8734 - {size:g} x {length} - A", diameter, length * MM), int(count)
-    if size < _GAUGES.high and _GAUGES.includes(size):
-        return Dowel(f"{GAUGES} - {size:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
+    size_mm, length_mm = round(diameter / MM, 6), length / MM
+    if size_mm in _DOWELS:
+        shortest, longest = _DOWELS[size_mm]
+        count = max(-(-length_mm // longest), 1)
+        usual = [item for item in _LENGTHS if shortest <= item <= longest]
+        dowel = usual[min(bisect_left(usual, length_mm / count - 1e-6), len(usual) - 1)]
+        return Dowel(f"ISO 8734 - {size_mm:g} x {dowel} - A", diameter, dowel * MM), int(count)
+    if size_mm < _GAUGES.high and _GAUGES.includes(size_mm):
+        return Dowel(f"{GAUGES} - {size_mm:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
     return None
 
 
-def single_pin(diameter: float, reach: float) -> Dowel | None:
-    """Find a stock pin of a diameter [m] that reaches over a length [m] in one piece; None if there is none.
+def single_pin(diameter: float, length: float) -> Dowel | None:
+    """Find the pin in stock of a diameter that fills a length [m] in one piece; None if there is none.
 
     It is one of `pins`, or a longer pin gauge, which is cut to length.
     """
-    in_stock = pins(diameter, reach)
+    in_stock = pins(diameter, length)
     if not in_stock or in_stock[1] == 1:
         return in_stock[0] if in_stock else None
     size = round(diameter / MM, 6)
-    if _LONG_GAUGES.includes(size) and reach <= _LONG_GAUGES.length * MM:
+    if _LONG_GAUGES.includes(size) and length <= _LONG_GAUGES.length * MM:
         return Dowel(f"{GAUGES} - {size:.2f} x {_LONG_GAUGES.length}", diameter, _LONG_GAUGES.length * MM)
     return None
 
 
-def free_pin(diameter: float, reach: float, play: float) -> Roller | None:
-    """Find the needle roller or pin gauge for a free pin of a diameter [m]; None if none is in stock.
+def free_pin(diameter: float, room: float, play: float) -> Roller | None:
+    """Find the needle roller or pin gauge for a free pin between two covers; None if none in stock has the diameter.
 
-    It is shorter than the `reach` [m] between two covers, by at most five times the axial `play` [m] at each end; a
-    longer one is cut to the reach less the play, and several stand in line where none is long enough.
+    It is shorter than the `room` [m] between the covers, by at most five times the axial `play` [m] at each end; a
+    longer one is cut to the room less the play, and several are in line where none is long enough. `diameter` [m] is
+    that of the pin.
     """
-    size, needed = round(diameter / MM, 6), reach / MM
-    if size in _ROLLERS:
-        shortest, longest = _ROLLERS[size]
+    size_mm, room_mm = round(diameter / MM, 6), room / MM
+    if size_mm in _ROLLERS:
+        shortest, longest = _ROLLERS[size_mm]
         lengths = [length for length in _ROLLER_LENGTHS if shortest <= length <= longest]
-        count = max(-(-(needed - 5.0 * play / MM) // longest), 1)
-        sold = next((item for item in lengths if 0.0 <= needed / count - item <= 5.0 * play / MM), 0.0)
-        cut = 0.0 if sold else reach / count - 2.0 * play
-        length = sold or next(item for item in lengths if item >= needed / count - 2.0 * play / MM - 1e-6)
-        return Roller(f"ISO 3096 - {size:g} x {length:g} - G2", "0/-2 um", diameter, length * MM, int(count), cut)
-    longest = next((gauges.length for gauges in (_GAUGES, _LONG_GAUGES) if gauges.includes(size)), 0)
+        count = max(-(-(room_mm - 5.0 * play / MM) // longest), 1)
+        sold = next((item for item in lengths if 0.0 <= room_mm / count - item <= 5.0 * play / MM), 0.0)
+        cut = 0.0 if sold else room / count - 2.0 * play
+        length = sold or next(item for item in lengths if item >= room_mm / count - 2.0 * play / MM - 1e-6)
+        return Roller(f"ISO 3096 - {size_mm:g} x {length:g} - G2", "0/-2 um", diameter, length * MM, int(count), cut)
+    longest = next((gauges.length for gauges in (_GAUGES, _LONG_GAUGES) if gauges.includes(size_mm)), 0)
     if not longest:
         return None
-    count = int(max(-(-(needed - 2.0 * play / MM) // longest), 1))
-    designation = f"{GAUGES} - {size:.2f} x {longest:g}"
-    return Roller(designation, "+-1 um", diameter, longest * MM, count, reach / count - 2.0 * play)
+    count = int(max(-(-(room_mm - 2.0 * play / MM) // longest), 1))
+    designation = f"{GAUGES} - {size_mm:.2f} x {longest:g}"
+    return Roller(designation, "+-1 um", diameter, longest * MM, count, room / count - 2.0 * play)
 
 
-def key_for(shaft: float, reach: float) -> StockKey | None:
-    """Find the longest parallel key for a shaft [m] within a reach [m] along it; None if none is in stock."""
+def key_for(shaft: float, max_length: float) -> StockKey | None:
+    """Find the longest parallel key (DIN 6885) for a shaft diameter up to a length [m]; None if none is in stock."""
     for above, up_to, width, height, in_shaft, in_hub, shortest, longest in _rows(_KEYS, 8):
         if above < round(shaft / MM, 6) <= up_to:
-            lengths = [item for item in _KEY_LENGTHS if shortest <= item <= min(longest, reach / MM + 1e-6)]
+            lengths = [item for item in _KEY_LENGTHS if shortest <= item <= min(longest, max_length / MM + 1e-6)]
             if lengths:
                 sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], in_shaft, in_hub))
                 return StockKey(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
     return None
 
 
-def reach_of_pins(diameter: float, reach: float, most: int = 4) -> float:
-    """Find the reach nearest to one [m] that pins of a diameter [m] fill as they are sold, at most so many in line.
+def stock_pin_length(diameter: float, length: float, max_count: int = 4) -> float:
+    """Find the length nearest to `length` [m] that dowels of a diameter fill uncut, at most `max_count` in line.
 
-    It is the same where that is further off than by `OFF`: they are cut to length then, as pin gauges are.
+    Returns `length` where that is further off than by the factor `OFF`, or where there are no such dowels: they are
+    cut.
     """
     size = round(diameter / MM, 6)
     if size not in _DOWELS:
-        return reach
+        return length
     shortest, longest = _DOWELS[size]
-    usual = [length for length in _LENGTHS if shortest <= length <= longest]
-    counts = range(1, most + 1)
-    filled = [count * length for count in counts for length in usual if -(-count * length // longest) == count]
-    nearest = min(filled, key=lambda item: abs(math.log(item * MM / reach)), default=0.0) * MM
-    return round(nearest, 9) if reach / OFF <= nearest <= reach * OFF else reach
+    usual = [dowel for dowel in _LENGTHS if shortest <= dowel <= longest]
+    counts = range(1, max_count + 1)
+    filled = [count * dowel for count in counts for dowel in usual if -(-count * dowel // longest) == count]
+    nearest = min(filled, key=lambda item: abs(math.log(item * MM / length)), default=0.0) * MM
+    return round(nearest, 9) if length / OFF <= nearest <= length * OFF else length
 
 
 def bar_diameters() -> tuple[float, ...]:
@@ -401,7 +403,7 @@ def bar_diameters() -> tuple[float, ...]:
 
 @cache
 def needle_bearings() -> tuple[StockBearing, ...]:
-    """List needle roller bearings without inner ring by size: drawn cups, then machined rings."""
+    """List the needle roller bearings without inner ring in stock by size: drawn cups, then machined rings."""
     cups = [
         StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, out, width), dynamic * KN, static * KN)
         for bore, out, width, dynamic, static in _rows(_DRAWN_CUPS, 5)
@@ -427,7 +429,7 @@ def ball_bearings() -> tuple[StockBearing, ...]:
 
 @cache
 def thin_ball_bearings() -> tuple[StockBearing, ...]:
-    """List thin deep groove ball bearings, the smallest first."""
+    """List the thin deep groove ball bearings in stock, the smallest first."""
     fields = _THIN_BALL_BEARINGS.split()
     numbers = (list(map(float, fields[start + 1 : start + 6])) for start in range(0, len(fields), 6))
     return tuple(

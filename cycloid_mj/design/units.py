@@ -33,15 +33,15 @@ class Unit:
         return value * self.multiplier / self.divisor
 
     def from_si(self, value: float) -> float:
-        """Convert an SI value to the shortest number in the file's unit that ``to_si`` turns into it again.
+        """Convert an SI value to the shortest number in the file's unit that `to_si` converts back to it exactly.
 
-        Every value that came from a file has one. An SI value that falls between two of the file's floats
-        has none: then the nearest number is returned, whose SI value differs in the last bit.
+        Every value that came from a file has one. An SI value that falls between two of the file's floats has none:
+        then the nearest number is returned, whose SI value differs in the last bit.
         """
-        near = value * self.divisor / self.multiplier
-        shortened = (float(f"{near:.{digits}g}") for digits in (14, 15, 16))
-        beside = (near + step * math.ulp(near) for step in (0, -1, 1, -2, 2, -3, 3))
-        return next((number for number in chain(shortened, beside) if self.to_si(number) == value), near)
+        converted = value * self.divisor / self.multiplier
+        shortened = (float(f"{converted:.{digits}g}") for digits in (14, 15, 16))
+        neighbours = (converted + step * math.ulp(converted) for step in (0, -1, 1, -2, 2, -3, 3))
+        return next((number for number in chain(shortened, neighbours) if self.to_si(number) == value), converted)
 
 
 NONE = Unit("")
@@ -80,7 +80,7 @@ BOUNDS = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most
 
 
 def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, **bounds: Any) -> Any:
-    """Declare one value of the design.
+    """Declare a numeric value of the design as a pydantic field, with unit, bounds and source.
 
     Parameters
     ----------

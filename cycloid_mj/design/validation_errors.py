@@ -50,7 +50,7 @@ REQUIREMENTS = {
 
 
 def as_design_error(error: ValidationError, root: type[BaseModel], where: str) -> DesignError:
-    """Return the error that names each wrong value of a design: key, value and allowed values, in file units.
+    """Convert a validation error to a DesignError that lists key, value and allowed values of each wrong value.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def as_design_error(error: ValidationError, root: type[BaseModel], where: str) -
     where
         Origin of the values, such as the name of a file.
     """
-    sentences = [_sentence(details, root) for details in error.errors()[: LISTING.errors]]
+    sentences = [_describe_error(details, root) for details in error.errors()[: LISTING.errors]]
     if len(sentences) == 1:
         return DesignError(f"{where}: {sentences[0]}")
     count, rest = error.error_count(), error.error_count() - len(sentences)
@@ -74,21 +74,21 @@ def literal_choices(field: FieldInfo) -> tuple[str, ...]:
     return tuple(choice for choice in get_args(field.annotation) if isinstance(choice, str))
 
 
-def _sentence(details: ErrorDetails, root: type[BaseModel]) -> str:
-    """Describe one wrong value: key, value, allowed values and meaning."""
-    keys, field = _locate(details, root)
+def _describe_error(details: ErrorDetails, root: type[BaseModel]) -> str:
+    """Describe one wrong value in a sentence: key, value, allowed values and meaning."""
+    keys, field = _locate_error(details, root)
     key = ".".join(keys)
     if not keys or field is None:
         requirement = _requirement(details, NONE)
         return f"{key}: {requirement}" if keys else requirement
     if details["type"] == "missing":
         return f"{key} is missing ({field.description})"
-    unit, got = unit_of(field), details["input"]
-    value = _quote(unit.from_si(got) if isinstance(got, float) else got)
-    if isinstance(got, str) and (unsupported := unsupported_value(key, got)):
-        return f"{key} = {value} is not supported: {unsupported}"
+    unit, value = unit_of(field), details["input"]
+    written = _quote(unit.from_si(value) if isinstance(value, float) else value)
+    if isinstance(value, str) and (unsupported := unsupported_value(key, value)):
+        return f"{key} = {written} is not supported: {unsupported}"
     meaning = "" if details["type"] == "value_error" else f" ({field.description})"
-    return f"{key} = {value} is not allowed: {_describe_allowed(details, field, unit)}{meaning}"
+    return f"{key} = {written} is not allowed: {_describe_allowed(details, field, unit)}{meaning}"
 
 
 def _quote(value: Any) -> str:
@@ -99,8 +99,8 @@ def _quote(value: Any) -> str:
     return text if len(text) <= LISTING.value_length else f"{text[: LISTING.value_length]}..."
 
 
-def _locate(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
-    """Return the keys of a wrong value in the file, and its declaration, None for an unknown key."""
+def _locate_error(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
+    """Return the file keys (table, key) of a wrong value, and its declaration, which is None for an unknown key."""
     section, field, keys = root, None, list[str]()
     for name in details["loc"]:
         if isinstance(name, int) and keys:
@@ -113,11 +113,11 @@ def _locate(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], Fi
 
 
 def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> str:
-    """Describe the allowed values: a range, words, or a type."""
-    got, choices = details["input"], literal_choices(field)
+    """Describe the allowed values of a key: a range, words, or a type."""
+    value, choices = details["input"], literal_choices(field)
     if details["type"] == "literal_error" and choices:
-        near = get_close_matches(got.casefold(), choices, n=1) if isinstance(got, str) else []
-        meant = f'; did you mean "{near[0]}"?' if near else ""
+        similar = get_close_matches(value.casefold(), choices, n=1) if isinstance(value, str) else []
+        meant = f'; did you mean "{similar[0]}"?' if similar else ""
         return f"it must be {_either(choices)}{meant}"
     if details["type"] in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
         # the bounds of the items of a list stand in the error alone

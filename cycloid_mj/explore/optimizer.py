@@ -10,7 +10,7 @@ from pathlib import Path
 from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, RunError
-from cycloid_mj.base.extras import extra
+from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.frame import write_csv, write_parquet
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.checks import require_sound
@@ -142,7 +142,7 @@ def run_search(
         Where the points are evaluated; called after each point with the numbers of finished and of all points.
     """
     if task.ranges:
-        extra("cma", *REQUIREMENT)
+        import_extra("cma", *REQUIREMENT)
     with _recorded_rows(task, evaluations, starts, seed, out) as rows:
         evaluator = _PointEvaluator(task, rows, engine, progress, evaluations)
         try:

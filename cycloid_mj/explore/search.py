@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array, significant
-from cycloid_mj.base.extras import extra
+from cycloid_mj.base.extras import import_extra
 from cycloid_mj.explore.points import Value
 from cycloid_mj.explore.problem import FEASIBLE, VIOLATION, Problem, SearchRange
 from cycloid_mj.explore.row import PointResult
@@ -92,7 +92,7 @@ def _new_strategy(start: Array, sigma: float, generator: np.random.Generator) ->
 
     `start` is the first mean, shape (ranges,), and `sigma` the first standard deviation, relative to the ranges.
     """
-    cma = extra("cma", *REQUIREMENT)
+    cma = import_extra("cma", *REQUIREMENT)
     padding = np.full(max(0, CMA.min_dimensions - start.size), 0.5)
     options = {
         "bounds": [0.0, 1.0],

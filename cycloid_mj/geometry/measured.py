@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.design import Design, material_limits
+from cycloid_mj.design import Design, describe_plastic_limits
 from cycloid_mj.design.measured import Measured
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.modification import gear_profile, profile_offset
@@ -117,7 +117,7 @@ def measurement_notes(design: Design) -> tuple[str, ...]:
 
 def part_notes(design: Design) -> tuple[str, ...]:
     """Describe the measurements of a design's parts and the limits of their materials, a sentence each."""
-    return (*measurement_notes(design), *material_limits(design))
+    return (*measurement_notes(design), *describe_plastic_limits(design))
 
 
 def measured_deviations(design: Design) -> MeasuredDeviations:

@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
-from cycloid_mj.base.result import Table, plain
+from cycloid_mj.base.result import Table, to_json_values
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.life.duty import Duty, constant_duty
@@ -212,7 +212,7 @@ class WearLife(Presented):
         """Convert the result to JSON values; an unlimited life is None."""
         names = [key for key, _ in self.columns]
         return dict(
-            plain(
+            to_json_values(
                 {
                     "design": self.design,
                     "condition": self.condition,

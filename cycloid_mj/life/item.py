@@ -9,7 +9,7 @@ from typing import Any
 from cycloid_mj.base.frame import Frame, make_frame
 from cycloid_mj.base.judgement import Judgement, judge
 from cycloid_mj.base.notebook_display import Presented
-from cycloid_mj.base.result import Table, plain
+from cycloid_mj.base.result import Table, to_json_values
 from cycloid_mj.life.bearing_compliance import CamCompliance
 from cycloid_mj.life.duration import MAX_LIFE, finite_life, format_life, format_number
 
@@ -239,4 +239,4 @@ class Rating(Presented):
             "assumptions": list(self.assumptions),
             **({"cam_give": self.cam_compliance} if self.cam_compliance else {}),
         }
-        return dict(plain(content))
+        return dict(to_json_values(content))

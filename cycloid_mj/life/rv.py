@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.units import HOUR, RPM
-from cycloid_mj.design import material_limits
+from cycloid_mj.design import describe_plastic_limits
 from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
 from cycloid_mj.life import rolling
@@ -253,4 +253,4 @@ def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
     yield f"reliability of bearings: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
     yield "not rated: strength of cranks, discs, carrier and tooth roots, main bearings, wear and heat"
-    yield from material_limits(reducer.design)
+    yield from describe_plastic_limits(reducer.design)

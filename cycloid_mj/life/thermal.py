@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
-from cycloid_mj.base.result import Curve, Quantity, Table, plain, quantity_frame
+from cycloid_mj.base.result import Curve, Quantity, Table, quantity_frame, to_json_values
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED
@@ -175,7 +175,7 @@ class ThermalState(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert the state to JSON values; infinite limits become None."""
         return dict(
-            plain(
+            to_json_values(
                 {
                     "design": self.design,
                     "condition": self.condition,

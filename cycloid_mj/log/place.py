@@ -13,7 +13,7 @@ from typing import BinaryIO
 from cycloid_mj.base.atomic_write import hidden_path
 from cycloid_mj.base.errors import LogError, reason
 from cycloid_mj.base.file_lock import lock_file
-from cycloid_mj.base.overwrite_guard import LOG, claim, require_ending
+from cycloid_mj.base.overwrite_guard import LOG, claim_outputs, require_ending
 
 
 class LogTakenError(LogError):
@@ -50,7 +50,7 @@ class LogFile:
         """Open a new file for the log, and lock it against other writers."""
         require_ending(path, LOG)
         if force:
-            claim(path, force=True)
+            claim_outputs(path, force=True)
         self.path, self.hidden = path, hidden
         self._replaces = force and path.is_file()
         self._locks = ExitStack()

@@ -11,7 +11,7 @@ from PIL import Image
 from cycloid_mj.base.animation import ANIMATION
 from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.extras import extra
+from cycloid_mj.base.extras import import_extra
 
 Frame = npt.NDArray[np.uint8]
 
@@ -70,7 +70,7 @@ def _write_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
 
 def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
     """Write RGB frames as an MP4 file (H.264) by PyAV; raise OSError if a frame cannot be written."""
-    av = extra("av", "MP4", "video", "write a .gif")
+    av = import_extra("av", "MP4", "video", "write a .gif")
     stream = iter(frames)
     first = next(stream)
     try:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from inspect import getsource
 from json import dumps
 
-from cycloid_mj.base.result import plain
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.robot import standalone
 from cycloid_mj.robot.bam import fit_bam_models
 from cycloid_mj.robot.lossy import lossy_joint_xml, lossy_scene_xml
@@ -62,7 +62,7 @@ def joint_files(reduced: ReducedJoint, main_scene: StepTrial, lossy: StepTrial |
     texts = [
         joint_xml(reduced),
         scene_xml(reduced, main_scene.inertia, main_scene.timestep, main_scene.integrator),
-        f"{dumps(plain(fit_bam_models(reduced)), indent=2)}\n",
+        f"{dumps(to_json_values(fit_bam_models(reduced)), indent=2)}\n",
     ]
     names: tuple[str, ...] = BASE_FILES
     if lossy:

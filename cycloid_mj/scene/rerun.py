@@ -9,7 +9,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.atomic_write import atomic_file
-from cycloid_mj.base.extras import extra
+from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.names import gears, planar_speeds
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts.parts import Colour
@@ -33,7 +33,7 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
     path
         File to write; replaced if it exists.
     """
-    rr = extra("rerun", "a recording", "rerun")
+    rr = import_extra("rerun", "a recording", "rerun")
     poses_by_part, forces = poses(reducer, run.columns), shown_forces(reducer, run.columns)
     name = "cycloid_mj_" + "_".join(reducer.design.name.split())
     with atomic_file(path) as temporary_path:

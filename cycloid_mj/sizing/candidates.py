@@ -185,7 +185,7 @@ def _reach_of_pins(pin: Array, width: Array) -> Array:
     for size in np.unique(pin).tolist():
         rows = np.flatnonzero(pin == size)
         grid = np.geomspace(width[rows].min(), width[rows].max() * (1.0 + 1e-9), 48)
-        sold = np.array([stock.reach_of_pins(2.0 * size, float(_round_down(item))) for item in grid])
+        sold = np.array([stock.stock_pin_length(2.0 * size, float(_round_down(item))) for item in grid])
         reach[rows] = sold[np.abs(np.log(width[rows, None] / grid)).argmin(axis=1)]
     return reach
 
@@ -273,7 +273,9 @@ def _cores(
     between, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _round_down(np.array(usual)))
     for size in () if free else np.unique(core[core > 0.0]).tolist():
         rows = np.flatnonzero(core == size)
-        reach = np.array([stock.reach_of_pins(2.0 * size, float(item), most=1) for item in between[rows] + 2.0 * usual])
+        reach = np.array(
+            [stock.stock_pin_length(2.0 * size, float(item), max_count=1) for item in between[rows] + 2.0 * usual]
+        )
         thickness = np.round(0.5 * (reach - between[rows]), 9)
         near = (usual / 1.5 <= thickness) & (thickness <= 1.5 * usual)
         disc[rows] = np.where(near, thickness, disc[rows])

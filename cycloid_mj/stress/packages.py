@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.interrupt import signals_kept
+from cycloid_mj.base.interrupt import preserve_handlers
 from cycloid_mj.base.units import MILLIMETRES
 
 _MESHER_OPTIONS = {
@@ -65,7 +65,7 @@ def open_mesher(part: str, longest_edge: float) -> Iterator[Any]:
     gmsh = import_package("gmsh")
     is_first = not gmsh.isInitialized()
     if is_first:
-        with signals_kept():
+        with preserve_handlers():
             gmsh.initialize(readConfigFiles=False, interruptible=False)
     old_options = {name: gmsh.option.getNumber(name) for name in (*_MESHER_OPTIONS, "Mesh.MeshSizeMax")}
     # gmsh works in mm: its tolerances are absolute

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.validation import ValidationRow, absolute, deviation
+from cycloid_mj.base.validation import ValidationRow, absolute, deviation_row
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
@@ -104,8 +104,8 @@ def state_rows(layout: str) -> list[ValidationRow]:
     energy, force = reference.energy(pose) - load @ pose, load + reference.push(pose)
     energies = np.array([1e3 * springs_state.energy]), np.array([1e3 * energy])
     return [
-        deviation(f"energy of displaced parts, {layout}", *energies, "mJ", SOURCE, 0.02),
-        deviation(f"forces on displaced parts, {layout}", springs_state.residual, force, "N", SOURCE, 0.02),
+        deviation_row(f"energy of displaced parts, {layout}", *energies, "mJ", SOURCE, 0.02),
+        deviation_row(f"forces on displaced parts, {layout}", springs_state.residual, force, "N", SOURCE, 0.02),
     ]
 
 
@@ -123,8 +123,8 @@ def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
     contact_forces = np.concatenate([contact_loads.teeth[0], contact_loads.output[0]])
     name = ", ".join((layout, *changes))
     return [
-        deviation(f"forces in balance, {name}", reference.push(pose), -load, "N", SOURCE, 0.1),
-        deviation(
+        deviation_row(f"forces in balance, {name}", reference.push(pose), -load, "N", SOURCE, 0.1),
+        deviation_row(
             f"forces of contacts, {name}",
             contact_forces,
             reference.forces(pose)[: contact_forces.size],
@@ -159,16 +159,16 @@ def sample_rows() -> list[ValidationRow]:
     sample = {name: getattr(figures, name) for name in (*rotation_names, "tooth", "output_pin", "cam", "carrying")}
     return [
         *(
-            deviation(f"{name.replace('_', ', ')} of a sample", 1e6 * sample[name], turn, "urad", SOURCE, 0.1)
+            deviation_row(f"{name.replace('_', ', ')} of a sample", 1e6 * sample[name], turn, "urad", SOURCE, 0.1)
             for name, turn in zip(
                 rotation_names, np.reshape(urad_per_metre * np.array(rotations), (-1, 1)), strict=True
             )
         ),
         *(
-            deviation(f"{name} force of a sample", sample[name], np.array([peak]), "N", SOURCE, 0.1)
+            deviation_row(f"{name} force of a sample", sample[name], np.array([peak]), "N", SOURCE, 0.1)
             for name, peak in zip(("tooth", "output_pin", "cam"), peaks, strict=True)
         ),
-        deviation("teeth that carry in a sample", sample["carrying"], np.array([loaded_share]), "", SOURCE, 1e-3),
+        deviation_row("teeth that carry in a sample", sample["carrying"], np.array([loaded_share]), "", SOURCE, 1e-3),
     ]
 
 
@@ -193,7 +193,7 @@ def step_rows(layout: str) -> list[ValidationRow]:
     after = before + random_pose(unknowns, BALANCE.slip)[::-1]
     *_, spring_force = _reference_forces(reference, rubbing, np.array([before, after]))
     residual = assemble_after(springs, rubbing, before, load, after, False).residual
-    return [deviation(f"forces after a step, {layout}", residual, load + spring_force, "N", SOURCE, 0.02)]
+    return [deviation_row(f"forces after a step, {layout}", residual, load + spring_force, "N", SOURCE, 0.02)]
 
 
 def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> list[ValidationRow]:
@@ -213,7 +213,7 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
     residual = load + np.array(list(_reference_forces(reference, rubbing, poses)))
     largest_load, label = np.abs(load).max(), f"{layout}, {rows} steps"
     deviations = [
-        deviation(
+        deviation_row(
             f"a loop with friction, {label}", load + largest_load, load + largest_load - residual, "N", SOURCE, 0.1
         )
     ]

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.validation import ValidationRow, deviation, relative
+from cycloid_mj.base.validation import ValidationRow, deviation_row, relative
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import ideal_loads, kinematics
@@ -41,7 +41,7 @@ def _slow_ideal_row(quick: bool) -> ValidationRow:
     reducer = Reducer(design)
     run = _ideal_run(reducer, rpm, 60.0 / (rpm * design.ring.teeth))
     simulated, expected = run.forces("cam")[:, 0], statics_load(reducer, run["crank_angle"])
-    return deviation(
+    return deviation_row(
         "load of the cam, slow and ideal", simulated, expected, "N", "ring + output pins, closed form", 0.5
     )
 
@@ -79,7 +79,7 @@ def _rated_rows() -> list[ValidationRow]:
     mean_cam, mean_balance = (np.mean(_in_crank_frame(force, crank), axis=0, keepdims=True) for force in (cam, balance))
     ideal_force = statics_load(reducer, crank, disc_force)
     return [
-        deviation(
+        deviation_row(
             "load of the cam, rated, free pins", mean_cam, mean_balance, "N", "m (g - a), ring, output, logged", 0.01
         ),
         relative(

@@ -12,7 +12,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.validation import ValidationRow, deviation
+from cycloid_mj.base.validation import ValidationRow, deviation_row
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build
@@ -81,7 +81,7 @@ def gap_rows(kind: str) -> list[ValidationRow]:
     springs = springs_of(reducer, BALANCE.crank, friction=False).contacts
     width = np.array([gap(springs, 0, i, POSE).width for i in range(springs.disc.size)])
     exact = exact_gaps(reducer, BALANCE.crank, POSE)
-    return [deviation(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", "exact curves", 0.08)]
+    return [deviation_row(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", "exact curves", 0.08)]
 
 
 def hole_rows() -> list[ValidationRow]:
@@ -90,7 +90,7 @@ def hole_rows() -> list[ValidationRow]:
     springs, teeth = springs_of(reducer, BALANCE.crank, friction=False).contacts, reducer.design.ring.teeth
     width = np.array([gap(springs, 0, i, FAR_POSE).width for i in range(teeth, springs.disc.size)])
     exact, source = exact_gaps(reducer, BALANCE.crank, FAR_POSE)[teeth:], "exact circles"
-    return [deviation("gaps of far displaced output pins", 1e6 * width, 1e6 * exact, "um", source, 1e-3)]
+    return [deviation_row("gaps of far displaced output pins", 1e6 * width, 1e6 * exact, "um", source, 1e-3)]
 
 
 def model_rows(pins: str) -> list[ValidationRow]:
@@ -131,7 +131,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
         0.0,
     )
     return [
-        deviation(f"depths in the model, {pins} pins", 1e6 * collider_depths, 1e6 * depths, "um", "exact curves", 1e-3)
+        deviation_row(f"depths in the model, {pins} pins", 1e6 * collider_depths, 1e6 * depths, "um", "exact curves", 1e-3)
     ]
 
 
@@ -168,12 +168,12 @@ def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow
     if kind != NONPIN:
         exact_forces = np.array([rig.vector_lengths(solution.ring_forces) for solution in equilibria]).ravel()
         tooth_rows = [
-            deviation(f"teeth in statics, {kind}", contact_loads.teeth.ravel(), exact_forces, "N", SEARCH, 0.08)
+            deviation_row(f"teeth in statics, {kind}", contact_loads.teeth.ravel(), exact_forces, "N", SEARCH, 0.08)
         ]
     return [
         *tooth_rows,
-        deviation(f"cam in statics, {kind}", contact_loads.cam[:, 0], cam, "N", SEARCH, bounds[0]),
-        deviation(
+        deviation_row(f"cam in statics, {kind}", contact_loads.cam[:, 0], cam, "N", SEARCH, bounds[0]),
+        deviation_row(
             f"turn of the output, {kind}", 1e6 * contact_loads.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]
         ),
     ]
@@ -199,7 +199,7 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     )
     expected_power = 1e3 * (rig.RATED_LOAD * disc_speed + friction_power)
     return [
-        deviation(f"power through friction, {name}", 1e3 * cam_power, expected_power, "mW", "load and sliding", 0.1)
+        deviation_row(f"power through friction, {name}", 1e3 * cam_power, expected_power, "mW", "load and sliding", 0.1)
     ]
 
 
@@ -212,7 +212,7 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, relative_angle, unknowns), axis=1)
     min_gap = np.array([min(*cams, *exact_gaps(reducer, relative_angle, unknowns))])
     name = ", ".join(("least gap of the best fit", FIXED, *changes))
-    return [deviation(name, 1e6 * np.array([fit.room]), 1e6 * min_gap, "um", "exact curves", bound)]
+    return [deviation_row(name, 1e6 * np.array([fit.room]), 1e6 * min_gap, "um", "exact curves", bound)]
 
 
 def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
@@ -228,7 +228,7 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
     front_gaps = disc_gaps.min(axis=0)[is_shifted]
     seat_gaps = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(fit.pin_shift, axis=1))[is_shifted]
     name = ", ".join(("free pins between disc and socket", *changes))
-    return [deviation(name, 1e6 * front_gaps, 1e6 * seat_gaps, "um", "exact curves", bound)]
+    return [deviation_row(name, 1e6 * front_gaps, 1e6 * seat_gaps, "um", "exact curves", bound)]
 
 
 def stop_rows(kind: str) -> list[ValidationRow]:
@@ -248,7 +248,7 @@ def stop_rows(kind: str) -> list[ValidationRow]:
     stiffness = dict.fromkeys(design.pair_kinds, 1e11)
     loaded = [rig.with_changes(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
     loaded_angles = 1e6 * np.array([equilibrium.solve(drive, stiffness, BALANCE.crank).output_turn for drive in loaded])
-    return [deviation(f"stops of the output, {kind}", stop_angles, loaded_angles, "urad", SEARCH, 0.35)]
+    return [deviation_row(f"stops of the output, {kind}", stop_angles, loaded_angles, "urad", SEARCH, 0.35)]
 
 
 WITH_FRICTION: tuple[Callable[[], list[ValidationRow]], ...] = (

@@ -12,7 +12,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.validation import ValidationRow, deviation
+from cycloid_mj.base.validation import ValidationRow, deviation_row
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import envelope, ideal_loads, profile
@@ -98,7 +98,7 @@ def _ideal_row(
     design = _at_slow_speed(Reducer(design_of_kind(kind, *IDEAL)), 100.0 if quick else 40.0)
     run = settled_run(design, SHARING.stiff_cam, separate_lines)
     expected = np.stack([reference(design, crank) for crank in run["crank_angle"]])
-    return deviation(quantity, run.forces(design.design.tooth_pair), expected, "N", source, SHARING.ideal, note)
+    return deviation_row(quantity, run.forces(design.design.tooth_pair), expected, "N", source, SHARING.ideal, note)
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
@@ -162,9 +162,9 @@ def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick
     expected_rotation = np.array([solution.gear_turn for solution in equilibria])
     source = "static solution by scipy"
     return [
-        deviation(f"forces of the teeth, {name}", tooth_forces, expected_forces, "N", source, SHARING.force),
-        deviation(f"turn of the gear, {name}", 1e6 * rotation, 1e6 * expected_rotation, "urad", source, SHARING.turn),
-        deviation(f"load of the cam, {name}", cam_load, expected_cam, "N", source, SHARING.cam),
+        deviation_row(f"forces of the teeth, {name}", tooth_forces, expected_forces, "N", source, SHARING.force),
+        deviation_row(f"turn of the gear, {name}", 1e6 * rotation, 1e6 * expected_rotation, "urad", source, SHARING.turn),
+        deviation_row(f"load of the cam, {name}", cam_load, expected_cam, "N", source, SHARING.cam),
     ]
 
 

@@ -9,7 +9,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import ARCSECONDS
-from cycloid_mj.base.validation import ValidationRow, absolute, deviation, relative
+from cycloid_mj.base.validation import ValidationRow, absolute, deviation_row, relative
 from cycloid_mj.parts import gear_solid, mass_properties
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
@@ -59,8 +59,8 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
     backward_forces = backward.forces(design.tooth_pair)[:, mirrored_index] * [-1.0, 1.0]
     efficiencies = 100.0 * mean_powers(backward).efficiency, 100.0 * mean_powers(forward).efficiency
     return [
-        deviation(f"reversed: ripple of the gear, {kind}", *ripple_pair, "arcsec", source, bounds.mirrored_ripple),
-        deviation(
+        deviation_row(f"reversed: ripple of the gear, {kind}", *ripple_pair, "arcsec", source, bounds.mirrored_ripple),
+        deviation_row(
             f"reversed: forces of the teeth, {kind}",
             backward_forces,
             forward_forces,
@@ -99,7 +99,7 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
         absolute(
             f"gravity off: force, {kind}", float(np.hypot(*forces["off"])), 0.0, "N", "nothing", bounds.still * weight
         ),
-        deviation(
+        deviation_row(
             f"gravity turned: its ripple, {kind}",
             harmonic_aside,
             harmonic_down,

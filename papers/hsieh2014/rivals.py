@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from cycloid_mj.base.result import plain
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.comparison import Trial, Variation
 from cycloid_mj.papers import RunsJudged
 from hsieh2014.decisions import Varied, decisions
@@ -35,7 +35,7 @@ def judged_runs(trials: Sequence[Trial], varied: Mapping[Variation, Sequence[Tri
             *(each.sentence for each in ranked),
             *(f"what decides, by the ratio of the rms values: {sentence}" for sentence in decided),
         ],
-        dict(plain(content)),
+        dict(to_json_values(content)),
         {"compare_sweep": partial(_sweep_figure, trials, ranked, sweep)} if sweep else {},
     )
 
@@ -49,7 +49,7 @@ def _bases(trials: Sequence[Trial]) -> list[str]:
 
 def _json(ranking: Ranking) -> dict[str, Any]:
     derived = ("ratio", "verdict", "sentence", "starts")
-    return plain(ranking) | {key: getattr(ranking, key) for key in derived}
+    return to_json_values(ranking) | {key: getattr(ranking, key) for key in derived}
 
 
 def _sweep_figure(trials: Sequence[Trial], ranked: Sequence[Ranking], sweep: Sequence[Varied]) -> Any:

@@ -41,7 +41,7 @@ DAMAGES = {
 def kernels(tmp_path, monkeypatch, caplog):
     """Load two kernels as a process does that has just started; how often each was compiled, and what was said."""
     (tmp_path / "kernels.py").write_text(CODE)
-    monkeypatch.setattr(compile_cache, "folder", lambda: tmp_path)
+    monkeypatch.setattr(compile_cache, "cache_folder", lambda: tmp_path)
     caplog.set_level(logging.INFO, logger="cycloid_mj")
 
     def used():
@@ -104,7 +104,7 @@ def test_another_folder_is_used_when_any_source_of_compiled_code_changes(tmp_pat
     folders = []
     for number in (1, 1, 2, 3, 4):
         source.write_text(f"number = {number}\n")
-        folders.append(compile_cache.folder.__wrapped__())
+        folders.append(compile_cache.cache_folder.__wrapped__())
     assert folders[0] == folders[1]
     assert len(set(folders)) == 4
     assert {path.name for path in (tmp_path / "cache").iterdir()} == {path.name for path in folders[2:]}
@@ -129,7 +129,7 @@ def test_without_a_home_and_a_writable_folder_nothing_is_kept(tmp_path, monkeypa
     monkeypatch.setattr(compile_cache.config, "CACHE_DIR", "")
     monkeypatch.delenv("HOME")
     monkeypatch.setitem(sys.modules, "pwd", None)
-    assert compile_cache.folder.__wrapped__() is None
+    assert compile_cache.cache_folder.__wrapped__() is None
 
 
 def test_full_disk_is_said_once_and_the_code_runs(kernels, tmp_path):

@@ -12,7 +12,7 @@ import pytest
 
 import cycloid_mj
 from cycloid_mj.base.engine import Engine, versions
-from cycloid_mj.base.engine.packages import require_same
+from cycloid_mj.base.engine.packages import require_same_versions
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
 
 
@@ -117,12 +117,12 @@ def test_a_worker_that_ends_amid_its_work_is_replaced_where_warnings_are_errors(
 
 
 def test_other_versions_are_refused() -> None:
-    require_same(versions(), "a worker")
+    require_same_versions(versions(), "a worker")
     other = tuple((name, "0.0.1" if name == "numpy" else version) for name, version in versions())
     with pytest.raises(
         RunError, match=r"a worker has other package versions: numpy is 0\.0\.1 there and .* here\. Install"
     ):
-        require_same(other, "a worker")
+        require_same_versions(other, "a worker")
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from made_run import made_groups, made_run
 
 from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.overwrite_guard import KINDS, claim, command_scope
+from cycloid_mj.base.overwrite_guard import KINDS, claim_outputs, command_scope
 from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
 from cycloid_mj.cli.page import commands
@@ -171,8 +171,8 @@ def test_kinds_that_begin_alike_are_told_by_their_names(tmp_path: Path) -> None:
         path.write_bytes(b'<?xml version="1.0"?> another')
         with command_scope():
             with pytest.raises(CycloidError, match=rf"already exists \({kind} of"):
-                claim(path, force=False)
-            claim(path, force=True)
+                claim_outputs(path, force=False)
+            claim_outputs(path, force=True)
             write_files({path: b"new"})
         assert path.read_bytes() == b"new"
 

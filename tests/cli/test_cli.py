@@ -26,7 +26,7 @@ from cycloid_mj.cli.app import FOLDED, application
 from cycloid_mj.cli.process import BLAS_THREADS, LOADED, first_start
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
-from cycloid_mj.design.presets import reasons
+from cycloid_mj.design.presets import preset_reasons
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.figures import quantity
 from cycloid_mj.geometry import envelope, profile
@@ -698,7 +698,7 @@ def test_design_show_prints_the_whole_commented_file(name, tmp_path):
     file.write_text(out)
     code, again, err = told("design", "show", str(file))
     assert (code, loads(again), err) == (0, PRESETS[name], "")
-    if not reasons(name, PRESETS[name]):  # a file of one's own has none of the preset's
+    if not preset_reasons(name, PRESETS[name]):  # a file of one's own has none of the preset's
         assert again == out
 
 

@@ -7,7 +7,7 @@ import pytest
 from commands import told
 from designs import UNLIKE, design_file
 
-from cycloid_mj.base.result import plain
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.checks import summary
 from cycloid_mj.design import PRESETS, load, override
 from cycloid_mj.figures import FIGURES
@@ -82,7 +82,7 @@ def test_summary_agrees_with_the_measures(name):
     assert 40 < found["pressure_angle_deg"] < 60
     assert found["weakest"] == PRESETS[name].tooth_pair
     rating = rate(PRESETS[name])
-    assert found["weakest_item"] == {"key": rating.weakest.key, **plain(rating.weakest)}
+    assert found["weakest_item"] == {"key": rating.weakest.key, **to_json_values(rating.weakest)}
     text = told("design", "check", name)[1]
     assert f"backlash {found['backlash_arcmin']:.3g} arcmin" in text
     assert "ratio 35:1, outer diameter 100 mm, mass 0.8" in text
@@ -138,4 +138,4 @@ def test_what_a_short_file_inherits_is_listed(here):
     Path("stated.toml").write_text('name = "short"\n[base]\npreset = "pin"\n[ring]\nteeth = 20\n')
     code, out, err = told("statics", "stated.toml", "--all")
     assert (code, err) == (0, "")
-    assert "taken from the preset pin ([base])" in plain(out)
+    assert "taken from the preset pin ([base])" in to_json_values(out)

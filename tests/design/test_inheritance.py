@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import PRESETS, Design, inheritance, loads
+from cycloid_mj.design import PRESETS, Design, find_inheritance, loads
 
 
 def test_a_base_is_the_preset_whose_values_a_file_keeps() -> None:
@@ -25,20 +25,20 @@ def test_another_base_is_refused(base: str) -> None:
 def test_the_values_of_the_preset_are_listed(tmp_path: Path) -> None:
     path = tmp_path / "short.toml"
     path.write_text("[ring]\nteeth = 20\n[gear]\neccentricity_mm = 1.0\n")
-    taken = inheritance(path, ["drive.speed_rpm=1000"])
+    taken = find_inheritance(path, ["drive.speed_rpm=1000"])
     assert taken is not None
     assert not taken.is_stated
     assert taken.motor == ("drive.torque_nm",)
     assert taken.values["output.hole_radius_mm"] == 5.0
     assert not taken.values.keys() & {"ring.teeth", "gear.eccentricity_mm", "drive.speed_rpm", "clearance.tooth_um"}
     assert 'are taken from the preset pin (the default; [base] preset = "pin" states it)' in taken.note
-    assert inheritance("pin") is None
+    assert find_inheritance("pin") is None
 
 
 def test_a_stated_base_needs_no_warning(tmp_path: Path) -> None:
     path = tmp_path / "stated.toml"
     path.write_text('[base]\npreset = "printed"\n')
-    taken = inheritance(path)
+    taken = find_inheritance(path)
     assert taken is not None
     assert taken.is_stated
     assert taken.motor == ()
@@ -52,7 +52,7 @@ def test_a_file_with_a_load_and_no_motor_has_a_motor_for_it(tmp_path: Path) -> N
     assert design.drive.power == pytest.approx(0.25 * design.drive.speed)
     path = tmp_path / "load.toml"
     path.write_text(text)
-    taken = inheritance(path)
+    taken = find_inheritance(path)
     assert taken is not None
     assert taken.motor == ("drive.speed_rpm",)
     assert loads(f"{text}[drive]\ntorque_nm = 1.0\n").rated_torque == pytest.approx(20.0)

@@ -9,7 +9,7 @@ from designs import UNLIKE, unlike
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks import check, summary
-from cycloid_mj.design import PARTNERS, PARTS, PRESETS, Design, dump, loads, material_limits, override
+from cycloid_mj.design import PARTNERS, PARTS, PRESETS, Design, describe_plastic_limits, dump, loads, override
 from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.items import rate
@@ -149,10 +149,10 @@ def test_the_weaker_part_decides_and_the_remedy_names_its_table() -> None:
 
 
 def test_plastics_say_that_they_creep_and_how_hot_they_may_be() -> None:
-    assert material_limits(PIN) == ()
+    assert describe_plastic_limits(PIN) == ()
     (limit,) = summary(Reducer(override(PIN, {"gear_material.name": "POM"}))).material_limits
     assert "POM (gear) creeps and is usable up to 90 °C" in limit
-    (own,) = material_limits(unlike("printed"))
+    (own,) = describe_plastic_limits(unlike("printed"))
     assert own.startswith("a plastic (gear, housing, pin, output, shaft) creeps:")
 
 
@@ -173,9 +173,9 @@ def test_stress_takes_each_part_for_what_it_is_made_of() -> None:
 
 def test_limits_of_plastics_stand_beside_the_figures_that_rest_on_them() -> None:
     printed = PRESETS["printed"]
-    (limit,) = material_limits(printed)
+    (limit,) = describe_plastic_limits(printed)
     assert "Onyx (gear, housing) creeps and is usable up to 80 °C" in limit
-    assert material_limits(PIN) == ()
+    assert describe_plastic_limits(PIN) == ()
     assert sheet(Reducer(printed)).assumptions[-1] == limit
     assert rate(printed, duty_of(printed, 10.0)).assumptions[-1] == limit
     measured = Measurement("te", printed, {}, assumptions=("one",))

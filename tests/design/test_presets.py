@@ -12,7 +12,7 @@ from cycloid_mj.checks import check, summary
 from cycloid_mj.cli import main
 from cycloid_mj.comparison.forces import forces
 from cycloid_mj.comparison.measures import settle_run
-from cycloid_mj.design import PRESETS, dump, load, loads, presets_for, reasons
+from cycloid_mj.design import PRESETS, dump, load, loads, preset_reasons, presets_for
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import bench, rigid_backlash
@@ -31,7 +31,7 @@ def test_a_preset_passes_its_checks_and_comes_back_from_its_file(name: str) -> N
     design = PRESETS[name]
     assert design.name == name
     assert [one.name for one in check(design) if not one.passed and one.severity == "error"] == []
-    assert loads(dump(design, reasons(name, design))) == design
+    assert loads(dump(design, preset_reasons(name, design))) == design
 
 
 def test_the_printed_drive_has_no_warnings_and_is_not_the_test_design_of_that_name() -> None:
@@ -41,13 +41,13 @@ def test_the_printed_drive_has_no_warnings_and_is_not_the_test_design_of_that_na
 
 
 def test_values_of_a_preset_have_reasons_until_they_are_changed(tmp_path) -> None:
-    assert reasons("printed", PRINTED)["output.core_radius"] == "the pin in the needle roller HK0509"
+    assert preset_reasons("printed", PRINTED)["output.core_radius"] == "the pin in the needle roller HK0509"
     changed = PRINTED.but(output={"core_radius": 0.002})
-    assert "output.core_radius" not in reasons("printed", changed)
-    assert "gear.face_width" in reasons("printed", changed)
-    assert reasons("pin", PRESETS["pin"]) == {}
+    assert "output.core_radius" not in preset_reasons("printed", changed)
+    assert "gear.face_width" in preset_reasons("printed", changed)
+    assert preset_reasons("pin", PRESETS["pin"]) == {}
     file = tmp_path / "mine.toml"
-    file.write_text(dump(PRINTED, reasons("printed", PRINTED)))
+    file.write_text(dump(PRINTED, preset_reasons("printed", PRINTED)))
     assert "the needle roller HK0509" in file.read_text()
     assert load(file) == PRINTED
 

@@ -62,7 +62,7 @@ def test_a_lift_that_is_not_taken_off_is_seen():
 
 
 def test_what_has_passed_is_kept_by_release_and_what_has_not_is_one_line(monkeypatch, tmp_path):
-    monkeypatch.setattr(selftest, "folder", lambda: tmp_path)
+    monkeypatch.setattr(selftest, "cache_folder", lambda: tmp_path)
     tried = []
     for _ in range(2):
         selftest.require_passed("part", lambda: tried.append(1) or "")
@@ -79,7 +79,7 @@ def test_what_has_passed_is_kept_by_release_and_what_has_not_is_one_line(monkeyp
 
 
 def test_nowhere_to_keep_it_is_no_error(monkeypatch, tmp_path):
-    monkeypatch.setattr(selftest, "folder", lambda: None)
+    monkeypatch.setattr(selftest, "cache_folder", lambda: None)
     selftest.require_passed("part", lambda: "")
-    monkeypatch.setattr(selftest, "folder", lambda: tmp_path / "gone")
+    monkeypatch.setattr(selftest, "cache_folder", lambda: tmp_path / "gone")
     selftest.require_passed("part", lambda: "")

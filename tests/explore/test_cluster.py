@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.base.engine import Engine, Versions
-from cycloid_mj.base.engine.packages import require_same
+from cycloid_mj.base.engine.packages import require_same_versions
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore import sweep, tolerance, tolerances
@@ -69,9 +69,9 @@ def test_workers_of_other_versions_are_refused(cluster: Cluster, monkeypatch: py
     """As if every worker had another numba."""
 
     def compared(theirs: Versions, whose: str) -> None:
-        require_same((*theirs[:-1], ("numba", "0.1")), whose)
+        require_same_versions((*theirs[:-1], ("numba", "0.1")), whose)
 
-    monkeypatch.setattr("cycloid_mj.base.engine.cluster.require_same", compared)
+    monkeypatch.setattr("cycloid_mj.base.engine.cluster.require_same_versions", compared)
     with pytest.raises(RunError, match=r"the worker tcp://.*: numba is 0\.1 there and .* here"):
         Engine(scheduler=cluster.address).each(fail, [1])
 

@@ -13,7 +13,7 @@ from designs import UNLIKE, unlike
 from markupsafe import escape
 
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
-from cycloid_mj.base.result import plain
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.base.validation import RowOutcome
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
@@ -504,7 +504,7 @@ def test_the_command_prints_table_and_json(capsys) -> None:
     assert main(["rate", "--design", "pin", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert set(found["items"][found["weakest"]]) >= {"value", "unit", "limit", "safety", "life_h", "source", "note"}
-    assert plain(found) == found
+    assert to_json_values(found) == found
 
 
 @pytest.mark.parametrize(

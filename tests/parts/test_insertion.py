@@ -41,7 +41,7 @@ def test_a_cam_with_its_bearing_cannot_pass_a_spacer(monkeypatch):
     order.remove(first)
     spacer = next(index for index, move in enumerate(order) if move.parts == ("spacer_1",))
     order.insert(spacer + 1, Move(first.parts, "shaft", DOWN))
-    monkeypatch.setattr(insertion, "moves", lambda *_: order)
+    monkeypatch.setattr(insertion, "assembly_moves", lambda *_: order)
     assert {one.other for one in blockages(reducer, sizes)} == {"spacer_1"}
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from commands import told
 
-from cycloid_mj.base.result import plain
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.design import PRESETS
 from cycloid_mj.robot import ReducedJoint, reduce
 from cycloid_mj.robot.files import choose_scenes, joint_files
@@ -46,7 +46,7 @@ def folder(joint: ReducedJoint, population: Population, tmp_path_factory: pytest
     files = {
         **joint_files(joint, scene, scene),
         **randomization_files(joint, population, "mjcf"),
-        "reducer.json": json.dumps(plain(content)).encode(),
+        "reducer.json": json.dumps(to_json_values(content)).encode(),
         "samples.csv": population.frame.as_csv().encode(),
     }
     for name, text in files.items():

@@ -17,7 +17,7 @@ from scipy import stats
 import cycloid_mj as cm
 from cycloid_mj import measure
 from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
-from cycloid_mj.base.result import plain
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.cli import main
 from cycloid_mj.cli.reduce import describe_inaccuracy
@@ -689,7 +689,7 @@ def test_joint_py_writes_a_drive_into_a_model(few: ReducedJoint, drives: Populat
     content = {
         **few.as_json(),
         "scene": {"timestep_s": 1e-3, "integrator": "discrete"},
-        "spread": plain(drives.as_json()),
+        "spread": to_json_values(drives.as_json()),
     }
     (tmp_path / "reducer.json").write_text(json.dumps(content))
     joint = standalone.Joint(tmp_path / "reducer.json")

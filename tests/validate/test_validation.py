@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.base.errors import RunError, UsageError
-from cycloid_mj.base.validation import ValidationRow, absolute, deviation, relative
+from cycloid_mj.base.validation import ValidationRow, absolute, deviation_row, relative
 from cycloid_mj.cli import main
 from cycloid_mj.cli.validate import validate
 from cycloid_mj.design import PRESETS
@@ -74,9 +74,9 @@ def test_what_is_no_number_fails(ours):
 
 def test_a_deviation_is_the_largest_difference_over_the_largest_reference():
     ours, reference = np.array([[3.0, 4.0], [0.0, 1.0]]), np.array([[3.0, 4.0], [0.5, 1.0]])
-    row = deviation("q", ours, reference, "N", "s", 10.0)
+    row = deviation_row("q", ours, reference, "N", "s", 10.0)
     assert (row.measured.value, row.measured.reference, row.difference) == pytest.approx((5.0, 5.0, 10.0))
-    assert deviation("q", np.array([1.0, -2.0]), np.array([1.0, -2.5]), "N", "s", 10.0).difference == pytest.approx(
+    assert deviation_row("q", np.array([1.0, -2.0]), np.array([1.0, -2.5]), "N", "s", 10.0).difference == pytest.approx(
         20.0
     )
 

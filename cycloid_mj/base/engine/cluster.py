@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import Any, TypeVar
 
-from cycloid_mj.base.engine.packages import Versions, require_same, versions
+from cycloid_mj.base.engine.packages import Versions, require_same_versions, versions
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 
 T = TypeVar("T")
@@ -24,40 +24,43 @@ AHEAD = 1000
 SECONDS_TO_CONNECT = 20.0
 
 
-def on_cluster(
-    work: Callable[[T], R], items: Iterable[T], scheduler: str, lost: Callable[[int, str], R] | None = None
+def run_on_cluster(
+    work: Callable[[T], R], items: Iterable[T], scheduler: str, on_lost: Callable[[int, str], R] | None = None
 ) -> Iterator[tuple[int, R]]:
-    """Do a piece of work for each item; see `Engine.stream`."""
-    with _client(scheduler) as client, _connect(scheduler):
+    """Apply a function to each item on a Dask cluster; yield index and result in the order of completion.
+
+    Parameters and errors are those of `Engine.stream`.
+    """
+    with _connect_client(scheduler) as client, _connect(scheduler):
         from distributed import KilledWorker, as_completed
 
         _require_workers(client, scheduler)
         waiting = iter(enumerate(items))
-        places: dict[Any, int] = {}
+        index_of: dict[Any, int] = {}
 
         def submit_work(count: int) -> list[Any]:
-            futures = {client.submit(_piece, work, item, pure=False): place for place, item in islice(waiting, count)}
-            places.update(futures)
+            futures = {client.submit(_piece, work, item, pure=False): index for index, item in islice(waiting, count)}
+            index_of.update(futures)
             return list(futures)
 
         running = as_completed(submit_work(max(AHEAD, 4 * sum(client.nthreads().values()))), loop=client.loop)
         for future in running:
-            place = places.pop(future)
+            index = index_of.pop(future)
             if future.status == "finished":
                 theirs, result = future.result()
-                require_same(theirs, f"a worker of {scheduler}")
+                require_same_versions(theirs, f"a worker of {scheduler}")
             elif future.status == "error" and isinstance(future.exception(), KilledWorker):
                 why = "every worker of the cluster that computed it died"
-                if lost is None:
+                if on_lost is None:
                     raise RunError(
-                        f"item {place + 1} of the work cannot be computed: {why}, possibly for lack of memory. Use "
+                        f"item {index + 1} of the work cannot be computed: {why}, possibly for lack of memory. Use "
                         "fewer workers per machine"
                     ) from future.exception()
-                result = lost(place, why)
+                result = on_lost(index, why)
             else:
-                raise _failure(future, scheduler)
+                raise _worker_error(future, scheduler)
             future.release()
-            yield place, result
+            yield index, result
             running.update(submit_work(1))
 
 
@@ -66,8 +69,8 @@ def _piece(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
 
 
 @contextmanager
-def _client(scheduler: str) -> Iterator[Any]:
-    """Connect to a scheduler; cancel unfinished work when the block ends."""
+def _connect_client(scheduler: str) -> Iterator[Any]:
+    """Yield a Dask client of the scheduler at an address; cancel unfinished work when the block ends."""
     if not re.fullmatch(r"(\w+://)?\S+:\d+", scheduler):
         raise UsageError(f"--scheduler {scheduler!r} is not an address: give HOST:PORT, e.g. 10.0.0.1:8786")
     try:
@@ -92,7 +95,7 @@ def _client(scheduler: str) -> Iterator[Any]:
 
 @contextmanager
 def _silent_loggers() -> Iterator[None]:
-    """Silence the loggers of Dask; errors are raised."""
+    """Silence the loggers of Dask inside this block; its errors are raised anyway."""
     levels = {name: logging.getLogger(name).level for name in [*logging.root.manager.loggerDict] if _of_dask(name)}
     for name in levels:
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
@@ -123,7 +126,7 @@ def _connection_error(scheduler: str) -> RunError:
 
 
 def _require_workers(client: Any, scheduler: str) -> None:
-    """Raise RunError where a cluster has no workers, or has other versions of the packages."""
+    """Raise RunError if a cluster has no workers, or workers with other versions of the packages."""
     try:
         client.wait_for_workers(1, timeout=SECONDS_TO_CONNECT)
     except TimeoutError as problem:
@@ -139,11 +142,11 @@ def _require_workers(client: Any, scheduler: str) -> None:
             "all workers"
         ) from problem
     for address, theirs in worker_versions.items():
-        require_same(theirs, f"the worker {address}")
+        require_same_versions(theirs, f"the worker {address}")
 
 
-def _failure(future: Any, scheduler: str) -> BaseException:
-    """Return the error that ends the work: that of the work itself, or that the cluster is gone."""
+def _worker_error(future: Any, scheduler: str) -> BaseException:
+    """Return the error to raise for a failed future: that of the work itself, or that the cluster is lost."""
     if future.status != "error":
         return _connection_error(scheduler)
     error: BaseException = future.exception()

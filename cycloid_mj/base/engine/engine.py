@@ -87,21 +87,24 @@ class Engine:
         UsageError
             The scheduler's address is invalid, or Dask is not installed.
         """
-        from cycloid_mj.base.engine.cluster import on_cluster
-        from cycloid_mj.base.engine.processes import in_processes
-        from cycloid_mj.base.engine.threads import in_threads
+        from cycloid_mj.base.engine.cluster import run_on_cluster
+        from cycloid_mj.base.engine.processes import run_in_processes
+        from cycloid_mj.base.engine.threads import run_in_threads
 
         piece = partial(_piece, function)
         if self.scheduler:
-            return on_cluster(piece, items, self.scheduler, lost)
+            return run_on_cluster(piece, items, self.scheduler, lost)
         if self.local_workers == 1:
             return ((index, piece(item)) for index, item in enumerate(items))
         if self.kind == "threads":
-            return in_threads(piece, items, self.local_workers)
-        return in_processes(piece, items, self.local_workers, lost)
+            return run_in_threads(piece, items, self.local_workers)
+        return run_in_processes(piece, items, self.local_workers, lost)
 
     def each(self, function: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
-        """Apply a function to each item, in any order; return the results in order, that of the items."""
+        """Apply a function to each item in parallel; return the results in the order of the items.
+
+        `progress` is called with the number of items done and of all items.
+        """
         items = list(items)
         results: dict[int, R] = {}
         for index, result in self.stream(function, items):

@@ -19,13 +19,13 @@ SECONDS_BETWEEN_LOOKS = 1.0
 def serve_parent() -> None:
     """Leave Ctrl-C to the parent, which ends its workers, and end where the parent was killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    threading.Thread(target=_exit_with_parent, args=(os.getppid(),), daemon=True).start()
 
 
-def _end_with(parent: int) -> None:
-    """End this process when its parent ends; on Windows only a sentinel shows that."""
+def _exit_with_parent(parent_pid: int) -> None:
+    """Wait until the parent process ends, then end this one; on Windows only a sentinel shows that."""
     sentinel = getattr(multiprocessing.parent_process(), "sentinel", None)
-    while os.getppid() == parent:
+    while os.getppid() == parent_pid:
         if sentinel is None:
             time.sleep(SECONDS_BETWEEN_LOOKS)
         elif wait([sentinel], SECONDS_BETWEEN_LOOKS):
@@ -37,10 +37,10 @@ class _Left(Exception):
     """Nobody waits for what is left."""
 
 
-def handed_on(results: Generator[R, None, None]) -> Iterator[R]:
-    """Yield the results of a `joblib.Parallel` as they come.
+def forward_results(results: Generator[R, None, None]) -> Iterator[R]:
+    """Yield the results of a `joblib.Parallel` as they arrive, without a warning if the caller stops early.
 
-    Where they are closed early, as by an interrupted loop, joblib's own generator would warn of pieces that are lost.
+    joblib's own generator warns of lost pieces of work when it is closed, as by an interrupted loop.
     """
     try:
         for result in results:  # noqa: UP028  # `yield from` would close it itself

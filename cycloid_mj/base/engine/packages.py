@@ -21,9 +21,9 @@ def versions() -> Versions:
     return local + tuple((name, version(name)) for name in PACKAGES)
 
 
-def require_same(theirs: Versions, whose: str) -> None:
-    """Raise RunError where the versions of a worker are not those of this process."""
-    ours, others = dict(versions()), dict(theirs)
+def require_same_versions(worker_versions: Versions, worker: str) -> None:
+    """Raise RunError if the package versions of a worker are not those of this process."""
+    ours, others = dict(versions()), dict(worker_versions)
     differing = [
         f"{name} is {others.get(name, 'missing')} there and {ours.get(name, 'missing')} here"
         for name in ours | others
@@ -31,6 +31,6 @@ def require_same(theirs: Versions, whose: str) -> None:
     ]
     if differing:
         raise RunError(
-            f"{whose} has other package versions: {'; '.join(differing)}. Install the same versions on all machines, "
+            f"{worker} has other package versions: {'; '.join(differing)}. Install the same versions on all machines, "
             "because results depend on them"
         )

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
-from cycloid_mj.base.engine.housekeeping import handed_on, serve_parent
+from cycloid_mj.base.engine.housekeeping import forward_results, serve_parent
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.memory import look_rarely
 
@@ -20,50 +20,57 @@ TRIES = 3
 """Times that an item may be under way when a process dies, before it is tried alone to see whether it is the cause."""
 
 
-def in_processes(
-    work: Callable[[T], R], items: Iterable[T], workers: int, lost: Callable[[int, str], R] | None = None
+def run_in_processes(
+    work: Callable[[T], R], items: Iterable[T], workers: int, on_lost: Callable[[int, str], R] | None = None
 ) -> Iterator[tuple[int, R]]:
-    """Do a piece of work for each item; see `Engine.stream`."""
+    """Apply a function to each item in processes of this machine; yield index and result in the order of completion.
+
+    An item whose process died `TRIES` times is tried once more alone. Parameters and errors are those of
+    `Engine.stream`.
+    """
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
     waiting = dict(enumerate(items))
     deaths: Counter[int] = Counter()
     while waiting:
-        begun: set[int] = set()
-        alone = next((place for place in waiting if deaths[place] >= TRIES), None)
-        chosen = waiting if alone is None else {alone: waiting[alone]}
+        started: set[int] = set()
+        alone = next((index for index in waiting if deaths[index] >= TRIES), None)
+        submitted = waiting if alone is None else {alone: waiting[alone]}
         try:
-            for place, result in _parallel(work, dict(chosen), workers, begun):
-                del waiting[place]
-                yield place, result
+            for index, result in _run_pool(work, dict(submitted), workers, started):
+                del waiting[index]
+                yield index, result
         except TerminatedWorkerError as death:
             if alone is not None:
                 why = f"its worker process died {deaths[alone] + 1} times, the last time while it was the only one"
-                if lost is None:
+                if on_lost is None:
                     raise RunError(
                         f"item {alone + 1} of the work cannot be computed: {why}, possibly for lack of memory. Use "
                         "fewer --workers"
                     ) from death
                 del waiting[alone]
-                yield alone, lost(alone, why)
-            deaths.update(begun & waiting.keys())
+                yield alone, on_lost(alone, why)
+            deaths.update(started & waiting.keys())
 
 
-def _parallel(work: Callable[[T], R], items: dict[int, T], workers: int, begun: set[int]) -> Iterator[tuple[int, R]]:
-    """Do the work once, without tries; `begun` collects the places of the items that were handed to a process."""
+def _run_pool(work: Callable[[T], R], items: dict[int, T], workers: int, started: set[int]) -> Iterator[tuple[int, R]]:
+    """Apply a function to items by index in a pool of processes, without a second try; yield index and result.
+
+    The indices of items that were handed to a process are added to the set `started`.
+    """
     from joblib import Parallel, delayed, parallel_config
 
     def pieces() -> Iterator[Any]:
-        for place, item in items.items():
-            begun.add(place)
-            yield delayed(_piece)(work, place, item)
+        for index, item in items.items():
+            started.add(index)
+            yield delayed(_piece)(work, index, item)
 
     # The thread of joblib that replaces a worker which ended, idle or grown, warns of it first: where warnings are
     # errors that ends the thread, and the work waits for ever.
     warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
     with parallel_config("loky", inner_max_num_threads=1, initializer=_begin):
         pool = Parallel(max(2, workers), batch_size=1, return_as="generator_unordered")
-    yield from handed_on(pool(pieces()))
+    yield from forward_results(pool(pieces()))
 
 
 def _begin() -> None:

@@ -14,7 +14,7 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 
-def in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iterator[tuple[int, R]]:
+def run_in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iterator[tuple[int, R]]:
     """Apply a function to each item in threads; yield index and result in the order of completion.
 
     After the first error or Ctrl-C, items in progress stop at their next `check_interrupt` and no further one begins.

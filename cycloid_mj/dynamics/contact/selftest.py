@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import mujoco
 
-from cycloid_mj.base.compile_cache import folder
+from cycloid_mj.base.compile_cache import cache_folder
 from cycloid_mj.dynamics.contact import sample_layout
 from cycloid_mj.dynamics.contact.forces import PairIndex, pair_index
 from cycloid_mj.dynamics.contact.gap import NO_WAVES, Flank, Trochoid
@@ -226,7 +226,7 @@ def _values_by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
 
 def _record(part: str) -> Path | None:
     """Return the file that records a passed self-test of this code and this build of MuJoCo."""
-    cache = folder()
+    cache = cache_folder()
     if cache is None:
         return None
     built = Path(mujoco.__file__).stat()

@@ -13,7 +13,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.extras import extra
+from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
 from cycloid_mj.design import Material, fits
 from cycloid_mj.parts import Part
@@ -286,7 +286,7 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
     CycloidError
         The package ezdxf is not installed.
     """
-    ezdxf = extra("ezdxf", "DXF", "dxf", "use drawings.pdf")
+    ezdxf = import_extra("ezdxf", "DXF", "dxf", "use drawings.pdf")
     step, low, bottom, high = _layout(drawing)
     height = TEXT_HEIGHT / SPACING * step
     with fixed_metadata(ezdxf):

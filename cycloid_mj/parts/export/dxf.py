@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.extras import extra
+from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.biarcs import arcs_of
@@ -135,7 +135,7 @@ def encode_layers(layers: Iterable[tuple[str, Iterable[Curve | Array]]]) -> byte
     CycloidError
         The package ezdxf is not installed.
     """
-    ezdxf = extra("ezdxf", "DXF", "dxf", "export svg, stl, obj or step")
+    ezdxf = import_extra("ezdxf", "DXF", "dxf", "export svg, stl, obj or step")
     with fixed_metadata(ezdxf):
         document = ezdxf.new(_FORMAT, setup=False)
         document.units = ezdxf.units.MM

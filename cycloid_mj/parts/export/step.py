@@ -11,7 +11,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.extras import extra
+from cycloid_mj.base.extras import import_extra
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
@@ -94,7 +94,7 @@ class _OpenCascade:
     """The classes of OpenCASCADE by their names, each from its module of OCP."""
 
     def __getattr__(self, name: str) -> Any:
-        extra("OCP", "STEP", "cad", "export stl, obj or dxf")
+        import_extra("OCP", "STEP", "cad", "export stl, obj or dxf")
         module = name.partition("_")[0]
         return getattr(import_module("OCP.collections" if module in ("Array1", "List") else f"OCP.{module}"), name)
 
