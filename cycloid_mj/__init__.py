@@ -152,7 +152,7 @@ _ORIGINS = {
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used."""
+    """Import and return a public name when it is first used."""
     if name not in _ORIGINS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(__all__)}")
     origin = _ORIGINS[name]

@@ -10,7 +10,7 @@ from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import mechanism
+from cycloid_mj.reducer.bodies import build_mechanism
 from cycloid_mj.scene.pose import ring_places
 
 STEP = 1e-4
@@ -24,7 +24,7 @@ def made_groups(design: Design) -> dict[str, dict[str, str]]:
     groups["/reducer"] |= {"cam_friction_power": "W", "cam_normal_power": "W"}
     groups["/forces"] = {
         f"{pair.name}_{part}": unit
-        for pair in mechanism(design).pairs
+        for pair in build_mechanism(design).pairs
         for part, unit in (("force_x", "N"), ("force_y", "N"), ("moment", "N m"))
     }
     return groups

@@ -359,7 +359,7 @@ def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, C
 def _point_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> tuple[Array, Array]:
     """Position from the initial centre of the first disc [m] and velocity [m/s] of a disc's point q, each (n, 2)."""
     columns = _disc_columns(reducer.gears[disc])
-    position, velocity = kinematics.carried_point(q, run.block(columns[:3]), run.block(columns[3:]))
+    position, velocity = kinematics.point_motion(q, run.block(columns[:3]), run.block(columns[3:]))
     return position - kinematics.gear_centre(reducer.tooth_profile, 0.0), velocity
 
 

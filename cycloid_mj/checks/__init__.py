@@ -22,7 +22,7 @@ from cycloid_mj.checks.multi_disc import disc_checks
 from cycloid_mj.checks.rule import evaluate
 from cycloid_mj.checks.rv import rv_checks
 from cycloid_mj.checks.strength import strength_checks
-from cycloid_mj.checks.summary import Summary, summary
+from cycloid_mj.checks.summary import Summary, summarize
 from cycloid_mj.checks.teeth import WALLS, tooth_rules
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Named, resolve
@@ -44,15 +44,14 @@ __all__ = [
     "shape_checks",
     "sound_checks",
     "soundness",
-    "summary",
+    "summarize",
 ]
 
 
 def check(design: Named) -> Checks:
-    """Return the checks of a design, passed or not: those of `soundness`, then those of how well it works.
+    """Check a design: return all checks of `soundness`, passed or not, then warnings about how well it works.
 
-    The latter need a design that can be built, and are warnings; an RV reducer has none yet. Those of its life are in
-    ``life.checks``.
+    The latter need a design that can be built; an RV reducer has none yet. Checks of its life are in ``life.checks``.
 
     Parameters
     ----------
@@ -79,7 +78,7 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of `soundness` one after the other: a search for a failed one can stop early."""
+    """Yield the checks of `soundness` one by one, so that a search for a failed one can stop early."""
     if isinstance(reducer, RvReducer):
         yield from rv_checks(reducer)
         return

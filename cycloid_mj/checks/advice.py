@@ -38,33 +38,38 @@ TIED = {"gear.eccentricity_mm", "output.pin_radius_mm"}
 """Keys whose values add up to the hole's radius."""
 
 
-def with_tried_advice(reducer: Reducer, checks: Checks) -> Checks:
-    """Return checks whose remedies were tried on the design.
+def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
+    """Return checks whose remedies were tried on the design and kept only if they work.
 
-    A change stays if with it the check passes and no other gets worse, of those that need no statics. It is completed
-    by changes that make the checks pass that fail because of it, such as a hole that depends on the eccentricity. If no
-    change is left, the remedy names the keys only.
+    A change is kept if the check passes with it and no other check that needs no statics gets worse. It is completed by
+    changes for checks that fail because of it, such as a hole that depends on the eccentricity. If no change is left,
+    the remedy names only the keys.
 
     Parameters
     ----------
     checks
-        All of its checks, or those of `soundness` alone.
+        All checks of the design, or those of `soundness`.
     """
     before = {check.name: check for check in checks}
-    return Checks(check if check.passed else _with_tried_remedy(reducer, check, before) for check in checks)
+    return Checks(check if check.passed else _verify_remedy(reducer, check, before) for check in checks)
 
 
-def _with_tried_remedy(reducer: Reducer, check: Check, before: Mapping[str, Check]) -> Check:
-    """Return a failed check with the changes that work, completed, and its remedy in words."""
+def _verify_remedy(reducer: Reducer, check: Check, before: Mapping[str, Check]) -> Check:
+    """Return a failed check with those of its changes that work, completed, and its remedy in words.
+
+    `before` are all checks of the unchanged design by name.
+    """
     if not check.changes:
         return check
     tried = tuple(
-        _distinct(change for proposed in check.changes if (change := _complete(reducer, proposed, check, before)))
+        _distinct(
+            change for proposed in check.changes if (change := _complete_change(reducer, proposed, check, before))
+        )
     )
     if tried == check.changes:
         return check
     keys = dict.fromkeys(key for change in check.changes for key in change)
-    texts = [describe(reducer, change) for change in tried] or [
+    texts = [describe_change(reducer, change) for change in tried] or [
         f"no change of a single key is enough: change {' and '.join(keys)} together with what depends on them"
     ]
     *_, last = check.remedy.split(", or ")
@@ -82,23 +87,23 @@ def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
             yield change
 
 
-def _complete(reducer: Reducer, change: Change, check: Check, before: Mapping[str, Check]) -> Change | None:
-    """Complete a change until the check passes and no other is worse than before; None if that leads nowhere."""
-    done: dict[str, float] = dict(change)
+def _complete_change(reducer: Reducer, change: Change, check: Check, before: Mapping[str, Check]) -> Change | None:
+    """Complete a change until its check passes and no other is worse than before; None if no repair achieves that."""
+    completed: dict[str, float] = dict(change)
     for _ in range(ADVICE.max_repairs):
-        after = quick_checks(reducer, done)
+        after = quick_checks(reducer, completed)
         if after is None:
             return None
         worse = [other for other in after.values() if _is_worse(other, before.get(other.name), check.name)]
-        tied = after["hole_size"]
-        if not worse and not tied.passed and done.keys() & TIED:
-            worse = [tied]
+        hole_check = after["hole_size"]
+        if not worse and not hole_check.passed and completed.keys() & TIED:
+            worse = [hole_check]
         if not worse:
-            return done
-        repair = _repair(reducer, worse[0], done)
+            return completed
+        repair = _repair(reducer, worse[0], completed)
         if repair is None:
             return None
-        done.update(repair)
+        completed.update(repair)
     return None
 
 
@@ -109,49 +114,54 @@ def _is_worse(after: Check, before: Check | None, name: str) -> bool:
     return RANKS[after.judgement] > (RANKS[before.judgement] if before else RANKS[Judgement.WARNING])
 
 
-def _repair(reducer: Reducer, failed: Check, done: Change) -> Change | None:
-    """Choose a change that makes a check pass after another: more of the same, else of other keys."""
+def _repair(reducer: Reducer, failed: Check, applied: Change) -> Change | None:
+    """Choose the next change that makes a check pass again: more of the applied change, or else of other keys."""
     design = reducer.design
     for change in failed.changes:
-        further = (
-            key in done and (value - done[key]) * (done[key] - value_of(design, key)) > 0.0
+        goes_further = (
+            key in applied and (value - applied[key]) * (applied[key] - value_of(design, key)) > 0.0
             for key, value in change.items()
         )
-        if all(further):
+        if all(goes_further):
             return change
-    if failed.key != TWO_SIDED and len(done) == 1 and (further_still := _further(reducer, failed, done)):
-        return further_still
-    return next((change for change in failed.changes if not change.keys() & done.keys()), None)
+    if failed.key != TWO_SIDED and len(applied) == 1 and (extended := _extend_change(reducer, failed, applied)):
+        return extended
+    return next((change for change in failed.changes if not change.keys() & applied.keys()), None)
 
 
-def _further(reducer: Reducer, failed: Check, done: Change) -> Change | None:
-    """Change one key by more, in the same direction, until a check passes, to four digits; None if it never does."""
-    ((key, value),) = done.items()
+def _extend_change(reducer: Reducer, failed: Check, applied: Change) -> Change | None:
+    """Change one key by more, in the same direction, until a check passes: by growing strides, then bisection.
+
+    Returns the value to four digits, or None if the check never passes.
+    """
+    ((key, value),) = applied.items()
     original = value_of(reducer.design, key)
-    lower, is_integer = value < original, isinstance(original, int)
+    decrease, is_integer = value < original, isinstance(original, int)
 
     def passes(candidate: float) -> bool:
         after = quick_checks(reducer, {key: candidate})
         return bool(after and failed.name in after and after[failed.name].passed)
 
-    near = value
+    failing = value
     for stride in ADVICE.strides:
-        far = float(round_beyond(value / (1.0 + stride) if lower else value * (1.0 + stride), lower, is_integer))
-        if passes(far):
+        passing = float(
+            round_beyond(value / (1.0 + stride) if decrease else value * (1.0 + stride), decrease, is_integer)
+        )
+        if passes(passing):
             break
-        near = far
+        failing = passing
     else:
         return None
-    while abs(far - near) > max(ADVICE.rtol * abs(far), float(is_integer)):
-        middle = float(round_beyond(0.5 * (near + far), lower, is_integer))
-        if middle in (near, far):
+    while abs(passing - failing) > max(ADVICE.rtol * abs(passing), float(is_integer)):
+        middle = float(round_beyond(0.5 * (failing + passing), decrease, is_integer))
+        if middle in (failing, passing):
             break
-        near, far = (near, middle) if passes(middle) else (middle, far)
-    return {key: far}
+        failing, passing = (failing, middle) if passes(middle) else (middle, passing)
+    return {key: passing}
 
 
 def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
-    """Return the checks of a changed design that need no statics, by name; None if the file forbids the change."""
+    """Check a changed design without statics; return the checks by name, or None if the file forbids the change."""
     try:
         changed = Reducer(override(reducer.design, dict(change)))
         sound = soundness(changed)
@@ -162,8 +172,8 @@ def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
         return None
 
 
-def describe(reducer: Reducer, change: Change) -> str:
-    """Describe a change: ``lower gear.eccentricity_mm to 0.949 or less``; of several keys all together."""
+def describe_change(reducer: Reducer, change: Change) -> str:
+    """Describe a change in words, such as ``lower gear.eccentricity_mm to 0.949 or less``."""
     texts = []
     for key, value in change.items():
         lower = value < value_of(reducer.design, key)

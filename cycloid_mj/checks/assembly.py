@@ -15,7 +15,7 @@ MAX_POSES = 36
 
 
 def assembly_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of fit of a design that departs from the ideal mesh; an ideal one has none."""
+    """Yield the checks that the parts of a design with errors or modifications fit together; none for an ideal one."""
     if reducer.is_ideal:
         return
     if reducer.design.ring.has_sockets:
@@ -45,7 +45,10 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
 
 
 def _assembly_gap(reducer: Reducer) -> Check:
-    """Check that the disc has a pose without overlap at every crank angle; parts that overlap run under load only."""
+    """Check that the disc has a pose without overlap at every crank angle.
+
+    Parts that overlap can run only under load.
+    """
     poses = min(MAX_POSES, reducer.design.ring.teeth)
     room = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
     got, limit = value_and_limit(room, "at least", 0.0, MICROMETRE)

@@ -15,7 +15,7 @@ HOLE_RTOL = 1e-9
 
 
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
-    """Yield the rules for bore and holes of the disc."""
+    """Yield the rules for the walls around bore and holes of the disc, and for the size of its holes."""
     design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
     E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(reducer), _hole(reducer)
@@ -47,23 +47,23 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
     yield wall_rule(
         "holes_to_root", holes_to_root, TEETH.min_wall_share, E, f"between the output holes and {root_text}"
     )
-    yield _neighbouring_holes(reducer)
-    yield _hole_size(reducer)
+    yield _hole_wall_rule(reducer)
+    yield _check_hole_size(reducer)
 
 
 def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
-    """Return the rules for counterweight and shaft bearings of a feasible disc.
+    """Return the rules for counterweight and shaft bearings; the disc must be feasible.
 
     Several discs balance each other and need no counterweight.
     """
     if reducer.design.gear.discs > 1:
-        return (bearings(reducer),)
-    balanced = balance(reducer)
-    return (balanced, bearings(reducer)) if balanced.limit.is_met(reducer) else (balanced,)
+        return (bearing_room_rule(reducer),)
+    balanced = counterweight_rule(reducer)
+    return (balanced, bearing_room_rule(reducer)) if balanced.limit.is_met(reducer) else (balanced,)
 
 
-def balance(reducer: Reducer) -> Rule:
-    """Return the rule that a half-disc counterweight no thicker than the shaft is long balances disc and cam.
+def counterweight_rule(reducer: Reducer) -> Rule:
+    """Return the rule that a half-disc counterweight as long as the shaft can balance disc and cam.
 
     It requires a feasible disc and a counterweight larger than the shaft.
 
@@ -80,7 +80,7 @@ def balance(reducer: Reducer) -> Rule:
     )
 
 
-def bearings(reducer: Reducer) -> Rule:
+def bearing_room_rule(reducer: Reducer) -> Rule:
     """Return the rule that the journal is long enough for the shaft's bearings and the counterweight.
 
     Bearings whose width or spacing follows from other sizes use the length that is left.
@@ -101,7 +101,7 @@ def bearings(reducer: Reducer) -> Rule:
 
 
 def _static_moments(reducer: Reducer) -> tuple[float, float]:
-    """Compute the static moment of disc and cam [m4], and that of the counterweight per thickness [m3].
+    """Compute the static moment of disc and cam [m4], and of the counterweight per thickness [m3], over the density.
 
     Both are divided by the shaft's density.
     """
@@ -113,8 +113,8 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
     return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 
 
-def _neighbouring_holes(reducer: Reducer) -> Rule:
-    """Return the rule for the wall between holes; their radius follows from pin and eccentricity and is no remedy."""
+def _hole_wall_rule(reducer: Reducer) -> Rule:
+    """Return the rule for the wall between holes; their radius depends on other sizes and is no remedy."""
     design = reducer.design
     output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
     half_pitch = circle * math.sin(math.pi / output.pins)
@@ -132,7 +132,7 @@ def _neighbouring_holes(reducer: Reducer) -> Rule:
     )
 
 
-def _hole_size(reducer: Reducer) -> Check:
+def _check_hole_size(reducer: Reducer) -> Check:
     """Check that a hole is exactly as large as the orbit of its pin."""
     design = reducer.design
     orbit = design.output.pin_radius + design.gear.eccentricity

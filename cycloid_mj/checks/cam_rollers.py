@@ -14,7 +14,7 @@ def has_bare_rollers(reducer: Reducer) -> bool:
 
 
 def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
-    """Yield the part that each side of a roller presses on, and its pressure over that of the contact ``cam`` [1].
+    """Yield the part that each side of a cam roller presses on, and its peak pressure relative to the contact ``cam``.
 
     The contact has the curvature of a roller on the cam and the modulus of shaft on disc. Hertz's pressure is as
     sqrt(curvature x modulus): on the cam a roller is in contact with its own material, in the bore the curvature is
@@ -28,7 +28,7 @@ def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
 
 
 def cam_pressure_limit(reducer: Reducer, factor: float, strength: str) -> float:
-    """Compute the pressure of the contact ``cam`` at which a bare roller reaches its limit on cam or bore [Pa].
+    """Compute the pressure [Pa] of the contact ``cam`` at which a bare roller reaches the limit of cam or bore.
 
     The limit of each part is `factor` times its `strength`, an attribute of its material.
     """

@@ -12,7 +12,7 @@ from cycloid_mj.reducer.sockets import is_drawn
 
 
 def casing_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the check of the joints of a drive, if covers, bearings and screws fit the mechanism."""
+    """Yield the check of the joints of a drive; none if covers, bearings and screws do not fit the mechanism."""
     if not is_drawn(reducer.design):
         return
     sizes, _ = casing_or_none(reducer)

@@ -76,7 +76,7 @@ class Limit:
         return numbers(self.value(reducer), self.bound, self.unit)
 
     def remedy(self, reducer: Reducer) -> str:
-        """Describe the change that satisfies the limit, rounded to the safe side; empty if none is allowed."""
+        """Describe the change that satisfies the limit, as ``lower KEY to VALUE or less``; empty if none is allowed."""
         if not LIMIT.smallest_bound < abs(self.bound) < math.inf:
             return ""
         number = self._safe_number
@@ -119,9 +119,9 @@ class Limit:
 
 
 def joint_remedy(reducer: Reducer, limits: Sequence[Limit], otherwise: str = "") -> Remedy:
-    """Return the change that satisfies all limits at once, and an alternative in words; empty without limits.
+    """Return the change that satisfies all limits at once, with its description, and an alternative in words.
 
-    The text leaves out limits for which the file allows no change; then there is no change as a whole.
+    Both are empty without limits. The text leaves out limits that no allowed change satisfies; then there is no change.
     """
     changes = [limit.change(reducer) for limit in limits]
     text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
@@ -152,7 +152,9 @@ def numbers(value: float, bound: float, unit: Unit) -> Numbers:
 
 
 def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
-    """Format a value and its limit [SI] in a unit, with as many digits as distinguish them, and at least four.
+    """Format a value and its limit [SI] in a unit, with at least four digits and as many as distinguish them.
+
+    Equal numbers are written in full, so that the number of a remedy differs from them.
 
     Where they are the same they are written in full: the number of a remedy then differs from them.
     """

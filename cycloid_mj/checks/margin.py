@@ -27,15 +27,15 @@ MARGINS = MarginLimits()
 
 def margin_rules(reducer: Reducer) -> Iterator[Rule]:
     """Yield the rules for the margins of feasible teeth; all are warnings."""
-    yield _short_width(reducer)
-    yield _undercut_margin(reducer)
+    yield _short_width_rule(reducer)
+    yield _undercut_margin_rule(reducer)
     yield _gear_tool(reducer)
     if reducer.design.ring.kind == "nonpin":
         yield _ring_tool(reducer)
 
 
-def _short_width(reducer: Reducer) -> Rule:
-    """Return the rule for K1 = c N / E, the eccentricity over that from which loops form."""
+def _short_width_rule(reducer: Reducer) -> Rule:
+    """Return the rule that K1 = c N / E, the eccentricity over that at which loops form, is within the usual range."""
     design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
     low, high = MARGINS.k1_range
@@ -50,8 +50,8 @@ def _short_width(reducer: Reducer) -> Rule:
     )
 
 
-def _undercut_margin(reducer: Reducer) -> Rule:
-    """Return the rule that the sharpest convex place of the lobes keeps some of its radius."""
+def _undercut_margin_rule(reducer: Reducer) -> Rule:
+    """Return the rule that the sharpest convex point of the lobes keeps a share of its radius of curvature."""
     bend, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
     radius = reducer.design.ring.pin_radius
     return Rule(
@@ -67,16 +67,16 @@ def _undercut_margin(reducer: Reducer) -> Rule:
 def _gear_tool(reducer: Reducer) -> Rule:
     """Return the rule that a cutter that fits into the disc's valleys reaches through the face width."""
     radius = -1.0 / float(profile.curvature(reducer.gear_profile, 0.0, reducer.profile_offset))
-    return _tool("gear_tool", radius if radius > 0.0 else math.inf, "valleys of the disc")
+    return _cutter_rule("gear_tool", radius if radius > 0.0 else math.inf, "valleys of the disc")
 
 
 def _ring_tool(reducer: Reducer) -> Rule:
     """Return the same rule for the roots of the internal gear."""
-    return _tool("ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
+    return _cutter_rule("ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
 
 
-def _tool(name: str, radius: float, where: str) -> Rule:
-    """Return the rule that a cutter of a radius [m] reaches through the face width."""
+def _cutter_rule(name: str, radius: float, where: str) -> Rule:
+    """Return the rule that a cutter of a radius [m] is long enough to reach through the face width."""
     return Rule(
         name,
         Limit("gear.face_width", "at most", MARGINS.cutter_reach * radius),

@@ -37,7 +37,7 @@ PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poi
 
 
 def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check]:
-    """Yield the rules for output pins, shaft, clearances, materials and drive.
+    """Yield the rules for output pins, bolts, shaft, clearances, materials and drive.
 
     `has_shape` is true if disc and ring are feasible; some checks require that.
     """
@@ -60,7 +60,7 @@ def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check
 
 
 def material_rules(table: str, material: Material) -> Iterator[Rule]:
-    """Yield the rules for one table of a material; names of a part's own begin with the part's name."""
+    """Yield the rules for the values of one material table; names for a part's own table begin with the part."""
     part = table.removesuffix("material")
     yield Rule(
         f"{part}yield_strength",
@@ -76,7 +76,7 @@ def material_rules(table: str, material: Material) -> Iterator[Rule]:
 
 
 def _output_root_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules for core and fillet of the output pins."""
+    """Yield the rules for the core radius and the fillet of the output pins."""
     output = reducer.design.output
     if output.rollers:
         yield Rule(
@@ -93,7 +93,7 @@ def _output_root_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules that the bolts' clamped circles lie within the wall behind the teeth, and do not overlap."""
+    """Yield the rules that the circles clamped by the bolts are in the wall behind the teeth and do not overlap."""
     design = reducer.design
     outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
     above = Limit("housing.bolt_circle_radius", "more than", root)
@@ -146,7 +146,7 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
-    """Yield the checks of the sum of all clearances from crank to output, and of the backlash if it is large."""
+    """Yield the checks that the clearances from crank to output add up to little, and that backlash is not large."""
     design = reducer.design
     names = design.pair_kinds
     total, allowed = _total_clearance(reducer)
@@ -164,7 +164,7 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
         **joint_remedy(reducer, tighter),
     )
     if total > allowed and has_shape:
-        yield _jump(reducer)
+        yield _check_tooth_skip(reducer)
 
 
 def _total_clearance(reducer: Reducer) -> tuple[float, float]:
@@ -194,8 +194,8 @@ def _largest_backlashes(reducer: Reducer) -> Iterator[float]:
     return (widest_play(reducer, pose, MECHANICS.jump_sides) for pose in poses)
 
 
-def _jump(reducer: Reducer) -> Check:
-    """Check that the disc cannot skip a tooth: runs end where it is a quarter of a lobe from its ideal angle."""
+def _check_tooth_skip(reducer: Reducer) -> Check:
+    """Check that the disc cannot skip a tooth: its play must not turn it by a quarter of a lobe, where runs end."""
     design = reducer.design
     backlash, allowed = max(_largest_backlashes(reducer)), _half_lobe(reducer)
     got, limit = value_and_limit(backlash, "at most", allowed, DEGREE)

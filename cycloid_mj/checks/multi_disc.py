@@ -4,20 +4,20 @@ from collections.abc import Iterator
 
 from cycloid_mj.checks.check import Check
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import are_one_part
+from cycloid_mj.reducer.bodies import are_discs_identical
 
 MAX_OUTPUT_PINS = 100
 """Largest number of output pins that a design may have."""
 
 
 def disc_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the check of whether several discs are the same part; a single disc has none."""
+    """Yield the check that several discs are identical parts; none for a single disc."""
     design = reducer.design
     discs, pins, lobes = design.gear.discs, design.output.pins, design.lobes
     if discs == 1:
         return
-    passed = are_one_part(discs, pins, lobes)
-    more = next((count for count in range(pins, MAX_OUTPUT_PINS + 1) if are_one_part(discs, count, lobes)), 0)
+    passed = are_discs_identical(discs, pins, lobes)
+    more = next((count for count in range(pins, MAX_OUTPUT_PINS + 1) if are_discs_identical(discs, count, lobes)), 0)
     yield Check(
         name="identical_discs",
         passed=passed,

@@ -45,7 +45,9 @@ class RatedLoad:
         return peak_pressure(self.reducer, self.springs, self.contact_loads, kind)
 
     def torque_at(self, kind: str, pressure: float) -> float:
-        """Return the output torque [N m] at which a kind of contact has a peak pressure [Pa].
+        """Compute the output torque [N m] at which the contacts of a kind reach a peak pressure [Pa]; NaN if none does.
+
+        There is none if inertia forces alone exceed the pressure.
 
         NaN if there is none, as where inertia forces alone exceed the pressure.
         """

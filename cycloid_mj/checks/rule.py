@@ -36,7 +36,7 @@ class Rule:
 def wall_rule(
     name: str, limits: Callable[[float], tuple[Limit, ...]], share: float, radius: float, where: str, tied: bool = False
 ) -> Rule:
-    """Build the rule of a wall: a wall below the assumed thickness is a warning, none at all an error.
+    """Return the rule of a wall: thinner than the assumed share of E is a warning, no wall an error.
 
     Parameters
     ----------
@@ -61,10 +61,10 @@ def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]
 
 
 def _evaluate(reducer: Reducer, rule: Rule) -> Check:
-    """Evaluate one rule."""
+    """Evaluate one rule on a reducer; return its check with value, limit and remedy."""
     limit = rule.limit
     passed = limit.is_met(reducer)
-    got, allowed = limit.texts(reducer)
+    value_text, allowed = limit.texts(reducer)
     remedies = [] if passed else [*([] if rule.tied else [limit]), *rule.alternatives]
     keys = " and ".join(remedy.file_key for remedy in remedies)
     remedy = single_remedies(reducer, remedies)
@@ -73,7 +73,7 @@ def _evaluate(reducer: Reducer, rule: Rule) -> Check:
     check = Check(
         name=rule.name,
         passed=passed,
-        got=got,
+        got=value_text,
         limit=allowed,
         why=rule.why,
         severity=rule.severity,

@@ -10,21 +10,21 @@ from cycloid_mj.checks.mechanics import material_rules
 from cycloid_mj.checks.rule import Rule, evaluate, wall_rule
 from cycloid_mj.checks.teeth import TEETH, tooth_rules
 from cycloid_mj.design import PARTS
-from cycloid_mj.geometry.rv import closing_planet_teeth, dead_points, planet_misfit
+from cycloid_mj.geometry.rv import dead_points, meshing_planet_teeth, planet_misfit
 from cycloid_mj.reducer import RvReducer
 
 
 def rv_checks(reducer: RvReducer) -> Iterator[Check]:
-    """Yield the checks of whether an RV reducer can be built and turned."""
+    """Yield the checks that an RV reducer can be assembled and turned: walls, planets, dead points and bearings."""
     return evaluate(
         reducer,
         chain(
             tooth_rules(reducer),
-            (_planets_mesh(reducer), _dead_points(reducer), _crank_circle(reducer)),
-            _stage_teeth(reducer),
-            _walls(reducer),
+            (_check_planet_mesh(reducer), _check_dead_points(reducer), _check_crank_circle(reducer)),
+            _check_stage_teeth(reducer),
+            _wall_rules(reducer),
             _flange_rules(reducer),
-            (_posts_in_windows(reducer),),
+            (_post_rule(reducer),),
             _materials(reducer),
         ),
     )
@@ -36,11 +36,11 @@ def _materials(reducer: RvReducer) -> Iterator[Rule | Check]:
             yield from material_rules(table, material)
 
 
-def _planets_mesh(reducer: RvReducer) -> Check:
-    """Check that identical planets on equal angles mesh with the sun: n divides z_s + z_p."""
+def _check_planet_mesh(reducer: RvReducer) -> Check:
+    """Check that identical planets at equal angles mesh with the sun: n divides z_s + z_p."""
     planet, count = reducer.planet, reducer.cranks.count
     misfit = planet_misfit(planet.sun_teeth, planet.planet_teeth, count)
-    closing = closing_planet_teeth(planet.sun_teeth, planet.planet_teeth, count)
+    closing = meshing_planet_teeth(planet.sun_teeth, planet.planet_teeth, count)
     total = planet.sun_teeth + planet.planet_teeth
     return Check(
         name="planets_mesh",
@@ -55,8 +55,8 @@ def _planets_mesh(reducer: RvReducer) -> Check:
     )
 
 
-def _dead_points(reducer: RvReducer) -> Check:
-    """Check that the cranks do not pass dead points together."""
+def _check_dead_points(reducer: RvReducer) -> Check:
+    """Check that not all cranks pass a dead point at the same time."""
     passed = not dead_points(reducer.cranks.count, reducer.design.gear.discs)
     return Check(
         name="dead_points",
@@ -73,8 +73,8 @@ def _dead_points(reducer: RvReducer) -> Check:
     )
 
 
-def _crank_circle(reducer: RvReducer) -> Check:
-    """Check that the crank axes stand at the distance of sun and planet, with which the teeth roll on their circles."""
+def _check_crank_circle(reducer: RvReducer) -> Check:
+    """Check that the crank axes are at the centre distance of sun and planet."""
     planet, radius = reducer.planet, reducer.crank_radius
     pitch = planet.module * (planet.sun_teeth + planet.planet_teeth) / 2.0
     passed = abs(radius - pitch) <= 0.5 * planet.module
@@ -90,7 +90,7 @@ def _crank_circle(reducer: RvReducer) -> Check:
     )
 
 
-def _stage_teeth(reducer: RvReducer) -> Iterator[Check]:
+def _check_stage_teeth(reducer: RvReducer) -> Iterator[Check]:
     """Yield the checks that the rack does not undercut the teeth of sun and planets, and that they are not pointed."""
     for name, gear in zip(("sun", "planet"), reducer.stage_gears, strict=True):
         yield Check(
@@ -106,8 +106,8 @@ def _stage_teeth(reducer: RvReducer) -> Iterator[Check]:
         )
 
 
-def _walls(reducer: RvReducer) -> Iterator[Rule]:
-    """Yield the rules for the walls of a disc: between roots, crank bores, middle hole and windows."""
+def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
+    """Yield the rules for the walls of a disc: between roots, crank bores, central bore and windows."""
     design, cranks = reducer.design, reducer.cranks
     E, circle, bore = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
     root = E - design.gear.eccentricity - reducer.profile_offset + design.modification.pin_circle
@@ -138,7 +138,7 @@ def _walls(reducer: RvReducer) -> Iterator[Rule]:
 
 
 def _flange_rules(reducer: RvReducer) -> Iterator[Rule]:
-    """Yield the rules for the room of tapered bearings and posts in the flanges, and of the planets next to them."""
+    """Yield the rules that tapered bearings, posts and planets have room in and next to the flanges."""
     cranks, circle, posts = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
     apart = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
     yield Rule(
@@ -162,8 +162,8 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule]:
     )
 
 
-def _posts_in_windows(reducer: RvReducer) -> Rule:
-    """Return the rule that the posts stay clear of their windows, which orbit at the eccentricity."""
+def _post_rule(reducer: RvReducer) -> Rule:
+    """Return the rule that the posts stay clear of the windows of the discs, which orbit with the eccentricity."""
     orbit = reducer.cranks.post_radius + reducer.design.gear.eccentricity
     stated = reducer.cranks.window_radius > 0.0
     key = Limit("cranks.window_radius", "more than", orbit)

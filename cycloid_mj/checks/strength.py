@@ -52,23 +52,23 @@ PARTS = {"tooth": "the teeth", "output": "the output pins in their holes", "cam"
 
 
 def strength_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of a sound design at its nominal torque."""
+    """Yield the checks of pressures, load sharing and walls of a feasible design at its nominal torque."""
     try:
         state = rated_load(reducer)
     except CycloidError as error:
-        yield _no_balance(error)
+        yield _missing_balance(error)
         return
     for part in PARTS:
         if part != "cam" or reducer.design.gear.bearing == "plain" or has_bare_rollers(reducer):
-            yield from _pressures(state, part)
-    yield _concentration(state)
-    yield _pressure_angle(state)
-    for wall in walls(reducer):
-        yield _wall(state, wall)
+            yield from _pressure_checks(state, part)
+    yield _check_load_sharing(state)
+    yield _check_pressure_angle(state)
+    for wall in list_walls(reducer):
+        yield _check_wall(state, wall)
 
 
-def _no_balance(error: CycloidError) -> Check:
-    """Return the warning that statics find no equilibrium at the nominal torque."""
+def _missing_balance(error: CycloidError) -> Check:
+    """Return the warning that statics found no equilibrium at the nominal torque."""
     return Check(
         name="rated_load",
         passed=False,
@@ -81,13 +81,13 @@ def _no_balance(error: CycloidError) -> Check:
     )
 
 
-def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
-    """Check the Hertz pressure of one part's contacts against first yield, shakedown and hardness."""
+def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
+    """Yield the checks of a part's Hertz pressures against first yield, shakedown and hardness."""
     reducer, design = state.reducer, state.reducer.design
     kind = design.tooth_pair if part == "tooth" else part
     pressure = state.peak_pressure(kind)
-    yields = _weaker(reducer, kind, "yield_strength", "surface_strength")
-    breaks = _weaker(reducer, kind, "tensile_strength", "surface_tensile_strength")
+    yields = _weaker_strength(reducer, kind, "yield_strength", "surface_strength")
+    breaks = _weaker_strength(reducer, kind, "tensile_strength", "surface_tensile_strength")
     for name, (key, strength, ratio), factor, where, what in (
         ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
         ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields in every load cycle"),
@@ -107,7 +107,7 @@ def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
             torque = state.torque_at(kind, allowed)
             beyond = f"above {_newton_metres(torque)} {what}" if math.isfinite(torque) else what
             remedies = [
-                _face_width(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
+                _face_width_limit(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", ratio * pressure / factor),
                 Limit("drive.torque", "at most", (1.0 - STRENGTH.statics_rtol) * torque / design.reduction),
             ]
@@ -125,8 +125,11 @@ def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
         )
 
 
-def _weaker(reducer: Reducer, kind: str, strength: str, of_surface: str) -> tuple[str, float, float]:
-    """Return key, value [Pa] and ratio of a strength of the weaker of the two surfaces that meet in a kind of pair.
+def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strength: str) -> tuple[str, float, float]:
+    """Return key, value [Pa] and pressure ratio of the lower strength of the two surfaces of a kind of pair.
+
+    `strength` and `surface_strength` are attributes of the material. The value is that of the material over the ratio,
+    which is 1 except for bare rollers, see `roller_contacts`.
 
     The value is that of the material over the ratio, which is 1 except for bare rollers, see `roller_contacts`.
     """
@@ -137,12 +140,14 @@ def _weaker(reducer: Reducer, kind: str, strength: str, of_surface: str) -> tupl
     for part, ratio in sides:
         material = design.material_of(part)
         key = "surface_yield" if material.surface_yield else strength
-        strengths.append((f"{design.material_table(part)}.{key}", float(getattr(material, of_surface)) / ratio, ratio))
+        strengths.append(
+            (f"{design.material_table(part)}.{key}", float(getattr(material, surface_strength)) / ratio, ratio)
+        )
     return min(strengths, key=lambda item: item[1])
 
 
-def _face_width(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
-    """Return the face width at which a value, about width ** -1/power, decreases to what is allowed."""
+def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
+    """Return the limit on the face width at which a value that varies as width ** (-1/power) decreases to `allowed`."""
     width, figure = reducer.design.gear.face_width, value(rated_load(reducer))
     for _ in range(STRENGTH.max_iterations):
         width *= (1.0 + STRENGTH.statics_rtol) * (figure / allowed) ** power
@@ -155,8 +160,8 @@ def _face_width(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: 
     return Limit("gear.face_width", "at least", width)
 
 
-def _concentration(state: RatedLoad) -> Check:
-    """Check the largest tooth force over that of ideal load sharing."""
+def _check_load_sharing(state: RatedLoad) -> Check:
+    """Check the largest tooth force relative to that of ideal load sharing."""
     reducer, design, ratio = state.reducer, state.reducer.design, state.concentration
     names = _clearances(reducer)
     passed = ratio <= STRENGTH.max_concentration
@@ -168,7 +173,7 @@ def _concentration(state: RatedLoad) -> Check:
     share = (
         1.0
         if passed
-        else _threshold(lambda share: rated_load(tighter(share)).concentration <= STRENGTH.max_concentration)
+        else _find_threshold(lambda share: rated_load(tighter(share)).concentration <= STRENGTH.max_concentration)
     )
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
     remedy = joint_remedy(reducer, [] if passed else limits)
@@ -195,8 +200,8 @@ def _clearances(reducer: Reducer) -> tuple[str, ...]:
     return (design.tooth_pair, *(name for name, moves in moving.items() if moves), "cam", "output")
 
 
-def _pressure_angle(state: RatedLoad) -> Check:
-    """Check the mean pressure angle of the tooth forces."""
+def _check_pressure_angle(state: RatedLoad) -> Check:
+    """Check the mean pressure angle of the tooth forces, averaged by force."""
     reducer, design, angle = state.reducer, state.reducer.design, state.pressure_angle
     passed = angle <= STRENGTH.max_pressure_angle
     got, limit = value_and_limit(angle, "at most", STRENGTH.max_pressure_angle, DEGREE)
@@ -211,7 +216,7 @@ def _pressure_angle(state: RatedLoad) -> Check:
     def is_met(share: float) -> bool:
         return rated_load(steeper(share)).pressure_angle <= STRENGTH.max_pressure_angle
 
-    share = 1.0 if passed else _threshold(is_met)
+    share = 1.0 if passed else _find_threshold(is_met)
     better = steeper(share).design if share else design
     limits = [
         Limit("gear.eccentricity", "at least", better.gear.eccentricity),
@@ -233,8 +238,8 @@ def _pressure_angle(state: RatedLoad) -> Check:
     )
 
 
-def _threshold(is_met: Callable[[float], bool]) -> float:
-    """Compute the largest share from 0 to 1 at which a condition is met that is not at 1, by bisection; 0 if none."""
+def _find_threshold(is_met: Callable[[float], bool]) -> float:
+    """Find the largest share in [0, 1] at which a condition is met that fails at 1, by bisection; 0 if none."""
 
     def is_met_safely(share: float) -> bool:
         try:
@@ -265,8 +270,8 @@ class Wall:
         return force / (2.0 * self.thickness * width)
 
 
-def walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """List the walls of disc and housing that pins press on."""
+def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
+    """Return the walls of disc and housing that pins press on, with their thickness."""
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole = output.hole_radius + design.clearance.output
@@ -292,8 +297,8 @@ def walls(reducer: Reducer) -> tuple[Wall, ...]:
     )
 
 
-def _wall(state: RatedLoad, wall: Wall) -> Check:
-    """Check that no pin tears out its wall."""
+def _check_wall(state: RatedLoad, wall: Wall) -> Check:
+    """Check that no pin tears out through its wall."""
     reducer, design = state.reducer, state.reducer.design
 
     def acting(state: RatedLoad) -> float:
@@ -308,7 +313,7 @@ def _wall(state: RatedLoad, wall: Wall) -> Check:
     enough = Limit(
         f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
     )
-    remedies = [] if passed else [_face_width(reducer, acting, strength, 1.0), enough]
+    remedies = [] if passed else [_face_width_limit(reducer, acting, strength, 1.0), enough]
     return Check(
         name=wall.name,
         passed=passed,

@@ -10,7 +10,7 @@ from cycloid_mj.design import describe_plastic_limits
 from cycloid_mj.figures import figure
 from cycloid_mj.figures.geometry import mass
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import are_one_part
+from cycloid_mj.reducer.bodies import are_discs_identical
 
 CREEP_SPEED = 1e-6
 """Crank speed for statics of a design whose crank does not turn [rad/s]: only its sign matters."""
@@ -57,11 +57,11 @@ class Summary:
     backlash: float
     capacity: float
     weakest: str
-    describe_plastic_limits: tuple[str, ...]
+    material_limits: tuple[str, ...]
 
 
-def summary(reducer: Reducer) -> Summary:
-    """Summarize a design that can be built; errors as `rated_load`."""
+def summarize(reducer: Reducer) -> Summary:
+    """Summarize a design that can be built: ratio, loads, pressures and sizes; errors as `rated_load`."""
     design = reducer.design
     state = rated_load(reducer)
     turning = reducer if design.drive.speed else reducer.but(drive={"speed": CREEP_SPEED})
@@ -69,7 +69,7 @@ def summary(reducer: Reducer) -> Summary:
     return Summary(
         ratio=design.reduction,
         discs=design.gear.discs,
-        one_part=are_one_part(design.gear.discs, design.output.pins, design.lobes),
+        one_part=are_discs_identical(design.gear.discs, design.output.pins, design.lobes),
         outer_diameter=2.0 * design.housing.outer_radius,
         mass=mass(reducer),
         rated_torque=design.rated_torque,

@@ -32,7 +32,7 @@ WALLS = ("bore", "holes_to_bore", "holes_to_root", "neighbouring_holes", "neighb
 
 
 def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules for the teeth of disc and ring."""
+    """Yield the rules for the teeth of disc and ring, in the order in which they depend on each other."""
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
     shift = min(design.modification.pin_circle, 0.0)  # the disc may be generated with a smaller pin circle
@@ -48,11 +48,11 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
     yield loops
     has_loops = not loops.limit.is_met(reducer)
     if not has_loops:
-        yield _undercut(reducer)
+        yield _undercut_rule(reducer)
     if design.ring.kind == "pin":
-        yield _neighbouring_pins(reducer)
+        yield _pin_wall_rule(reducer)
         if design.ring.has_sleeves:
-            yield _sleeve(reducer)
+            yield _sleeve_rule(reducer)
         yield Rule(
             "socket",
             Limit("ring.pin_radius", "more than", c),
@@ -60,11 +60,11 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
             (Limit("gear.eccentricity", "less than", rho),),
         )
         if not has_loops and design.ring.has_sockets and c < rho and design.ring.socket == "half_open":
-            yield _socket_support(reducer)
-    yield _housing(reducer)
+            yield _socket_support_rule(reducer)
+    yield _housing_wall_rule(reducer)
 
 
-def _undercut(reducer: Reducer) -> Rule:
+def _undercut_rule(reducer: Reducer) -> Rule:
     """Return the rule that the profile has no undercut.
 
     An internal gear exists under the same condition (see ``geometry.envelope``). It also keeps the outline simple: for
@@ -82,7 +82,7 @@ def _undercut(reducer: Reducer) -> Rule:
     less_eccentric = (
         ()
         if remaining_radius(c) > 0
-        else (Limit("gear.eccentricity", "less than", _decreasing_root(remaining_radius, c)),)
+        else (Limit("gear.eccentricity", "less than", _find_decreasing_root(remaining_radius, c)),)
     )
     return Rule(
         "undercut",
@@ -92,7 +92,7 @@ def _undercut(reducer: Reducer) -> Rule:
     )
 
 
-def _neighbouring_pins(reducer: Reducer) -> Rule:
+def _pin_wall_rule(reducer: Reducer) -> Rule:
     """Return the rule for the wall between the sockets of neighbouring pins."""
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
@@ -109,8 +109,8 @@ def _neighbouring_pins(reducer: Reducer) -> Rule:
     return wall_rule("neighbouring_pins", limits, TEETH.min_wall_share, E, "between the sockets of neighbouring pins")
 
 
-def _sleeve(reducer: Reducer) -> Rule:
-    """Return the rule that a sleeve leaves a pin inside, of at least `TEETH.min_core_share` of rho."""
+def _sleeve_rule(reducer: Reducer) -> Rule:
+    """Return the rule that a sleeve leaves room for a pin inside, of at least `TEETH.min_core_share` of rho."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
     no_pin = Rule(
         "sleeve", Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play), "the sleeve leaves no pin inside"
@@ -125,8 +125,8 @@ def _sleeve(reducer: Reducer) -> Rule:
     )
 
 
-def _socket_support(reducer: Reducer) -> Rule:
-    """Return the rule that half-open sockets support their pins over all directions in which the disc presses them.
+def _socket_support_rule(reducer: Reducer) -> Rule:
+    """Return the rule that half-open sockets support their pins in all directions in which the disc presses them.
 
     The disc presses a pin outwards, at most asin(c N/E) to the side (Hsieh 2014, Eq. 7). Within that angle a loaded pin
     rests on the wall of its socket, and an unloaded one is retained by the disc in front of it.
@@ -135,7 +135,7 @@ def _socket_support(reducer: Reducer) -> Rule:
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def remaining_angle(pin_radius: float, eccentricity: float) -> float:
-        """Compute the angle of support beyond the largest direction of the force [rad]."""
+        """Compute the angle [rad] of the socket's support beyond the largest direction of the force."""
         changed = design.model_copy(
             update={
                 "ring": design.ring.model_copy(update={"pin_radius": pin_radius}),
@@ -145,20 +145,26 @@ def _socket_support(reducer: Reducer) -> Rule:
         return socket_half_angle(changed) - math.asin(min(1.0, eccentricity * N / E))
 
     remedies = (
-        (Limit("gear.eccentricity", "less than", _decreasing_root(lambda other: remaining_angle(rho, other), E / N)),)
+        (
+            Limit(
+                "gear.eccentricity",
+                "less than",
+                _find_decreasing_root(lambda other: remaining_angle(rho, other), E / N),
+            ),
+        )
         if remaining_angle(rho, c) <= 0.0
         else ()
     )
     return Rule(
         "pin_held",
-        Limit("ring.pin_radius", "more than", _decreasing_root(lambda radius: -remaining_angle(radius, c), E)),
+        Limit("ring.pin_radius", "more than", _find_decreasing_root(lambda radius: -remaining_angle(radius, c), E)),
         f"the disc presses pins up to {math.degrees(math.asin(c * N / E)):.4g} deg to the side, and half-open sockets "
         f"support them only to {math.degrees(socket_half_angle(design)):.4g} deg (closed sockets retain them)",
         remedies,
     )
 
 
-def _housing(reducer: Reducer) -> Rule:
+def _housing_wall_rule(reducer: Reducer) -> Rule:
     """Return the rule for the wall outside the ring's teeth."""
     design = reducer.design
     ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
@@ -182,8 +188,8 @@ def circles_on_circle(half_pitch_share: float) -> float:
     return math.pi / math.asin(min(half_pitch_share, 1.0))
 
 
-def _decreasing_root(function: Callable[[float], float], high: float) -> float:
-    """Compute the root of a decreasing function between 0 and `high` by bisection, to rounding; 0 if there is none.
+def _find_decreasing_root(function: Callable[[float], float], high: float) -> float:
+    """Find the root of a decreasing function in (0, `high`) by bisection, to rounding; 0 if there is none.
 
     The lower end is returned: the function is positive there. A root below 1e-12 of `high` counts as none.
     """

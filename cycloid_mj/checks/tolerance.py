@@ -13,7 +13,7 @@ SIGMAS = 3.0
 
 
 def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of all manufacturing errors of the design that are not 0; all are warnings."""
+    """Yield the checks that the manufacturing errors of a design fit into its clearances; all are warnings."""
     design = reducer.design
     errors, measured, clearance, pair = design.errors, design.measured, design.clearance, design.tooth_pair
     mesh = getattr(clearance, pair) + design.modification.equidistant + design.pin_play
@@ -22,15 +22,15 @@ def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
         _tolerance_of(errors.pin_radius, errors.pin_dr, measured.pins_radius),
     )
     pins = math.hypot(position, radius)
-    yield from _tolerance_check(reducer, "pin_tolerance", "position and radius of a ring pin", pins, pair, mesh)
+    yield from _check_error(reducer, "pin_tolerance", "position and radius of a ring pin", pins, pair, mesh)
     holes = _tolerance_of(errors.hole_position, errors.hole_x, errors.hole_y)
-    yield from _tolerance_check(reducer, "hole_tolerance", "the position of a hole", holes, "output", clearance.output)
+    yield from _check_error(reducer, "hole_tolerance", "the position of a hole", holes, "output", clearance.output)
     flanks = _tolerance_of(errors.disc_size, errors.disc_dr, measured.gear_deviation)
-    yield from _tolerance_check(reducer, "disc_tolerance", "the flanks of a disc", flanks, pair, mesh)
+    yield from _check_error(reducer, "disc_tolerance", "the flanks of a disc", flanks, pair, mesh)
     cams = _tolerance_of(errors.cam_position, errors.cam_x, errors.cam_y)
-    yield from _tolerance_check(reducer, "cam_tolerance", "the position of a cam", cams, "cam", clearance.cam + mesh)
+    yield from _check_error(reducer, "cam_tolerance", "the position of a cam", cams, "cam", clearance.cam + mesh)
     off = abs(errors.eccentricity)
-    yield from _tolerance_check(reducer, "eccentricity_tolerance", "the eccentricity", off, "cam", clearance.cam + mesh)
+    yield from _check_error(reducer, "eccentricity_tolerance", "the eccentricity", off, "cam", clearance.cam + mesh)
 
 
 def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
@@ -39,10 +39,10 @@ def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
     return math.hypot(*largest) if largest else SIGMAS * deviation
 
 
-def _tolerance_check(
+def _check_error(
     reducer: Reducer, name: str, quantity: str, error: float, pair: str, available: float
 ) -> Iterator[Check]:
-    """Check that an error of a `size` [m] is within `available` [m], which includes the clearance of a `pair`."""
+    """Check that an error [m] is at most `available` [m], which includes the clearance of a `pair`."""
     if error == 0.0:
         return
     passed = error <= available

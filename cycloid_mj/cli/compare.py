@@ -36,7 +36,7 @@ from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.simulate import logs_folder, require_runnable
 from cycloid_mj.cli.verdict import capacity_of, outcome_of, overload_words
 from cycloid_mj.design import Design
-from cycloid_mj.papers import RunsJudged, judged_runs
+from cycloid_mj.papers import RunsJudged, judge_runs
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Series
@@ -239,7 +239,7 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
     trials = [_measure_trial(Path(name), q) for name in names]
     comparison = compared([trial for _, trial in trials])
     motions = {trial: motion for motion, trial in trials}
-    verdicts = judged_runs(comparison.trials, {})
+    verdicts = judge_runs(comparison.trials, {})
     return outcome_of(
         comparison, verdicts, _draw_figures(comparison, [motions[trial] for trial in comparison.trials]), destination
     )
@@ -288,7 +288,7 @@ def _compare_runs(
         if design in plan.starts:
             motions[design] = motion
     comparison = plan.compare(measured, motions)
-    verdicts = judged_runs(
+    verdicts = judge_runs(
         comparison.trials, {variation: plan.trials(measured, cases, variation) for variation in plan.variations}
     )
     pictures = _draw_figures(comparison, [motions[design] for design in cases]) | _draw_paper_figures(verdicts)

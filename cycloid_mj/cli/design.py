@@ -184,11 +184,11 @@ def _describe_defaults(design: Design, motor: Sequence[str]) -> str:
 
 
 def _compute_summary(design: Design) -> "Summary | None":
-    """Compute the summary of a design; None if it has no static equilibrium, which a check reports."""
-    from cycloid_mj.checks import summary
+    """Compute the summarize of a design; None if it has no static equilibrium, which a check reports."""
+    from cycloid_mj.checks import summarize
 
     try:
-        return summary(Reducer(design))
+        return summarize(Reducer(design))
     except CycloidError:
         return None
 

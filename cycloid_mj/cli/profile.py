@@ -101,7 +101,7 @@ def _curvature_columns(reducer: Reducer, crank_angles: int | None) -> Columns:
     """Return the relative curvature and the Hertz pressure of all contact lines over a mesh period, as columns."""
     import numpy as np
 
-    from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, pressure
+    from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, peak_pressure
 
     design, gear = reducer.design, reducer.tooth_profile
     crank_angles = crank_angles or CRANK_ANGLES
@@ -123,7 +123,7 @@ def _curvature_columns(reducer: Reducer, crank_angles: int | None) -> Columns:
         "x_mm": x,
         "y_mm": y,
         "relative_curvature_per_mm": 1e-3 * lines.relative_curvature,
-        "pressure_mpa": 1e-6 * pressure(lines, force, design.gear.face_width, modulus),
+        "pressure_mpa": 1e-6 * peak_pressure(lines, force, design.gear.face_width, modulus),
     }
 
 

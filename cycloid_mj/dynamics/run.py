@@ -56,7 +56,7 @@ from cycloid_mj.dynamics.planar.timestep import PLANAR_RULE
 from cycloid_mj.dynamics.regime import pace_warnings
 from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.dynamics.timestep import MUJOCO_RULE, TimeStep, describe_accuracy, timestep
-from cycloid_mj.geometry.kinematics import carried_point
+from cycloid_mj.geometry.kinematics import point_motion
 from cycloid_mj.geometry.measured import measurement_notes
 from cycloid_mj.reducer import Reducer
 
@@ -504,7 +504,7 @@ class _Recorder:
             [pairs[:, of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for of_kind in self._kinds], axis=1
         )
         energies = copied[:, self._read :]
-        point_motion = carried_point(
+        point_motion = point_motion(
             (0.0, self._design.output.pin_circle_radius), copied[:, self._pose], copied[:, self._motion]
         )
         parts = [

@@ -10,7 +10,7 @@ from cycloid_mj.base.units import MICROMETRES
 from cycloid_mj.explore.sampling import Batch, apply_departures, draw_departures, unchecked_design_of_sample
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.limits import tightest
+from cycloid_mj.reducer.limits import find_tightest_pairs
 from cycloid_mj.statics.samples import identical_samples
 
 
@@ -121,7 +121,7 @@ def _minimize_interference(reducer: Reducer, departures: Mapping[str, Array]) ->
     for row in range(count):
         drive = unchecked_design_of_sample(reducer, samples, row)
         crank_angles = np.linspace(0.0, 2.0 * np.pi, JAM.angles, endpoint=False).tolist()
-        gap, pairs = min((tightest(Reducer(drive), angle) for angle in crank_angles), key=lambda contact: contact[0])
+        gap, pairs = min((find_tightest_pairs(Reducer(drive), angle) for angle in crank_angles), key=lambda contact: contact[0])
         interferences.append(-gap)
         for pair, share in pairs.items():
             shares[pair] = shares.get(pair, 0.0) + share / count

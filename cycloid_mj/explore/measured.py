@@ -147,10 +147,10 @@ def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _summarize_design(reducer: Reducer) -> MeasuredFigures:
-    """Collect ratio, size, mass, rated torque, capacity and other quantities of `design check`'s summary as columns."""
-    from cycloid_mj.checks import summary
+    """Collect ratio, size, mass, rated torque, capacity and other quantities of `design check`'s summarize as columns."""
+    from cycloid_mj.checks import summarize
 
-    figures = summary(reducer)
+    figures = summarize(reducer)
     numbers = (
         Quantity("ratio", "", figures.ratio, "1"),
         Quantity("outer_diameter", "", MILLIMETRES * figures.outer_diameter, "mm"),

@@ -41,7 +41,7 @@ class ContactLines:
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
     """Compute every contact line at some crank angles [rad], without clearance."""
     profile.require_no_undercut(gear)
-    pieces = [piece for angle in np.ravel(crank_angles) for piece in _lines_at(gear, kind, float(angle))]
+    pieces = [piece for angle in np.ravel(crank_angles) for piece in _contact_lines_at(gear, kind, float(angle))]
     columns = {field.name: [getattr(piece, field.name) for piece in pieces] for field in fields(ContactLines)}
     return ContactLines(**{name: np.concatenate(arrays) for name, arrays in columns.items()})
 
@@ -51,8 +51,8 @@ def mesh_period(gear: CycloidGear, count: int) -> Array:
     return 2 * np.pi / gear.ring_teeth * np.arange(count) / count
 
 
-def pressure(lines: ContactLines, force: float, length: float, modulus: float) -> Array:
-    """Hertz's peak pressure [Pa] of each line if it carried `force` [N] over the face width `length` [m].
+def peak_pressure(lines: ContactLines, force: float, length: float, modulus: float) -> Array:
+    """Compute Hertz's peak pressure (n,) [Pa] of each contact line under a force [N] over a face width `length` [m].
 
     `modulus` E* [Pa] as in `ideal_loads.contact_modulus`. Hertz's strip must be narrow against both bodies: near the
     junctions of arc and Sigma, where the relative curvature vanishes, it is not, and the pressure vanishes.
@@ -61,24 +61,29 @@ def pressure(lines: ContactLines, force: float, length: float, modulus: float) -
     return hertz_line_contact(force, length, curvature, modulus).peak_pressure
 
 
-def _lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLines]:
-    """Return the contact lines at one crank angle [rad] by part: pins, or arcs and Sigma."""
+def _contact_lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLines]:
+    """Return the contact lines of a gear and its ring at one crank angle [rad]: of pins, or of arcs and of Sigma."""
     arcs = envelope.arc_contacts(gear, crank_angle)
     if kind == "pin":
-        return [_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "pin"))]
+        return [_collect_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "pin"))]
     roots = envelope.sigma_contacts(gear, crank_angle)
     phase = roots.B
     beyond_middle = phase > np.pi
     # that half of the root counter-clockwise of a lobe is the flank Sigma(2) of the lobe on its other side
     tooth = np.mod(roots.lobe - beyond_middle, gear.ring_teeth)
     return [
-        _lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "arc")),
-        _lines(crank_angle, roots, tooth, np.where(beyond_middle, "sigma2", "sigma1")),
+        _collect_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "arc")),
+        _collect_lines(crank_angle, roots, tooth, np.where(beyond_middle, "sigma2", "sigma1")),
     ]
 
 
-def _lines(crank_angle: float, contacts: RingContacts, tooth: Integers, part: npt.NDArray[np.str_]) -> ContactLines:
-    """Return the contact lines of one part at a crank angle [rad]."""
+def _collect_lines(
+    crank_angle: float, contacts: RingContacts, tooth: Integers, part: npt.NDArray[np.str_]
+) -> ContactLines:
+    """Collect contacts of a part of the ring at a crank angle [rad] as contact lines; arrays have shape (n,).
+
+    `tooth` are the indices of the ring's teeth and `part` the names of their parts: pin, arc, sigma1 or sigma2.
+    """
     return ContactLines(
         crank_angle=np.full(tooth.shape, crank_angle),
         tooth=tooth,

@@ -62,7 +62,9 @@ class Deviations:
 
 
 def deviations(design: Design) -> Deviations:
-    """Compute the errors of a design's parts, listed or drawn, plus those measured; equal designs have equal errors.
+    """Compute the manufacturing errors of a design's parts: those listed or drawn at random, plus those measured.
+
+    The random ones follow from the design's seed: equal designs have equal errors.
 
     Raises
     ------
@@ -88,12 +90,12 @@ def deviations(design: Design) -> Deviations:
 
 
 def profile_error(waves: Array, t: Array) -> Array:
-    """Compute the inward offset of the flanks [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
+    """Compute how far the flanks are set back inwards [m], at parameters t [rad] of the gear's trochoid, in t's shape.
 
-    It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the `waves` (a_k, b_k) of
-    `Deviations`: cycles in a turn of the gear, as measuring machines report a profile's error by order. The trochoid
-    stands back by it along its normals, and the flanks are its parallel: what a grinding wheel of a pin's radius leaves
-    that strays by as much. Statics takes it at the foot of the ideal profile, to first order.
+    It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ... with the `waves` (orders, 2), (a_k, b_k)
+    [m]: cycles per turn of the gear, as measuring machines report profile errors. The trochoid is set back along its
+    normals, and the flanks are its parallel, as ground by a wheel of the pin's radius. Statics evaluates it at the foot
+    of the ideal profile, to first order.
     """
     error = np.zeros(np.shape(t))
     for index in np.flatnonzero(np.any(waves != 0.0, axis=1)):

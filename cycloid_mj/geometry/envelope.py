@@ -88,7 +88,9 @@ class Sigma:
 
     @property
     def points(self) -> Array:
-        """Points (..., 2) [m]: c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l).
+        """Points (..., 2) [m] of the flank: c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l).
+
+        They are on the common normal through the pitch point.
 
         They lie on the common normal through the pitch point.
         """
@@ -146,10 +148,10 @@ class Sigma:
 
 
 def tightest_radius(gear: CycloidGear) -> float:
-    """Smallest concave radius of curvature of the ring [m].
+    """Compute the smallest concave radius of curvature of the ring [m].
 
-    With y = l^2/K, the radius is stationary at the one root above 1 of
-    (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3 (N-1)(N+2) y + (N-1)(N-2); Sigma ends at y = (E + c N)/(E - c N).
+    With y = l^2/K, the radius is stationary at the one root above 1 of (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3 (N-1)(N+2)
+    y + (N-1)(N-2); Sigma ends at y = (E + c N)/(E - c N).
     """
     N, c, E, _ = gear.symbols
     cubic = [(N + 1) * (N + 2), -3 * (N + 1) * (N - 2), -3 * (N - 1) * (N + 2), (N - 1) * (N - 2)]
@@ -176,10 +178,10 @@ def perimeter(gear: CycloidGear) -> float:
 
 
 def area(gear: CycloidGear) -> float:
-    """Area of the bore [m^2], the inward parallel at rho of the envelope of the trochoid.
+    """Compute the area of the ring's bore [m^2]: that inside the inward parallel at rho of the trochoid's envelope.
 
-    A0 - rho (L + 8 c) + pi rho^2, with L the trochoid's length and
-    A0 = pi (N+1) (E^2/N + 2 c^2) - 2 B0 (E^2/N + 2 N c^2) + 6 c sqrt(K).
+    It is A0 - rho (L + 8 c) + pi rho^2, with L the trochoid's length and A0 = pi (N+1) (E^2/N + 2 c^2) - 2 B0 (E^2/N +
+    2 N c^2) + 6 c sqrt(K).
     """
     N, c, E, rho = gear.symbols
     B0 = gear.best_phase
@@ -193,7 +195,7 @@ def require_envelope(gear: CycloidGear) -> None:
 
 
 def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
-    """Ring of `points` >= 3 points equally spaced by arc length, clockwise from the tip of lobe 1 on +y.
+    """Compute `points` >= 3 points of the ring, equally spaced by arc length, clockwise from the tip of lobe 1 on +y.
 
     Raises
     ------
@@ -209,11 +211,11 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
     lobe, remainder = np.divmod(np.arange(points) * gear.ring_teeth, points)
     beyond_middle = 2 * remainder > points
     signed_share = np.where(beyond_middle, remainder - points, remainder) / points
-    return _ring_at(gear, lobe + beyond_middle, pitch * signed_share)
+    return _ring_points(gear, lobe + beyond_middle, pitch * signed_share)
 
 
 def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline:
-    """Ring whose chords leave the curve by at most `chord_error` [m], with few points; every lobe the same.
+    """Compute few points of the ring whose chords deviate by at most `chord_error` [m]; all lobes have the same.
 
     The junctions are among the points, so that each chord spans an arc or a Sigma only.
     """
@@ -223,11 +225,11 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
     half[-1] = perimeter(gear) / gear.ring_teeth / 2
     signed = np.concatenate([half, -half[-2:0:-1]])
     lobe = np.arange(gear.ring_teeth)[:, np.newaxis] + (signed < 0)
-    return _ring_at(gear, lobe.ravel(), np.tile(signed, gear.ring_teeth))
+    return _ring_points(gear, lobe.ravel(), np.tile(signed, gear.ring_teeth))
 
 
 def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
-    """Phases B [rad] from the junction to the middle of the root, whose chords leave Sigma by `chord_error` [m].
+    """Compute phases B [rad] from the junction to the middle of the root, whose chords deviate by `chord_error` [m].
 
     Raises
     ------
@@ -245,7 +247,7 @@ def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
 
 
 def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
-    """Contacts of the gear with the N arcs (or pins) at the counter-clockwise `crank_angle` [rad].
+    """Compute the contacts of the gear with the N arcs (or pins) at a counter-clockwise `crank_angle` [rad].
 
     For crank angles of shape (k, 1), numbers have shape (k, N) and vectors (k, N, 2).
     """
@@ -264,7 +266,7 @@ def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
 
 
 def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
-    """Contacts of the gear with Sigma at the counter-clockwise `crank_angle` [rad], in order of lobe.
+    """Compute the contacts of the gear with Sigma at a counter-clockwise `crank_angle` [rad], in order of lobes.
 
     Solves N/(N-1) B + A(B) + psi_1 = 0 modulo 2 pi, that is `Sigma.crank_angle_cw` = -crank_angle less the lobe's
     angle, on each stretch of B where that is monotone: one from B0 to 2 pi - B0 if c N / E <= (N-2)/N, else three.
@@ -302,7 +304,10 @@ def _K(gear: CycloidGear) -> float:
 
 
 def _monotone_stretches(gear: CycloidGear) -> list[tuple[float, float]]:
-    """Stretches of B between B0 and 2 pi - B0 without a turning point l^2 = (N-1) K of the crank angle."""
+    """Return the stretches of B between B0 and 2 pi - B0 in which the crank angle is monotone.
+
+    They end where l^2 = (N-1) K.
+    """
     N, c, E, _ = gear.symbols
     B0 = gear.best_phase
     turning = (E**2 + (c * N) ** 2 - (N - 1) * _K(gear)) / (2 * E * c * N)
@@ -318,10 +323,10 @@ def _rotate(points: Array, angle: Array) -> Array:
     return np.stack([x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)], axis=1)
 
 
-def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
-    """Ring points at arc lengths `signed` [m], positive clockwise, from the tips of the lobes `lobe` (0 on +y)."""
+def _ring_points(gear: CycloidGear, lobe: Integers, arc_lengths: Array) -> RingOutline:
+    """Compute points of the ring at arc lengths [m], positive clockwise, from the tips of lobes (0 on +y)."""
     rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
-    distance, side = np.abs(signed), np.where(signed < 0, -1.0, 1.0)
+    distance, side = np.abs(arc_lengths), np.where(arc_lengths < 0, -1.0, 1.0)
     # Lobes are alike: each distance is solved once.
     unlike, row = np.unique(distance, return_inverse=True)
     B = profile.solve_monotone(
@@ -342,5 +347,5 @@ def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
         points=_rotate(ahead * np.stack([side, np.ones_like(side)], axis=1), zeta),
         curvature=np.where(on_arc, 1 / rho, -1 / flank.radius),
         part=np.where(on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
-        arc_length=perimeter(gear) / gear.ring_teeth * lobe + signed,
+        arc_length=perimeter(gear) / gear.ring_teeth * lobe + arc_lengths,
     )

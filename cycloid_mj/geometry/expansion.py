@@ -31,11 +31,12 @@ def _expansion(design: Design, part: str) -> float:
 
 
 def warm_clearances(design: Design) -> dict[str, float]:
-    """Compute the clearance of each mating pair at the temperatures of ``[thermal]`` [m]; negative where it is lost.
+    """Compute the clearance [m] of each mating pair at the temperatures of ``[thermal]``; negative where it is lost.
 
-    With strains s relative to the ring, pin radius rho, hole radius r, radius of cam or output pin b, eccentricity c
-    and offset q of the flanks beyond rho: mesh q + (rho + q) s_disc - rho s_pin, socket c_s - rho s_pin, cam
-    c_c + (b + c_c) s_disc - b s_shaft, output c_o + (r + c_o - c) s_disc - b s_output.
+    With thermal strains s relative to the ring, pin radius rho, hole radius r, radius b of cam or output pin,
+    eccentricity c, offset q of the flanks beyond rho and clearances c_s of the socket, c_c of the cam and c_o of the
+    output: mesh q + (rho + q) s_disc - rho s_pin, socket c_s - rho s_pin, cam c_c + (b + c_c) s_disc - b s_shaft,
+    output c_o + (r + c_o - c) s_disc - b s_output.
     """
     ring, gear, output, clearance = design.ring, design.gear, design.output, design.clearance
     pin = strain(design, "pin") if ring.kind == "pin" else 0.0
@@ -80,7 +81,7 @@ def expand(design: Design) -> Design:
         output={"hole_radius": output.hole_radius + gear.eccentricity * disc},
         errors={
             "eccentricity": design.errors.eccentricity + gear.eccentricity * (crank - disc),
-            **_hole_errors(design, output.pin_circle_radius * (disc - strain(design, "output"))),
+            **_shift_holes(design, output.pin_circle_radius * (disc - strain(design, "output"))),
         },
         thermal={"applied": True},
         **{f"{part}_material": warm_material(design, part).model_dump() for part in PARTS},
@@ -107,9 +108,9 @@ def warm_material(design: Design, part: str) -> Material:
     return material.model_copy(update=softer)
 
 
-def _hole_errors(design: Design, outward: float) -> Mapping[str, tuple[float, ...]]:
-    """Return the lists of hole positions [m] with all holes moved outward from the centre of the disc [m]."""
-    if outward == 0.0:
+def _shift_holes(design: Design, expansion: float) -> Mapping[str, tuple[float, ...]]:
+    """Return the hole positions x and y [m] as in ``[errors]``, with all holes moved outwards by an expansion [m]."""
+    if expansion == 0.0:
         return {}
     import numpy as np
 
@@ -117,17 +118,17 @@ def _hole_errors(design: Design, outward: float) -> Mapping[str, tuple[float, ..
     from cycloid_mj.geometry.profile import unit
 
     angles = 2.0 * math.pi * np.arange(design.output.pins) / design.output.pins
-    places = deviations(design).hole_place + outward * unit(angles)
-    return {f"hole_{axis}": tuple(places[..., index].ravel().tolist()) for index, axis in enumerate("xy")}
+    positions = deviations(design).hole_place + expansion * unit(angles)
+    return {f"hole_{axis}": tuple(positions[..., index].ravel().tolist()) for index, axis in enumerate("xy")}
 
 
 def _describe_jam(design: Design, pair: str, clearance: float) -> str:
-    """Return the message for a clearance [m] that is lost at the temperatures of the parts."""
-    one, other = (BODY_OF[part] for part in PARTNERS[pair])
+    """Describe, for an error message, a clearance [m] of a pair that is lost at the temperatures of the parts."""
+    inner_part, outer_part = (BODY_OF[part] for part in PARTNERS[pair])
     cold = getattr(design.clearance, pair)
-    temperatures = f"{one} at {getattr(design.thermal, one):g} °C"
-    if other != one:
-        temperatures += f", {other} at {getattr(design.thermal, other):g} °C"
+    temperatures = f"{inner_part} at {getattr(design.thermal, inner_part):g} °C"
+    if outer_part != inner_part:
+        temperatures += f", {outer_part} at {getattr(design.thermal, outer_part):g} °C"
     return (
         f"the parts jam: thermal expansion reduces clearance.{pair}_um from {1e6 * cold:.4g} to "
         f"{1e6 * clearance:.4g} um ({temperatures}). Increase the clearance or reduce the difference of temperatures"
@@ -135,7 +136,7 @@ def _describe_jam(design: Design, pair: str, clearance: float) -> str:
 
 
 def jam_difference(design: Design) -> float:
-    """Compute by how much a disc warmer than its ring closes the clearance of the teeth [K]; inf without expansion.
+    """Compute how much warmer than its ring a disc may be until the teeth lose their clearance [K]; inf if never.
 
     dT = play/(alpha (E - rho)): the flanks at the valleys expand towards the pins, which recede by their play in the
     sockets. Errors of the parts are not included.
@@ -147,7 +148,9 @@ def jam_difference(design: Design) -> float:
 
 
 def tooth_play(design: Design) -> float:
-    """Compute the radial play between disc and ring at the temperatures of ``[thermal]`` [m]; negative if they jam.
+    """Compute the radial play [m] between disc and ring at the temperatures of ``[thermal]``; negative if they jam.
+
+    At equal temperatures and materials it is the play of `jam_difference`.
 
     It is that of `jam_difference`, for any temperatures and materials.
     """

@@ -55,7 +55,7 @@ class HertzContact:
 
 
 def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
-    """Share the load torque T: F_i = -T l_i / sum l^2 [N] for the contacts that can push against it, else 0.
+    """Share a torque among equally stiff contacts: F_i = -T l_i / sum l^2 [N] (..., n), 0 for those that cannot push.
 
     `arms` (..., n) [m] as in `LoadSharing`, `torque` (...) [N m], counter-clockwise on the gear.
     """
@@ -67,7 +67,9 @@ def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
 
 
 def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: npt.ArrayLike) -> LoadSharing:
-    """Share the load between the N pins, in the order of `profile.pin_angles`, with the eccentric's reaction.
+    """Share a torque on the gear among the N pins, and compute the reaction of the eccentric.
+
+    Pins are in the order of `profile.pin_angles`.
 
     `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...).
     """
@@ -75,11 +77,11 @@ def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: np
     zeta = profile.pin_angles(gear)
     B = zeta + theta[..., np.newaxis]
     normals = profile.unit(zeta - profile.conjugate_alpha(gear, B))
-    return _sharing(profile.moment_arm(gear, B), normals, torque, theta)
+    return _balance_gear(profile.moment_arm(gear, B), normals, torque, theta)
 
 
 def ideal_internal_gear_load_sharing(gear: CycloidGear, torque: float, crank_angle: float) -> LoadSharing:
-    """Share a load torque on the gear between its contacts with the double-enveloping internal gear.
+    """Share a torque on the gear among its contacts with an internal gear, and compute the eccentric's reaction.
 
     The arrays contain first the contacts with the N arcs, in the order of `envelope.arc_contacts`, then those with the
     curve Sigma that joins the arcs, in the order of `envelope.sigma_contacts`. All contacts are equally stiff. `torque`
@@ -88,7 +90,7 @@ def ideal_internal_gear_load_sharing(gear: CycloidGear, torque: float, crank_ang
     contacts = envelope.arc_contacts(gear, crank_angle), envelope.sigma_contacts(gear, crank_angle)
     arms = profile.moment_arm(gear, np.concatenate([part.B for part in contacts]))
     gear_normals = -np.concatenate([part.normals for part in contacts])
-    return _sharing(arms, gear_normals, np.asarray(torque, float), np.asarray(crank_angle, float))
+    return _balance_gear(arms, gear_normals, np.asarray(torque, float), np.asarray(crank_angle, float))
 
 
 def ideal_output_forces(
@@ -99,7 +101,7 @@ def ideal_output_forces(
     crank_angle: npt.ArrayLike,
     phase: float = 0.0,
 ) -> Array:
-    """Share the load between the output pins; each force [N] (..., pins) pushes the gear inwards along the eccentric.
+    """Share a torque on the gear among the output pins; return their forces (..., pins) [N] along the eccentric.
 
     A pin lies in its hole at -c along the eccentric, so all push the same way, with the arm r sin(angle from the
     eccentric to the hole) about the gear centre. `pins` on `pin_circle_radius` r [m], the first on +y at crank angle 0,
@@ -116,7 +118,7 @@ def ideal_output_forces(
 def cam_force(
     ring: LoadSharing, output_forces: npt.ArrayLike, crank_angle: npt.ArrayLike, body_force: npt.ArrayLike = (0.0, 0.0)
 ) -> Array:
-    """Full force of the cam on the gear [N], (..., 2): it balances the ring, the output pins and the gear's own forces.
+    """Compute the force of the cam on the gear (..., 2) [N] that balances ring, output pins and the gear's own forces.
 
     `ring` as shared at `crank_angle` [rad] (...), `output_forces` [N] (..., pins) of `ideal_output_forces`, and
     `body_force` [N] (..., 2) on the gear's centre: its weight and, turned round, its mass times acceleration.
@@ -140,7 +142,7 @@ def contact_modulus(
 def hertz_line_contact(
     force: npt.ArrayLike, length: npt.ArrayLike, relative_curvature: npt.ArrayLike, modulus: float
 ) -> HertzContact:
-    """Hertz line contact: b = 2 sqrt(F / (pi L kappa E*)), p0 = sqrt(F kappa E* / (pi L)).
+    """Compute Hertz's line contact: b = 2 sqrt(F / (pi L kappa E*)), p0 = sqrt(F kappa E* / (pi L)).
 
     `force` F >= 0 [N] over the contact `length` L [m], `relative_curvature` kappa [1/m] (the sum of both bodies',
     convex positive), `modulus` E* [Pa] of `contact_modulus`.
@@ -176,11 +178,11 @@ def palmgren_stiffness(force: npt.ArrayLike, length: npt.ArrayLike) -> Array:
 
 
 def line_contact_constant(force: float, length: float, modulus: float, depth: float) -> float:
-    """Constant a in the compliance factor a + ln kappa of a line contact, 2 ln(4 D/b) - 1 with Hertz's b.
+    """Compute the constant a of the compliance factor a + ln kappa of a line contact: 2 ln(4 D/b) - 1 with Hertz's b.
 
     Each body's approach, from the contact to a point at the depth D, is F (1 - nu^2)/(pi E L) [2 ln(4 D/b) - 1]
-    (Johnson 1985, Contact Mechanics, section 5.6). `force` F [N] over the `length` L [m], `modulus` E* [Pa], `depth`
-    D [m], the same for both bodies.
+    (Johnson 1985, Contact Mechanics, section 5.6). `force` F [N] over the `length` L [m], `modulus` E* [Pa], `depth` D
+    [m], the same for both bodies.
     """
     b_squared_kappa = 4 * force / (math.pi * length * modulus)
     return 2 * math.log(4 * depth) - math.log(b_squared_kappa) - 1
@@ -189,7 +191,7 @@ def line_contact_constant(force: float, length: float, modulus: float, depth: fl
 def line_contact_stiffness(
     force: float, length: float, modulus: float, depth: float, relative_curvature: npt.ArrayLike
 ) -> Array:
-    """Secant stiffness pi E* L / (a + ln kappa) [N/m] of a line contact, a from `line_contact_constant`.
+    """Compute the secant stiffness pi E* L / (a + ln kappa) [N/m] of a line contact, a of `line_contact_constant`.
 
     `relative_curvature` kappa [1/m] as in `hertz_line_contact`; where b would pass 2 D/e, the bodies are conformal and
     the formula no longer holds: callers keep kappa above that.
@@ -199,7 +201,7 @@ def line_contact_stiffness(
 
 
 def conformal_stiffness(force: float, length: float, modulus: float, play: float) -> float:
-    """Secant stiffness [N/m] of a plain bearing, a shaft in a bore of nearly its own radius R.
+    """Compute the secant stiffness [N/m] of a plain bearing: a shaft in a bore of nearly its own radius R.
 
     The bore is an elastic bed as thick as the radius (assumed; Winkler's foundation, Johnson 1985, section 4.3): its
     pressure is E*/R times its depth. A shaft that is displaced by x = `play` + d is x cos(theta) - play deep up to the
@@ -222,8 +224,11 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
     return float(force / brentq(surplus, most * 1e-9, most, xtol=1e-18, rtol=1e-12))
 
 
-def _sharing(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
-    """Share the torque and balance the gear: the eccentric balances the forces along minus the gear's normals."""
+def _balance_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
+    """Share a torque [N m] among contacts by their arms (..., n) [m], and compute the eccentric's reaction on the gear.
+
+    `gear_normals` (..., n, 2) are the outward normals of the gear at the contacts.
+    """
     forces = share_load(arms, torque)
     resultant = np.sum(forces[..., np.newaxis] * gear_normals, axis=-2)
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)

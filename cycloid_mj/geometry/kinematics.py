@@ -91,7 +91,7 @@ def gear_centre_velocity(gear: CycloidGear, crank_angle: npt.ArrayLike, crank_sp
 def gear_centre_acceleration(
     gear: CycloidGear, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike, crank_acceleration: npt.ArrayLike = 0.0
 ) -> Array:
-    """Acceleration of the gear centre, shape (..., 2) [m/s^2] (Eq. 14 corrected).
+    """Compute the acceleration of the gear's centre (..., 2) [m/s^2] (Hsieh 2014, Eq. 14 corrected).
 
     c omega_i^2 towards the axis, and c domega_i/dt along the tangent.
     """
@@ -108,11 +108,11 @@ def point_path(
     crank_acceleration: npt.ArrayLike = 0.0,
     turning: bool = True,
 ) -> PointPath:
-    """Motion of the gear point q = (q_x, q_y) [m], in the gear frame (Eqs 16, 17, 19 corrected).
+    """Compute position, velocity and acceleration of a point q = (q_x, q_y) [m] of the gear (Eqs 16, 17, 19 corrected).
 
     A gear that is not `turning`, as its carrier is fixed, has all its points on circles of the radius c. The origin is
-    that of Eq. 16, the *initial* gear centre: add (0, c) for positions from the reducer's axis.
-    `crank_angle` [rad], `crank_speed` [rad/s] and `crank_acceleration` [rad/s^2] broadcast to the shape (...).
+    that of Eq. 16, the *initial* gear centre: add (0, c) for positions from the reducer's axis. `crank_angle` [rad],
+    `crank_speed` [rad/s] and `crank_acceleration` [rad/s^2] broadcast to the shape (...).
     """
     theta, speed, acceleration = np.broadcast_arrays(crank_angle, crank_speed, crank_acceleration)
     if not turning:
@@ -136,11 +136,11 @@ def point_path(
     )
 
 
-def carried_point(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
-    """Compute place [m] and velocity [m/s] of a body's point q = (q_x, q_y) [m], in its frame, each (n, 2).
+def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
+    """Compute position [m] and velocity [m/s] of a point q = (q_x, q_y) [m] of a body, in its frame, each (n, 2).
 
-    r = p + R q and v = dp/dt + w x R q of a body at `pose` (x, y [m], turn [rad]) in `motion` (their rates), each
-    (n, 3).
+    r = p + R q and v = dp/dt + w x R q of a body at `pose` (x, y [m], turn [rad]) in `motion` (their rates), each (n,
+    3).
     """
     (q_x, q_y), cos, sin = np.asarray(q, float), np.cos(pose[:, 2]), np.sin(pose[:, 2])
     x, y, spin = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
@@ -162,11 +162,11 @@ def point_acceleration(
     crank_speed: npt.ArrayLike,
     crank_acceleration: npt.ArrayLike = 0.0,
 ) -> Array:
-    """Size of the acceleration of the gear point q, shape (...) [m/s^2] (Eq. 20 corrected).
+    """Compute the magnitude of the acceleration (...) [m/s^2] of a point q of the gear (Eq. 20 corrected).
 
-    With r the position by zeta: |r'' (dzeta/dt)^2 + r' d2zeta/dt2|, where
-    |r''|^2 = c^2 (N-1)^4 + q^2 + 2 c (N-1)^2 (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and
-    r' . r'' = c N (N-1) (q_x cos N zeta + q_y sin N zeta).
+    With r the position by zeta: |r'' (dzeta/dt)^2 + r' d2zeta/dt2|, where |r''|^2 = c^2 (N-1)^4 + q^2 + 2 c (N-1)^2
+    (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and r' . r'' = c N (N-1) (q_x cos N zeta + q_y sin N
+    zeta).
     """
     N, c = gear.ring_teeth, gear.eccentricity
     q_x, q_y = np.asarray(q, float)

@@ -80,7 +80,7 @@ class MeasuredProfile:
 
     @property
     def words(self) -> str:
-        """Number of points, mean, waves and alignment, for reports."""
+        """Sentence for reports: number of points, mean, waves, residual and alignment."""
         waves = f"waves up to order {len(self.waves)}" if len(self.waves) else "no waves"
         mean, left_out = round(1e6 * self.mean, 4), round(1e6 * self.left_out, 4)
         text = f"{self.points} points, mean {mean:g} um, {waves}, {left_out:g} um rms left out"
@@ -104,7 +104,10 @@ class MeasuredDeviations:
 
 
 def measurement_notes(design: Design) -> tuple[str, ...]:
-    """Describe the measurements of a design's parts, a sentence each; errors as in `measured_profile`."""
+    """Describe the measured gear and pins of a design, a sentence each; empty if nothing is measured.
+
+    Errors are those of `measured_profile`.
+    """
     gear, measured = measured_profile(design), design.measured
     pins = f"{len(measured.pins_radial)} pins" if measured.pins_radial else ""
     described = {"gear": gear.words if gear else "", "pins": pins}
@@ -121,20 +124,20 @@ def part_notes(design: Design) -> tuple[str, ...]:
 
 
 def measured_deviations(design: Design) -> MeasuredDeviations:
-    """Compute the measured deviations of a design's parts; errors as in `measured_profile`."""
+    """Compute the deviations of a design's parts that are measured; 0 for others. Errors as in `measured_profile`."""
     measured, teeth = design.measured, design.ring.teeth
-    place, radius = np.zeros((teeth, 2)), np.zeros(teeth)
+    position, radius = np.zeros((teeth, 2)), np.zeros(teeth)
     if measured.pins_radial:
         angles = 2.0 * np.pi * np.arange(teeth) / teeth
-        place += np.array(measured.pins_radial)[:, np.newaxis] * profile.unit(angles)
-        place += np.array(measured.pins_tangential)[:, np.newaxis] * profile.unit(angles + 0.5 * np.pi)
+        position += np.array(measured.pins_radial)[:, np.newaxis] * profile.unit(angles)
+        position += np.array(measured.pins_tangential)[:, np.newaxis] * profile.unit(angles + 0.5 * np.pi)
         radius += measured.pins_radius
     gear = measured_profile(design)
-    return MeasuredDeviations(place, radius, gear.mean if gear else 0.0, gear.waves if gear else np.zeros((0, 2)))
+    return MeasuredDeviations(position, radius, gear.mean if gear else 0.0, gear.waves if gear else np.zeros((0, 2)))
 
 
 def measured_profile(design: Design) -> MeasuredProfile | None:
-    """Return the measured profile of the discs of a design; None if it is not measured.
+    """Fit mean and waves to the measured profile of a design's discs; None if it is not measured.
 
     Raises
     ------
@@ -144,12 +147,12 @@ def measured_profile(design: Design) -> MeasuredProfile | None:
     measured = design.measured
     if not (measured.gear_angle or measured.gear_x):
         return None
-    return _fit(measured, gear_profile(design), profile_offset(design))
+    return _fit_profile(measured, gear_profile(design), profile_offset(design))
 
 
 @lru_cache(maxsize=8)
-def _fit(measured: Measured, gear: CycloidGear, offset: float) -> MeasuredProfile:
-    """Fit waves to a measured profile, whose drawing is the parallel of a trochoid at an `offset` [m]."""
+def _fit_profile(measured: Measured, gear: CycloidGear, offset: float) -> MeasuredProfile:
+    """Fit mean and waves to a measured profile whose nominal shape is the parallel of a trochoid at an `offset` [m]."""
     profile.require_no_undercut(gear, offset)
     if measured.gear_x:
         points = np.stack([measured.gear_x, measured.gear_y], axis=1)
@@ -161,7 +164,7 @@ def _fit(measured: Measured, gear: CycloidGear, offset: float) -> MeasuredProfil
 
 
 def parameters_at(gear: CycloidGear, offset: float, angles: Array) -> Array:
-    """Compute the parameters t [rad] of the points of an outline at angles [rad], clockwise from +y about its centre.
+    """Compute the trochoid parameters t [rad] of the points of an outline at polar angles [rad], clockwise from +y.
 
     The polar angle is a monotone function of t; it is inverted by linear interpolation.
     """
@@ -172,10 +175,11 @@ def parameters_at(gear: CycloidGear, offset: float, angles: Array) -> Array:
 
 
 def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array, Alignment]:
-    """Align measured points (n, 2) [m] with an outline; return parameters t [rad], deviations [m] and alignment.
+    """Align measured points (n, 2) [m] with an outline by least squares, in position and rotation.
 
-    Least squares of the deviations from their mean, by Gauss-Newton steps in position and rotation with new foot
-    points in each. The rotation is at most half a pitch, as lobes are alike.
+    Returns parameters t (n,) [rad] of their foot points, deviations (n,) [m] along the outward normals, and the
+    alignment. The deviations from their mean are minimised by Gauss-Newton steps with new foot points in each. The
+    rotation is at most half a pitch, as lobes are alike.
     """
     from scipy.linalg import lstsq
     from scipy.spatial import cKDTree
@@ -186,8 +190,8 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
     for _ in range(FIT.steps):
         local = _rotate(points - centre, rotation)
         foot = _foot_points(gear, offset, local, t[nearest.query(local)[1]])
-        normals, here = profile.normals(gear, foot), profile.outline(gear, foot, offset)
-        deviation = np.sum((local - here) * normals, axis=1)
+        normals, foot_points = profile.normals(gear, foot), profile.outline(gear, foot, offset)
+        deviation = np.sum((local - foot_points) * normals, axis=1)
         # a counter-clockwise rotation of the points moves them by (-y, x)
         lever = np.sum(np.stack([-local[:, 1], local[:, 0]], axis=1) * normals, axis=1)
         reach = gear.pin_circle_radius
@@ -199,13 +203,13 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
     return foot, deviation, Alignment(float(centre[0]), float(centre[1]), float(rotation))
 
 
-def fit_waves(t: Array, deviation: Array, highest: int, alignment: Alignment | None) -> MeasuredProfile:
-    """Fit a mean and waves to outward deviations [m] at parameters t [rad], by weighted least squares.
+def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment | None) -> MeasuredProfile:
+    """Fit a mean and waves to outward deviations (n,) [m] at parameters t (n,) [rad], by weighted least squares.
 
     A point's weight is the length of t that is nearest to it, because contacts pass t evenly. The highest order is at
     most that which the largest gap between the points determines: less than pi over the gap (Gröchenig 1992,
-    "Reconstruction algorithms in irregular sampling"). Highest orders with an rms below
-    `ProfileFitSettings.tail` are left out.
+    "Reconstruction algorithms in irregular sampling"). Highest orders with an rms below `ProfileFitSettings.tail` are
+    left out.
     """
     from scipy.linalg import lstsq
 
@@ -213,21 +217,21 @@ def fit_waves(t: Array, deviation: Array, highest: int, alignment: Alignment | N
     gaps = np.diff(t[order], append=t[order[0]] + 2.0 * np.pi)
     weights = np.empty(t.size)
     weights[order] = (gaps + np.roll(gaps, 1)) / (4.0 * np.pi)
-    orders = np.arange(1, min(highest, math.ceil(np.pi / gaps.max() * (1.0 - ROUNDING)) - 1) + 1)
+    orders = np.arange(1, min(max_order, math.ceil(np.pi / gaps.max() * (1.0 - ROUNDING)) - 1) + 1)
     turns, root = np.outer(t, orders), np.sqrt(weights)
     basis = np.concatenate([np.ones((t.size, 1)), np.cos(turns), np.sin(turns)], axis=1)
     solution = lstsq(root[:, np.newaxis] * basis, root * deviation, lapack_driver="gelsy")[0]
     cosines, sines = np.split(solution[1:], 2)
     tail = np.cumsum((cosines**2 + sines**2)[::-1] / 2.0)[::-1]
     count = int(np.sum(tail > FIT.tail**2))
-    kept = np.concatenate([[True], orders <= count, orders <= count])
-    left_out = math.sqrt(weights @ (deviation - basis[:, kept] @ solution[kept]) ** 2)
+    used = np.concatenate([[True], orders <= count, orders <= count])
+    left_out = math.sqrt(weights @ (deviation - basis[:, used] @ solution[used]) ** 2)
     waves = -np.stack([cosines, sines], axis=1)[:count]
     return MeasuredProfile(float(solution[0]), waves, t.size, left_out, alignment)
 
 
 def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
-    """Estimate centre [m] and clockwise rotation [rad] of points: their circle, and the phase of their lobes."""
+    """Estimate centre (2,) [m] and clockwise rotation [rad] of points: a circle fit (Kasa 1976), the lobes' phase."""
     from scipy.linalg import lstsq
 
     x, y = points.T
@@ -241,7 +245,7 @@ def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
 
 
 def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> Array:
-    """Compute the parameters of the foot points of `points` on an outline by Newton steps from nearby ones."""
+    """Compute parameters t (n,) [rad] of the foot points of `points` (n, 2) [m] on an outline, by Newton from `t`."""
     for _ in range(4):  # quadratic, from a 400th of a lobe
         away = points - profile.outline(gear, t, offset)
         normals, rate = profile.normals(gear, t), profile.arc_rate(gear, t, offset)

@@ -60,14 +60,15 @@ def profile_offset(design: Design) -> float:
 
 
 def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
-    """Compute the ends of the flanks of a profile at `offset` [m] from its trochoid, turned by `rotation` >= 0 [rad].
+    """Compute where the flanks of a profile end that are rotated by `rotation` >= 0 [rad] towards the lobe's middle.
 
-    The point of the unturned flank that comes to lie in the middle is at the polar angle of the middle less `rotation`.
+    The profile is at `offset` [m] from its trochoid. The point of the unrotated flank that comes to lie in the middle
+    is at the polar angle of the middle less `rotation`.
 
     Raises
     ------
     DesignError
-        The turn leaves nothing of the lobes.
+        The rotation leaves nothing of the lobes.
     """
     half_pitch = np.pi / gear.lobes
     if rotation >= half_pitch / 2:
@@ -88,8 +89,8 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
     return FlankEnds(float(before[0]), float(radius[0]), float(before[1]), float(radius[1]))
 
 
-def sample_turned(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:
-    """Compute the outline of the gear with turned flanks, (n, 2) [m], clockwise from the valley on +y.
+def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:
+    """Compute the outline of a gear with rotated flanks as a polygon (n, 2) [m], clockwise from the valley on +y.
 
     Its chords leave the flanks by at most `chord_error` [m]; every lobe is the same, and the corners are points of it.
     """

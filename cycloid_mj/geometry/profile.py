@@ -48,7 +48,7 @@ class CycloidGear:
     pin_radius: float
 
     def __post_init__(self) -> None:
-        """Check that the numbers define a profile without loops."""
+        """Raise DesignError unless the dimensions define a profile without loops."""
         if self.ring_teeth < 3:
             raise DesignError(
                 f"the number of ring teeth is {self.ring_teeth}, but at least 3 are needed: increase ring_teeth"
@@ -151,10 +151,10 @@ def conjugate_alpha(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def conjugate_point(gear: CycloidGear, pin_angle: npt.ArrayLike, crank_angle_cw: npt.ArrayLike) -> ConjugatePoint:
-    """Contact of a pin and the gear (Eq. 2 with alpha - zeta, Eq. 7).
+    """Compute the contact point of a pin and the gear (Hsieh 2014, Eq. 2 with alpha - zeta, Eq. 7).
 
-    `pin_angle` zeta and `crank_angle_cw` phi_1 [rad] are both clockwise from +y; a counter-clockwise crank angle
-    theta is phi_1 = -theta.
+    `pin_angle` zeta and `crank_angle_cw` phi_1 [rad] are both clockwise from +y; a counter-clockwise crank angle theta
+    is phi_1 = -theta.
     """
     N, c, E, rho = gear.symbols
     zeta, phi = np.asarray(pin_angle, float), np.asarray(crank_angle_cw, float)
@@ -196,7 +196,7 @@ def outline(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) ->
 
 
 def curvature(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
-    """Signed curvature of the outline [1/m]: positive on the convex lobe tips, negative in the valleys.
+    """Compute the signed curvature of the outline [1/m] at t [rad]: positive on the lobes' tips, negative in valleys.
 
     1/R with R = l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] - offset.
     """
@@ -232,7 +232,7 @@ def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
 
 
 def complete_elliptic(m: float) -> float:
-    """Compute the complete elliptic integral of the second kind of the parameter m, by arithmetic-geometric means."""
+    """Compute the complete elliptic integral of the second kind E(m) by arithmetic-geometric means."""
     mean, other = 1.0, math.sqrt(1.0 - m)
     weight, lost = 0.5, m / 2.0
     while (half := (mean - other) / 2.0) > 1e-9 * mean:
@@ -243,10 +243,10 @@ def complete_elliptic(m: float) -> float:
 
 
 def incomplete_elliptic(phi: npt.ArrayLike, m: float) -> Array:
-    """Compute the incomplete elliptic integral of the second kind of angles [rad] and the parameter m, shape (...).
+    """Compute the incomplete elliptic integral of the second kind E(phi | m) of angles phi (...) [rad], shape (...).
 
-    By arithmetic-geometric means and descending Landen transformations (Abramowitz & Stegun, 17.6.8 to 17.6.10). To
-    import SciPy's takes longer than most of what it is used for.
+    It uses arithmetic-geometric means and descending Landen transformations (Abramowitz & Stegun, 17.6.8 to 17.6.10),
+    because importing SciPy takes longer than most of its uses.
     """
     angle, doubled = np.array(phi, float), 1.0
     mean, other = 1.0, math.sqrt(1.0 - m)
@@ -293,10 +293,10 @@ def inflection_phase(gear: CycloidGear) -> float:
 
 
 def undercut_radius(gear: CycloidGear) -> float:
-    """Smallest convex radius of curvature of the trochoid [m], the limit for rho; always finite.
+    """Compute the smallest convex radius of curvature of the trochoid [m], the limit of rho; always finite.
 
-    l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] is stationary at B = 0, B = pi and, where that is a cosine, at
-    cos B = 3 (E^2 + c^2 N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N).
+    l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] is stationary at B = 0, B = pi and, where that is a cosine, at cos B = 3
+    (E^2 + c^2 N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N).
     """
     N, c, E, _ = gear.symbols
     inner = 3 * (E**2 + c**2 * N**3) / (E * c * N * (N + 1)) - (E**2 + (c * N) ** 2) / (E * c * N)
@@ -317,7 +317,7 @@ def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
 
 
 def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outline:
-    """Outline of `points` >= 3 points equally spaced by arc length, from the valley on +y, clockwise.
+    """Compute `points` >= 3 points of the outline, equally spaced by arc length, clockwise from the valley on +y.
 
     Raises
     ------
@@ -343,10 +343,10 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
 
 @lru_cache(maxsize=16)  # what is drawn of a drive shares its profile: disc, counterweight, casing
 def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
-    """Parameters t [rad] of an outline whose chords leave the curve by at most `chord_error` [m]; every lobe the same.
+    """Compute few parameters t [rad] of an outline whose chords deviate by at most `chord_error` [m].
 
-    They are few: each half lobe is cut at its inflection, so that each chord spans a purely concave or convex arc. The
-    array is kept, and cannot be written.
+    All lobes have the same. Each half lobe is cut at its inflection, so that a chord spans a purely concave or convex
+    arc. The array is cached and read-only.
     """
     require_no_undercut(gear, offset)
     flank = SmoothArc(
@@ -380,7 +380,7 @@ class SmoothArc:
 
 
 def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -> Array:
-    """Parameters from `low` to `high` whose chords deviate nearly equally, and at most `chord_error` [m], from `arc`.
+    """Compute parameters from `low` to `high` whose chords deviate about equally from `arc`, at most `chord_error`.
 
     Chords of equal sagitta have equal shares of the integral of sqrt(|curvature|) ds.
 
@@ -412,7 +412,7 @@ def solve_monotone(
     low: npt.ArrayLike,
     high: npt.ArrayLike,
 ) -> Array:
-    """Roots of function(x) = target in [low, high], elementwise, by Newton steps kept inside a shrinking bracket.
+    """Solve function(x) = target in [low, high], elementwise, by Newton steps kept inside a shrinking bracket.
 
     `function` must be monotone between `low` and `high`; for a target beyond its range, the nearer end.
     """
@@ -444,7 +444,7 @@ def _bend(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
-    """Return the outline at trochoid parameters t [rad]."""
+    """Return points, normals and curvature of the outline at trochoid parameters t [rad]."""
     return Outline(
         t=t,
         points=outline(gear, t, offset),
@@ -455,7 +455,10 @@ def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
 
 
 def _sagittas(arc: SmoothArc, nodes: Array) -> Array:
-    """Largest distance [m] of each chord from its arc: where the arc's tangent is parallel to the chord."""
+    """Compute the largest distance (n - 1,) [m] of each chord between nodes (n,) from its arc.
+
+    It is where the tangent of the arc is parallel to the chord.
+    """
     points, angles = arc.points(nodes), arc.normal_angle(nodes)
     dx, dy = np.diff(points, axis=0).T
     middle = (angles[:-1] + angles[1:]) / 2

@@ -63,7 +63,7 @@ class RvKinematics:
 
     @property
     def orders(self) -> dict[str, Fraction]:
-        """Orders of periodic errors per turn of the output, as seen from ring and carrier."""
+        """Orders of periodic errors per turn of the output, as seen from ring and carrier, by their source."""
         ring, bearing = abs(self.crank_per_carrier), self.bearing_turns
         return {
             "output": Fraction(1),
@@ -77,7 +77,7 @@ class RvKinematics:
 
 
 def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
-    """Return by how much the worst of identical planets on equal angles misses its mesh [tooth pitches]; 0: all mesh.
+    """Compute by how many tooth pitches the worst of identical planets at equal angles misses its mesh; 0: all mesh.
 
     Without a ring gear, planet i has to be turned on its crank by the fraction of i (z_s + z_p)/n pitches. All mesh if
     n divides z_s + z_p.
@@ -86,8 +86,8 @@ def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
     return max(min(part, 1 - part) for part in clocked)
 
 
-def closing_planet_teeth(sun_teeth: int, planet_teeth: int, count: int) -> tuple[int, ...]:
-    """Return the numbers of planet teeth on either side of `planet_teeth` with which all planets mesh, nearest first.
+def meshing_planet_teeth(sun_teeth: int, planet_teeth: int, count: int) -> tuple[int, ...]:
+    """Return the planet tooth numbers on either side of `planet_teeth` with which all planets mesh, nearest first.
 
     The nearest comes first, the larger of two that are as near.
     """
@@ -113,10 +113,10 @@ def are_one_part(pins: int, lobes: int, discs: int, cranks: int) -> bool:
 
 
 def flip_clockings(pins: int, lobes: int, cranks: int) -> tuple[Fraction, ...]:
-    """Return the angles from a lobe's axis to bore 1 with which one of two discs is the other, flipped [lobe pitches].
+    """Return the angles from a lobe's axis to bore 1 at which a disc is the other disc, flipped [lobe pitches].
 
-    A flip about the axis through bore 1 changes the sign of its distance q from the lobe: q has to solve
-    -q + j lobes/n = q + k/2 (modulo 1) for a step j of the bores.
+    A flip about the axis through bore 1 changes the sign of its distance q from the lobe: q has to solve -q + j lobes/n
+    = q + k/2 (modulo 1) for a step j of the bores.
     """
     needed = disc_clocking(pins, lobes, 2, 1)
     doubled = {(Fraction(lobes * step, cranks) - needed) % 1 for step in range(cranks)}
@@ -158,7 +158,7 @@ def contact_ratio(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> f
 
 
 def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> float:
-    """Compute the loss factor H_v of a spur gear mesh [1]: its lost power is H_v mu times the transmitted power.
+    """Compute the loss factor H_v of a spur gear mesh [1]: the power loss is H_v mu times the transmitted power.
 
     ISO/TR 14179-2, equation (31): pi (u + 1)/(z_1 u) (1 - epsilon_alpha + epsilon_1^2 + epsilon_2^2), for full-depth
     teeth.
@@ -170,7 +170,7 @@ def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -
 
 
 def _tip_contact_ratios(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> tuple[float, float]:
-    """Return the contact ratios of the tips of both gears [1], from the pitch point on."""
+    """Compute the contact ratios of the tips of sun and planet [1], counted from the pitch point."""
 
     def of_tip(teeth: int) -> float:
         tip_angle = math.acos(teeth * math.cos(pressure_angle) / (teeth + 2.0))

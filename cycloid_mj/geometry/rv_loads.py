@@ -87,7 +87,7 @@ class IdealRvLoads:
 
 
 def ideal_rv_loads(stage: RvStage, torque: float, crank: npt.ArrayLike, floating_sun: bool = False) -> IdealRvLoads:
-    """Compute the forces under a torque on the carrier [N m] at crank angles (m,) [rad].
+    """Compute the ideal forces in an RV reducer under a torque on the carrier [N m] at crank angles (m,) [rad].
 
     The torque on the ring, T (R - 1)/R, is shared equally by the discs, and by the pins of each as
     `ideal_loads.share_load` does. Equally stiff crank bearings then have the crank forces of least squares that balance
@@ -111,7 +111,7 @@ def ideal_rv_loads(stage: RvStage, torque: float, crank: npt.ArrayLike, floating
 
 
 def _crank_forces(stage: RvStage, crank: Array, force: Array, moment: float, floating_sun: bool) -> Array:
-    """Return the crank forces of least squares (m, D, n, 2) that balance a force (m, D, 2) and a moment on discs."""
+    """Compute least-squares crank forces (m, D, n, 2) [N] that balance a force (m, D, 2) and a moment on each disc."""
     places, eccentrics = stage.crank_places(crank), stage.eccentrics(crank)
     (count, discs, _), cranks = force.shape, stage.cranks
     rows = 3 * discs + (cranks - 1) * floating_sun
@@ -133,8 +133,8 @@ def mean_force(forces: Array) -> float:
     return float(np.mean(np.asarray(forces) ** ROLLER_EXPONENT) ** (1.0 / ROLLER_EXPONENT))
 
 
-def closed_stiffness(stage: RvStage, bearing: float, tooth: float) -> float:
-    """Compute the torsional stiffness of the carrier against the ring [N m/rad], sun and ring fixed.
+def closed_form_stiffness(stage: RvStage, bearing: float, tooth: float) -> float:
+    """Compute the torsional stiffness [N m/rad] of the carrier against the ring in closed form, sun and ring fixed.
 
     The compliances of the crank bearings (turn, tangential and radial to the eccentric) and of the teeth add up, each
     as the square of the force per unit torque over its stiffness.
@@ -163,8 +163,8 @@ def closed_stiffness(stage: RvStage, bearing: float, tooth: float) -> float:
     return float(1.0 / compliance)
 
 
-def closed_error(stage: RvStage, crank: npt.ArrayLike, phase_error: Array, misfit: Array) -> Array:
-    """Compute the error of the carrier's angle [rad], shape (m,), with ring and sun fixed, without clearance.
+def closed_form_error(stage: RvStage, crank: npt.ArrayLike, phase_error: Array, misfit: Array) -> Array:
+    """Compute the error of the carrier's angle (m,) [rad] in closed form, ring and sun fixed, without clearance.
 
     Yang et al. 2021, equation (30), for any errors: -(epsilon + m_t/e + lobes rho)/(lobes + 1 + z_s/z_p), with the mean
     phase error epsilon of the cranks, the mean misfit m_t across the eccentricity e, and the turn rho that the misfits

@@ -44,7 +44,7 @@ class SurfaceSpeeds:
 
 
 def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> SurfaceSpeeds:
-    """Compute the surface speeds of the disc on pins that do not turn, or on the arcs of an internal gear.
+    """Compute the surface speeds [m/s] of the disc on pins that do not turn, or on the arcs of an internal gear.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def rolling_tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float
 
 
 def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
-    """Compute the surface speeds in the seat of a rolling pin or sleeve; parameters as `tooth_speeds`.
+    """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve; parameters as in `tooth_speeds`.
 
     The pin turns as on the disc, and the load turns with the contact line: both at the seat's `radius` [m], which is
     the pin's in a socket, and that of the bore of a sleeve.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.checks import Check, Checks, check
-from cycloid_mj.checks.advice import with_tried_advice
+from cycloid_mj.checks.advice import verify_remedies
 from cycloid_mj.design import Named, override, resolve
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate, rate_at_rated_load
@@ -70,7 +70,7 @@ def check_design(design: Named) -> Checks:
     checks = check(reducer.design)
     if isinstance(reducer, RvReducer):
         return checks
-    checks = with_tried_advice(reducer, checks)
+    checks = verify_remedies(reducer, checks)
     return checks if checks.failures else Checks((*checks, *life_checks(reducer)))
 
 

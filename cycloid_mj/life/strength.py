@@ -8,7 +8,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import family
-from cycloid_mj.checks.strength import Wall, walls
+from cycloid_mj.checks.strength import Wall, list_walls
 from cycloid_mj.life.fatigue import Fatigue, Stress, endurance_limit, notch_factor
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, bending_moment
@@ -46,7 +46,7 @@ def rate_strength(
     studied = {part: known for part, known in (ranges or {}).items() if family(part) in STUDIED}
     for part, stress_range in studied.items():
         yield _rate_by_study(reducer, part, stress_range, torque)
-    for wall in walls(reducer):
+    for wall in list_walls(reducer):
         if HOLED[wall.part] not in map(family, studied):
             yield _rate_wall(reducer, wall, worst)
 

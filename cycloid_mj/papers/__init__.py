@@ -85,11 +85,11 @@ class Paper:
 
 @cache
 def papers() -> tuple[Paper, ...]:
-    """Load the papers that are installed, by name; one with a fault is left out with a warning."""
+    """Load the installed papers by name; one that cannot be loaded is left out with a warning."""
     installed: dict[str, Paper] = {}
     points = {point.name: point for point in entry_points(group=GROUP)}
     for name in sorted(points):
-        paper = _answer(name, "ignored", partial(_load_paper, points[name], installed))
+        paper = _call_paper(name, "ignored", partial(_load_paper, points[name], installed))
         installed |= {paper.key: paper} if paper else {}
     return tuple(installed.values())
 
@@ -99,10 +99,10 @@ def published_torques(reducer: "Reducer") -> "list[Published]":
     return [torque for _, torques in _answers(lambda paper: list(paper.torques(reducer.design))) for torque in torques]
 
 
-def judged_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
-    """Answer the question of a paper by the runs of a comparison; nothing where no paper asks one.
+def judge_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
+    """Return the answer of the first paper that judges the runs of a comparison; empty if none does.
 
-    `varied` is what was varied -> the same runs with it.
+    `trials` are the runs; `varied` has, for each thing that was varied, the same runs with it.
     """
     for _, judged in _answers(lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None):
         if judged:
@@ -127,25 +127,28 @@ def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim
 def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
     """Ask every paper; one that fails is passed over with a warning."""
     for paper in papers():
-        answer = _answer(paper.key, "passed over", partial(ask, paper))
+        answer = _call_paper(paper.key, "passed over", partial(ask, paper))
         if answer is not None:
             yield paper, answer
 
 
-def _answer(name: str, instead: str, ask: Callable[[], Answer]) -> Answer | None:
-    """Ask a paper, whose code is not ours: whatever is wrong with it, the commands shall run."""
+def _call_paper(name: str, consequence: str, call: Callable[[], Answer]) -> Answer | None:
+    """Call a function of a paper; return None and warn if it raises any error, as its code is not ours.
+
+    `name` is the paper's; `consequence` says in the warning what happens to it.
+    """
     try:
         with redirect_stdout(sys.stderr):  # results alone go to stdout
-            return ask()
+            return call()
     except (Exception, SystemExit) as problem:
         reason = " ".join(f"{problem}".split()) or type(problem).__name__
         reason = f"it ends the program ({reason})" if isinstance(problem, SystemExit) else reason
-        warn(f"paper {name}", [f"{instead}: {reason}"])
+        warn(f"paper {name}", [f"{consequence}: {reason}"])
         return None
 
 
-def _load_paper(point: EntryPoint, taken: Container[str]) -> Paper:
-    """Load a paper and its command; raise any exception where either is not to be used."""
+def _load_paper(point: EntryPoint, existing: Container[str]) -> Paper:
+    """Load a paper and its command from an entry point; raise an exception if either is invalid."""
     try:
         paper = point.load()
     except Exception as problem:
@@ -154,7 +157,7 @@ def _load_paper(point: EntryPoint, taken: Container[str]) -> Paper:
         raise TypeError(f"{point.value} is not a Paper but of type {type(paper).__name__}")
     if not isinstance(paper.key, str) or not re.fullmatch(r"[A-Za-z0-9][\w.-]*", paper.key):
         raise ValueError(f"its key {paper.key!r} is not a valid command name")
-    if paper.key in taken:
+    if paper.key in existing:
         raise ValueError(f"its key {paper.key!r} is taken by another paper")
     if not isinstance(paper.command, str) or not re.fullmatch(r"[\w.]+:[\w.]+", paper.command):
         raise ValueError(f"its command {paper.command!r} is not written as module:function")

@@ -10,7 +10,7 @@ from cycloid_mj.geometry.modification import (
     flank_ends,
     gear_profile,
     profile_offset,
-    sample_turned,
+    sample_rotated_flanks,
     tooth_profile,
 )
 from cycloid_mj.parts.accuracy import RELATIVE_ROUNDING, drawing_error
@@ -116,7 +116,7 @@ def gear_outline(reducer: Reducer, chord_error: float) -> Array:
     """
     teeth, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     if rotation:
-        return sample_turned(teeth, chord_error, offset, rotation)
+        return sample_rotated_flanks(teeth, chord_error, offset, rotation)
     return profile.outline(teeth, profile.sagitta_parameters(teeth, chord_error, offset), offset)
 
 

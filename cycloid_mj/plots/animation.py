@@ -20,7 +20,7 @@ from cycloid_mj.plots.movie import write_movie
 from cycloid_mj.plots.stage import AnimatedFigure, Script, create_stage, update_stage
 from cycloid_mj.plots.style import with_style
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
+from cycloid_mj.reducer.member import view_columns_from_ring, view_from_ring
 from cycloid_mj.scene import contact_forces, drawn_radii, ideal_forces, magnify_gaps, measure_gaps
 
 Image = npt.NDArray[np.uint8]
@@ -146,7 +146,7 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
         )
     motion = samples.motion
     columns = {name: values[samples.rows] for name, values in motion.run.columns.items()}
-    reducer, in_ring = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.reducer, columns)
+    reducer, in_ring = Reducer(view_from_ring(motion.design)), view_columns_from_ring(motion.reducer, columns)
     poses = magnify_gaps(reducer, measure_gaps(reducer, in_ring, motion.disc), samples.magnification)
     script = Script(
         reducer=motion.reducer,

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from cycloid_mj.design import Design
-from cycloid_mj.geometry.contact_lines import ContactLines, contact_lines, mesh_period, pressure
+from cycloid_mj.geometry.contact_lines import ContactLines, contact_lines, mesh_period, peak_pressure
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, with_style
@@ -82,4 +82,4 @@ def _force(reducer: Reducer) -> float:
 
 def _pressure(lines: ContactLines, reducer: Reducer) -> Any:
     modulus = reducer.contacts[reducer.design.tooth_pair].modulus
-    return pressure(lines, _force(reducer), reducer.design.gear.face_width, modulus)
+    return peak_pressure(lines, _force(reducer), reducer.design.gear.face_width, modulus)

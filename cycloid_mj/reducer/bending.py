@@ -16,11 +16,11 @@ AXIAL_GAP = 1e-3
 
 
 def pin_flexibility(reducer: "Reducer") -> Array:
-    """Compute the flexibility of an output pin at the planes of the discs [m/N], shape (D, D).
+    """Compute the flexibility matrix (D, D) [m/N] of an output pin: its deflection at each disc per force on each disc.
 
     The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that support it, its
-    load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient
-    6 (1 + nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a roller the core bends.
+    load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient 6 (1 +
+    nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a roller the core bends.
     """
     design = reducer.design
     planes, gear = np.array(design.gear.disc_planes), design.gear
@@ -33,7 +33,7 @@ def pin_flexibility(reducer: "Reducer") -> Array:
 
 
 def beam_flexibility(material: Material, radius: float, arms: Array, length: float | None = None) -> Array:
-    """Compute the flexibility of a round cantilever [m/N], shape (n, n), at n distances from its root [m].
+    """Compute the flexibility matrix (n, n) [m/N] of a round cantilever at distances (n,) [m] from its root.
 
     With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
     """

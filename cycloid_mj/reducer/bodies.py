@@ -229,61 +229,61 @@ def phases(design: Design) -> tuple[float, ...]:
     return tuple(2.0 * math.pi * disc / discs for disc in range(discs))
 
 
-def are_one_part(discs: int, output_pins: int, lobes: int) -> bool:
-    """Return whether all discs are identical parts, which differ by a rotation on their holes only.
+def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
+    """Return whether all discs are identical parts, which differ only by how they are rotated on their holes.
 
-    The teeth of disc d stand d/D of a pitch further on its holes. A turn by k hole pitches brings them there where
-    k lobes/pins - d/D is whole, and multiples of lobes/pins leave as fractions those of 1/(pins/gcd(pins, lobes)). For
-    a prime D that is: D is contained more often in the number of output pins than in that of the lobes.
+    The teeth of disc d stand d/D of a pitch further on its holes. A turn by k hole pitches brings them there where k
+    lobes/pins - d/D is whole, and multiples of lobes/pins leave as fractions those of 1/(pins/gcd(pins, lobes)). For a
+    prime D that is: D is contained more often in the number of output pins than in that of the lobes.
     """
     return output_pins // math.gcd(output_pins, lobes) % discs == 0
 
 
-def mechanism(design: Design) -> Mechanism:
-    """Return the mechanism of a design."""
+def build_mechanism(design: Design) -> Mechanism:
+    """Build the mechanism of a design: its bodies, and the pairs of surfaces that mate."""
     errors, discs = deviations(design), range(design.gear.discs)
-    pins, seats = _ring(design, errors)
+    pins, seats = _ring_surfaces(design, errors)
     output = design.output
-    studs = names.all_numbered(names.OUTPUT_PIN, output.pins)
-    fixed = _surfaces_on_circle(studs, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
+    pin_names = names.all_numbered(names.OUTPUT_PIN, output.pins)
+    output_pins = _surfaces_on_circle(pin_names, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
     return Mechanism(
         design=design,
         phases=phases(design),
         bodies=tuple(_bodies(design, errors)),
         matings=(
-            *(_mesh(design, disc, pins) for disc in discs),
+            *(_tooth_mating(design, disc, pins) for disc in discs),
             *seats,
-            *(_cam(design, errors, disc) for disc in discs),
-            *(_holes(design, errors, disc, fixed) for disc in discs),
+            *(_cam_mating(design, errors, disc) for disc in discs),
+            *(_hole_mating(design, errors, disc, output_pins) for disc in discs),
         ),
     )
 
 
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
-    """Yield the bodies: the fixed member, crank, discs, output and moving pins."""
+    """Yield the bodies with their positions and joints: fixed member, crank, discs, output and moving pins."""
     axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
-    turning, holder = member_of(design).turning_and_held
+    output_body, fixed_body = member_of(design).turning_and_held
     # the ring is the housing's: where that turns it takes its pins along
-    carrier = names.HOUSING if turning == names.HOUSING else ""
-    yield Body(holder, holder, (), axis, axis)
+    carrier = names.HOUSING if output_body == names.HOUSING else ""
+    yield Body(fixed_body, fixed_body, (), axis, axis)
     yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), axis, axis)
     for disc, phase in enumerate(phases(design)):
         name, centre = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
         yield Body(name, name, names.planar_joints(name), centre, centre, design.gear.disc_planes[disc])
-    yield Body(turning, turning, (names.OUTPUT_JOINT,), axis, axis)
+    yield Body(output_body, output_body, (names.OUTPUT_JOINT,), axis, axis)
     if ring.has_pin_bodies:
-        places = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_departures(ring, errors)
+        positions = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_departures(ring, errors)
         planes = np.repeat(ring_planes(ring, design.gear.stack_width), ring.teeth).tolist()
-        for name, centre, plane in zip(names.all_numbered(names.PIN, ring.mates), places, planes, strict=True):
+        for name, centre, plane in zip(names.all_numbered(names.PIN, ring.mates), positions, planes, strict=True):
             yield Body(name, names.PIN, names.planar_joints(name), centre, axis, plane, carrier=carrier)
 
 
-def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
-    """Return the surfaces of pins or lobes that mate with the teeth, and the pairs of moving pins with their seats."""
+def _ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
+    """Return the ring's surfaces that mate with the teeth, pins or lobes, and the matings of moving pins and seats."""
     ring, clearance = design.ring, design.clearance
-    larger = np.tile(errors.pin_radius, ring.halves)
-    radius, angles, departures = ring.pin_radius + larger, _ring_angles(ring), _pin_departures(ring, errors)
-    half = socket_half_angle(design) if ring.has_sockets else math.pi
+    radius_errors = np.tile(errors.pin_radius, ring.halves)
+    radius, angles, departures = ring.pin_radius + radius_errors, _ring_angles(ring), _pin_departures(ring, errors)
+    half_angle = socket_half_angle(design) if ring.has_sockets else math.pi
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
         numbered = names.all_numbered(stem, ring.mates)
@@ -300,21 +300,21 @@ def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
     if not ring.has_pin_bodies:
         stem, role = (names.LOBE, Role.LOBE) if ring.kind == "nonpin" else (names.PIN, Role.PIN)
         # What is larger fills a socket; a sleeve's play is in its bore.
-        play = design.pin_play - larger * ring.has_sockets if ring.has_massless_pins else 0.0
+        play = design.pin_play - radius_errors * ring.has_sockets if ring.has_massless_pins else 0.0
         carried = on_housing(stem, role, radius, play)
-        return (replace(carried, half_angle=half) if ring.has_massless_pins else carried), []
+        return (replace(carried, half_angle=half_angle) if ring.has_massless_pins else carried), []
     pins = on_pins(names.PIN, Role.PIN, radius)
     if ring.has_sockets:
         sockets = on_housing(names.SOCKET, Role.OUTER, ring.pin_radius + clearance.pin_socket)
-        sockets = replace(sockets, half_angle=half)
+        sockets = replace(sockets, half_angle=half_angle)
         return pins, [Mating("pin_socket", sockets.names, pins, sockets)]
     bores = on_pins(names.SLEEVE, Role.OUTER, ring.sleeve_bore_radius)
     cores = on_housing(names.CORE, Role.INNER, ring.pin_radius - clearance.pin_sleeve - ring.sleeve_thickness)
     return pins, [Mating("pin_sleeve", bores.names, bores, cores)]
 
 
-def _mesh(design: Design, disc: int, ring: Surfaces) -> Mating:
-    """Return the teeth of a disc in the ring frame, rotated by the phase of the disc on the crank."""
+def _tooth_mating(design: Design, disc: int, ring: Surfaces) -> Mating:
+    """Return the mating of a disc's teeth with the ring; the teeth are rotated by the disc's phase on the crank."""
     teeth = Surfaces(
         names=(_of_disc(design, names.TEETH, disc),),
         bodies=(_of_disc(design, names.GEAR, disc),),
@@ -329,24 +329,24 @@ def _mesh(design: Design, disc: int, ring: Surfaces) -> Mating:
     return Mating(design.tooth_pair, pairs, teeth, ring, disc)
 
 
-def _cam(design: Design, errors: Deviations, disc: int) -> Mating:
-    """Return the pair of cam and bore of a disc."""
+def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
+    """Return the mating of the bore of a disc with its cam."""
     gear, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
     bore, cam = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
-    ahead, orbit = phases(design)[disc], design.gear.eccentricity + errors.eccentricity
+    phase, orbit = phases(design)[disc], design.gear.eccentricity + errors.eccentricity
     return Mating(
         "cam",
         (cam,),
         _surfaces_on_circle((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
         _surfaces_on_circle(
-            (cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], np.array([-ahead]), disc=disc
+            (cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], np.array([-phase]), disc=disc
         ),
         disc,
     )
 
 
-def _holes(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
-    """Return the pairs of the holes of a disc and the output `pins`."""
+def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
+    """Return the mating of the holes of a disc with the output pins."""
     output = design.output
     numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
@@ -364,21 +364,24 @@ def _surfaces_on_circle(
     numbered: tuple[str, ...],
     body: str | tuple[str, ...],
     role: Role,
-    circle: float,
+    circle_radius: float,
     radius: float | Array,
-    departure: Array | float = 0.0,
+    error: Array | float = 0.0,
     angles: Array | None = None,
     play: float | Array = 0.0,
     disc: int | None = None,
 ) -> Surfaces:
-    """Return identical surfaces around the axis on a `circle` [m], displaced by a `departure` [m], shape (n, 2).
+    """Return equal round surfaces with centres on a circle about the axis, each displaced by an error (n, 2) [m].
+
+    `numbered` are their names, `role` their shape, `radius` and `play` in metres; `angles` (n,) [rad] are clockwise
+    from +y, by default evenly spaced.
 
     They stand at clockwise `angles` from +y [rad], shape (n,), by default evenly.
     """
     count = len(numbered)
     angle = _angles(count) if angles is None else angles
     bodies = (body,) * count if isinstance(body, str) else body
-    position = circle * profile.unit(angle) + departure
+    position = circle_radius * profile.unit(angle) + error
     return Surfaces(numbered, bodies, role, angle, position, np.zeros(count) + radius, np.zeros(count) + play, disc)
 
 

@@ -124,7 +124,7 @@ class Contact:
 
     @property
     def source(self) -> Source:
-        """Source of the working force."""
+        """Source of the working force: stated, or which load it follows from."""
         design = self._reducer.design
         if getattr(design.working_force, self.kind) or design.contact.working_force:
             return "given"
@@ -170,29 +170,29 @@ class Contact:
 
     @property
     def curvature_law(self) -> CurvatureLaw:
-        """Stiffness of line contacts from material, face width, pin radius and working force; of the cam, of a roller.
+        """Stiffness of a line contact by its curvature, from material, width, pin radius and working force.
 
         Raises
         ------
         ContactError
             The working force flattens a pin beyond a line contact.
         """
-        return self._kept(Contact.curvature_law, self._curvature_law)
+        return self._kept(Contact.curvature_law, self._compute_curvature_law)
 
     @property
     def stiffness(self) -> float:
-        """Stiffness [N/m]: that of the design file, or the secant at the working force; errors as `curvature_law`.
+        """Stiffness of the pair [N/m]: that of the design file, or the secant at the working force.
 
         Of teeth it is that of a pin on a flat; in sockets, sleeves and holes it follows the relative curvature. In a
         rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck; Harris, Rolling
         Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat. A plain cam is
         `ideal_loads.conformal_stiffness`. Of the law IMPACT it is the secant of its spring, wherever the parts touch.
         """
-        return self._kept(Contact.stiffness, self._stiffness)
+        return self._kept(Contact.stiffness, self._compute_stiffness)
 
     @property
     def series(self) -> tuple[float, ...]:
-        """Stiffness on each disc in the simulation [N/m], with elements in series; errors as `curvature_law`.
+        """Stiffness on each disc in the simulation (D,) [N/m], elastic elements in series; errors as `curvature_law`.
 
         Of a massless pin, its seat is in series; of an output pin, its bending in a structure of springs.
         """
@@ -207,7 +207,7 @@ class Contact:
 
     @property
     def relative_curvature(self) -> float:
-        """Relative curvature [1/m], one value for all contacts of this kind; not defined for teeth, where it varies.
+        """Relative curvature [1/m] of all contacts of this kind; not defined for teeth, where it varies.
 
         It is that of a pin or cam in its bore. With rollers it is that of a roller on the cam, both convex, where the
         pressure is higher than in the bore; the radius of the cam's raceway is taken as that of the bore.
@@ -265,7 +265,7 @@ class Contact:
 
     @property
     def _thinner_radius(self) -> float:
-        """Radius [m] of the smaller body."""
+        """Radius of the smaller body of the pair [m]: roller, pin, or the bore of a sleeve."""
         design = self._reducer.design
         if self.kind == "cam":
             return self._reducer.contacts.roller_radius if self._has_rollers else design.gear.bore_radius
@@ -280,7 +280,7 @@ class Contact:
         return self.force * STRIBECK / rollers if self.kind == "cam" else self.force
 
     def _ideal_force(self, torque: float) -> float:
-        """Return the force of ideal load sharing [N] on one disc, at a torque on the output [N m]."""
+        """Compute the largest force [N] of the pair on one disc under ideal load sharing of an output torque [N m]."""
         reducer, design = self._reducer, self._reducer.design
         gear, output, torque = design.gear, design.output, reducer.share * torque
         if self.kind == "output":
@@ -289,8 +289,8 @@ class Contact:
             return torque * _cam_share(reducer.tooth_profile, output.pins, output.pin_circle_radius)
         return 4.0 * torque / (design.ring.teeth * gear.eccentricity * design.lobes)
 
-    def _stiffness(self) -> float:
-        """Return the uncached `stiffness` [N/m]."""
+    def _compute_stiffness(self) -> float:
+        """Compute `stiffness` [N/m], which is cached."""
         design, kind = self._reducer.design, self.kind
         value: float = getattr(design.stiffness, kind)
         if value:
@@ -302,14 +302,14 @@ class Contact:
             return ideal_loads.conformal_stiffness(self.force, face, self.modulus, clearance)
         law = self.curvature_law
         if kind == "cam":
-            on_cam = self._roller_on_cam() or law.stiffness
+            on_cam = self._cam_roller_stiffness() or law.stiffness
             return law.stiffness / (1.0 + law.stiffness / on_cam) * (design.contact.cam_rollers / STRIBECK)
         if kind in ("pin_gear", "tooth"):
             return law.stiffness
         return law.stiffness * law.factor(self.relative_curvature)
 
-    def _roller_on_cam(self) -> float:
-        """Return the stiffness of a roller (shaft material) on the cam [N/m]; 0 if the design sets it for all pairs."""
+    def _cam_roller_stiffness(self) -> float:
+        """Compute the stiffness [N/m] of a roller (shaft material) on the cam; 0 if the design sets it for all."""
         design = self._reducer.design
         if design.contact.stiffness:
             return 0.0
@@ -318,8 +318,8 @@ class Contact:
         face, force = design.gear.face_width, self._line_force
         return float(ideal_loads.line_contact_stiffness(force, face, modulus, depth, 1.0 / depth))
 
-    def _curvature_law(self) -> CurvatureLaw:
-        """Return the uncached `curvature_law`."""
+    def _compute_curvature_law(self) -> CurvatureLaw:
+        """Compute `curvature_law`, which is cached."""
         design = self._reducer.design
         if impact := self._reducer.contacts.impact:
             return CurvatureLaw(0.0, 1.0, impact.secant(self.force), 0.0)
@@ -365,7 +365,7 @@ class Contacts:
 
     @property
     def working_load(self) -> float:
-        """Torque on the output [N m] from which the working forces follow.
+        """Output torque [N m] from which the working forces follow by ideal sharing.
 
         It is ``contact.working_load``, or by default the size of the load, but at least `own_load`; with a preloaded
         ring, whose contacts are loaded at any torque, at least the nominal torque.
@@ -376,7 +376,7 @@ class Contacts:
 
     @property
     def own_load(self) -> float:
-        """Torque on the output [N m] with the same contact forces as weight and inertia of the discs.
+        """Output torque [N m] that causes the same contact forces as weight and inertia of the discs.
 
         A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T
         presses the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1), or W c N on a
@@ -393,7 +393,7 @@ class Contacts:
 
     @property
     def creep_speed(self) -> float:
-        """Sliding speed of fully developed friction at the working force [m/s].
+        """Sliding speed [m/s] at which friction is fully developed, at the working force.
 
         It is that of the design file, or `CONTACT.creep_share` of the orbital speed c w of the disc's centre; at a
         crank at rest `CONTACT.slow_creep`.
@@ -439,10 +439,10 @@ class Contacts:
 
     def working_forces_text(self, kinds: Iterable[str]) -> str:
         """Describe the working forces of kinds of pairs and the source of each."""
-        forces = [f"{kind} {self[kind].force:.3g} N ({self._source_text(self[kind].source)})" for kind in kinds]
+        forces = [f"{kind} {self[kind].force:.3g} N ({self._describe_source(self[kind].source)})" for kind in kinds]
         return ", ".join(forces)
 
-    def _source_text(self, source: Source) -> str:
+    def _describe_source(self, source: Source) -> str:
         """Describe the source of a working force."""
         return {
             "given": "given",

@@ -100,10 +100,10 @@ def unknowns(reducer: "Reducer") -> int:
 
 
 def gaps(reducer: "Reducer", crank: float) -> Gaps:
-    """Compute the gaps of teeth and output pins of all discs at a crank angle [rad].
+    """Compute the gaps of teeth and output pins of all discs at one crank angle [rad].
 
     Those of an internal gear's flanks, 4 or 5 per disc, follow those of its arcs. The cam is not included, because its
-    gap is round: see `cam_places`.
+    gap is round: see `cam_displacements`.
     """
     discs = range(len(reducer.phases))
     flanks = [flank_gaps(reducer, crank, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
@@ -111,7 +111,7 @@ def gaps(reducer: "Reducer", crank: float) -> Gaps:
 
 
 def arc_gaps(reducer: "Reducer", crank: npt.ArrayLike) -> Gaps:
-    """Compute the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
+    """Compute the gaps at crank angles (k,) [rad], or at one, without those of an internal gear's flanks.
 
     Pairs and order are the same at every crank angle: the teeth of all discs, then their output pins; with a ring in
     two halves, each disc has those of one half, then those of the other.
@@ -144,13 +144,13 @@ def _of_halves(reducer: "Reducer", disc: int, lines: envelope.RingContacts, midd
     return _concatenate([_tooth_gaps(reducer, disc, lines, middle, half) for half in range(len(ahead))])
 
 
-def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array, half: int) -> Gaps:
-    """Compute the gaps between a disc and the ring, or a `half` of it as it is turned, pins in their places.
+def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half: int) -> Gaps:
+    """Compute the gaps between a disc and the ring, or a `half` of it, with pins in their nominal places.
 
     A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A radius larger by r closes it by r,
     like flanks that are larger by r, and reduces the clearance in the socket. For a disc whose pin circle is larger by
     x, a pin is closer to the centre by x; flanks rotated by a are set back by a times the arm of their normal. The
-    disc's curve is its trochoid, its mate a pin's centre; `middle` [m] is the centre of the ideal disc.
+    disc's curve is its trochoid, its mate a pin's centre; `centre` [m] is the centre of the ideal disc.
     """
     design = reducer.design
     gear, errors, change = reducer.tooth_profile, reducer.deviations, design.modification
@@ -162,7 +162,7 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, mid
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     turned = change.rotation * np.sign(arm)
     side = _quarter_turned(push)
-    rubbed = np.sum(side * _quarter_turned(lines.points - middle), axis=-1)
+    rubbed = np.sum(side * _quarter_turned(lines.points - centre), axis=-1)
     lever = rubbed - gear.pin_radius
     behind, bend, ahead = (profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP))
     twist = (ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
@@ -186,7 +186,7 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, mid
 
 
 def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
-    """Compute the gaps between the holes of a disc and the output pins.
+    """Compute the gaps between the holes of a disc and the output pins at crank angles [rad].
 
     Every pin is on the inner side of its hole, and pushes the disc inwards along the eccentric. A hole displaced by d
     in the disc opens its gap by the component of d in this direction. Holes and pins rotate together, so the arm is the
@@ -220,7 +220,7 @@ def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
 
 
 def ideal_motion(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
-    """Compute the motion of the unknowns per crank rotation [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
+    """Compute the ideal displacement of the unknowns per crank rotation (..., 3 D + 1) [m/rad] at crank angles.
 
     Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
     `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
@@ -232,8 +232,8 @@ def ideal_motion(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
     return motion
 
 
-def cam_places(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
-    """Compute the displacement of each cam from its ideal position [m], shape (..., D, 2), at angles (...) [rad].
+def cam_displacements(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
+    """Compute the displacement of each cam from its ideal position (..., D, 2) [m] at crank angles (...) [rad].
 
     The disc's centre is at most the cam's clearance away from there; errors of the crank move both.
     """

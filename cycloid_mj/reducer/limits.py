@@ -13,7 +13,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.geometry import profile
-from cycloid_mj.reducer.gaps import Gaps, cam_places, gaps, unknowns
+from cycloid_mj.reducer.gaps import Gaps, cam_displacements, gaps, unknowns
 
 if TYPE_CHECKING:
     from cycloid_mj.reducer import Reducer
@@ -63,54 +63,59 @@ class Fit:
 
 def best_fit(reducer: "Reducer", crank: float) -> Fit:
     """Return the pose with the largest minimum gap of all pairs at a crank angle [rad]."""
-    mesh_gaps, pose, least, _ = _most_room(reducer, crank)
-    return _fit(reducer, mesh_gaps, pose, least)
+    mesh_gaps, pose, least, _ = _maximize_min_gap(reducer, crank)
+    return _make_fit(reducer, mesh_gaps, pose, least)
 
 
 def pressed_fit(reducer: "Reducer", crank: float, pose: Array) -> Fit:
     """Return the pose for unknowns of ``gaps`` [m], shape (u,), at a crank angle [rad], without its minimum gap."""
-    return _fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank))), pose, math.nan)
+    return _make_fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank))), pose, math.nan)
 
 
-def _fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, least: float) -> Fit:
-    """Return the pose for unknowns of ``gaps`` [m], shape (u,), with its minimum gap [m]."""
+def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
+    """Convert a pose of the unknowns of ``gaps`` (u,) [m] and its minimum gap [m] to positions and rotations."""
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
-    turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
-    output = reducer.member.sense * reducer.share * carrier
+    rotations, carrier_angle = discs[:, 2] / radius, float(pose[-1]) / radius
+    output = reducer.member.sense * reducer.share * carrier_angle
     ring, _ = reducer.member.ring_and_carrier(output)
     # a ring that turns at a locked crank takes the gear along by N/(N-1) of its turn
-    turned = turned + ring * design.ring.teeth / design.lobes
-    return Fit(least, discs[:, :2], turned, output, _aside(reducer, mesh_gaps, pose))
+    rotations = rotations + ring * design.ring.teeth / design.lobes
+    return Fit(min_gap, discs[:, :2], rotations, output, _shift_pins(reducer, mesh_gaps, pose))
 
 
-def tightest(reducer: "Reducer", crank: float) -> tuple[float, dict[str, float]]:
-    """Return the minimum gap of `best_fit` at a crank angle [rad], and the pairs that have it.
+def find_tightest_pairs(reducer: "Reducer", crank: float) -> tuple[float, dict[str, float]]:
+    """Compute the minimum gap [m] of `best_fit` at a crank angle [rad], and how the pairs share in limiting it.
 
     Clearances may be negative here, as in no design file.
 
     Returns
     -------
-    The room [m], and the share of each kind of pair, ``cam`` among them, in the forces that would press the parts into
-    this pose (the programme's dual values): together 1.
+    The gap [m], and for each kind of pair, ``cam`` among them, its share in the forces that would press the parts into
+    this pose (dual values of the linear program); the shares add up to 1.
     """
-    mesh_gaps, _, least, forces = _most_room(reducer, crank)
+    mesh_gaps, _, min_gap, forces = _maximize_min_gap(reducer, crank)
     kinds = np.concatenate([mesh_gaps.kind, np.full(len(forces) - len(mesh_gaps.kind), "cam")])
-    return least, {str(kind): float(forces[kinds == kind].sum()) for kind in np.unique(kinds)}
+    return min_gap, {str(kind): float(forces[kinds == kind].sum()) for kind in np.unique(kinds)}
 
 
-def _most_room(reducer: "Reducer", crank: float) -> tuple[Gaps, Array, float, Array]:
-    """Return gaps, best fit (u,) [m], its minimum gap [m] and dual values at a crank angle [rad]."""
+def _maximize_min_gap(reducer: "Reducer", crank: float) -> tuple[Gaps, Array, float, Array]:
+    """Maximize the minimum gap at a crank angle [rad] by linear programming.
+
+    Returns the gaps, the pose (u,) [m], its minimum gap [m] and the dual values of all limits.
+    """
     from scipy.optimize import linprog
 
     crank = float(reducer.member.against_ring(crank))
-    mesh_gaps, cams = gaps(reducer, crank), cam_places(reducer, crank)
-    slope, room = _limits(reducer, mesh_gaps, cams, FIT.fit_sides)
+    mesh_gaps, cams = gaps(reducer, crank), cam_displacements(reducer, crank)
+    slope, widths = _linear_limits(reducer, mesh_gaps, cams, FIT.fit_sides)
     count = unknowns(reducer)
-    matrix = np.concatenate([-slope, np.ones((len(room), 1))], axis=1)
-    best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / FIT.scale, bounds=[(None, None)] * (count + 1))
-    *free, least = np.asarray(best.x, dtype=np.float64)
-    return mesh_gaps, FIT.scale * np.array(free), FIT.scale * float(least), -np.asarray(best.ineqlin.marginals)
+    matrix = np.concatenate([-slope, np.ones((len(widths), 1))], axis=1)
+    solution = linprog(
+        [0.0] * count + [-1.0], A_ub=matrix, b_ub=widths / FIT.scale, bounds=[(None, None)] * (count + 1)
+    )
+    *pose, min_gap = np.asarray(solution.x, dtype=np.float64)
+    return mesh_gaps, FIT.scale * np.array(pose), FIT.scale * float(min_gap), -np.asarray(solution.ineqlin.marginals)
 
 
 def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple[float, float]:
@@ -123,41 +128,39 @@ def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple
 
 
 def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> Array:
-    """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at crank angles [rad] (n,).
+    """Compute the rotations (n, 2) [rad] from the ideal angle at which the output stops, at crank angles (n,) [rad].
 
-    All clearances, errors and modifications are in it; `sides` are those of the polygon around a cam's play.
-
-    Returns
-    -------
-    Array
-        Shape (n, 2).
+    The first is clockwise, the second counter-clockwise. All clearances, errors and modifications are included; `sides`
+    are those of the polygon around a cam's play.
 
     Raises
     ------
     RunError
-        The errors leave no place for the gear: it jams.
+        The errors leave no room for the disc: it jams.
     """
-    together = [cranks[first : first + FIT.batch] for first in range(0, len(cranks), FIT.batch)]
-    return np.concatenate([_stops(reducer, some, sides) for some in together])
+    batches = [cranks[first : first + FIT.batch] for first in range(0, len(cranks), FIT.batch)]
+    return np.concatenate([_solve_stops(reducer, batch, sides) for batch in batches])
 
 
-def _stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
-    """Solve one linear program for the stops at several crank angles, which are independent of each other."""
+def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
+    """Solve one linear program for the stops (n, 2) [rad] at n crank angles, which are independent of each other."""
     from scipy.optimize import linprog
     from scipy.sparse import block_diag, csc_array
 
     design, count = reducer.design, unknowns(reducer)
-    seen = reducer.member.against_ring(cranks).tolist()
-    limits = [_limits(reducer, gaps(reducer, angle), cam_places(reducer, angle), sides) for angle in seen]
+    angles = reducer.member.against_ring(cranks).tolist()
+    limits = [
+        _linear_limits(reducer, gaps(reducer, angle), cam_displacements(reducer, angle), sides) for angle in angles
+    ]
     slope: Any = block_diag([csc_array(-slope) for slope, _ in limits for _ in range(2)], format="csc")
-    room = np.concatenate([room for _, room in limits for _ in range(2)])
+    widths = np.concatenate([widths for _, widths in limits for _ in range(2)])
     goal = np.zeros((len(cranks), 2, count))
     goal[:, :, -1] = 1.0, -1.0
     # to look for limits that say nothing takes longer than to solve with them
-    ends = linprog(goal.ravel(), slope, room / FIT.scale, bounds=(None, None), options={"presolve": False})
-    if ends.x is None:
+    solution = linprog(goal.ravel(), slope, widths / FIT.scale, bounds=(None, None), options={"presolve": False})
+    if solution.x is None:
         if len(cranks) > 1:
-            return np.concatenate([_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
+            return np.concatenate([_solve_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
         where = f"at crank angle {float(cranks[0]):.4f} rad"
         if design.ring.preload:
             raise RunError(
@@ -168,8 +171,8 @@ def _stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
             f"the disc jams {where}, because the manufacturing errors exceed the clearances: increase clearance.* or "
             "reduce errors.*"
         )
-    turns = np.asarray(ends.x).reshape(goal.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
-    return np.sort(reducer.member.sense * reducer.share * turns, axis=1)
+    rotations = np.asarray(solution.x).reshape(goal.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
+    return np.sort(reducer.member.sense * reducer.share * rotations, axis=1)
 
 
 def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> float:
@@ -181,23 +184,25 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) ->
     return high - low
 
 
-def _limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Return gradients (m, u) [1] and gaps (m,) [m] of slope . z + gap >= 0: contacts, then polygons of `cams`.
+def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
+    """Return gradients (m, u) [1] and gaps (m,) [m] of the limits slope . z + gap >= 0: contacts, then cams.
+
+    The play of a cam, displaced by `cams` (D, 2) [m], is a polygon of `sides` sides.
 
     These are the cams' places [m], shape (D, 2).
     """
-    slopes, rooms = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
-    around = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
+    slopes, widths = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
+    directions = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
     for disc, cam in enumerate(cams):
         slope = np.zeros((sides, unknowns(reducer)))
-        slope[:, 3 * disc : 3 * disc + 2] = -around
+        slope[:, 3 * disc : 3 * disc + 2] = -directions
         slopes.append(slope)
-        rooms.append(reducer.design.clearance.cam + around @ cam)
-    return np.concatenate(slopes), np.concatenate(rooms)
+        widths.append(reducer.design.clearance.cam + directions @ cam)
+    return np.concatenate(slopes), np.concatenate(widths)
 
 
-def _aside(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
-    """Return the displacements of moving pins [m], shape (mates, 2), that avoid an overlap with the discs.
+def _shift_pins(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
+    """Return the displacements of moving pins (mates, 2) [m] out of the way of the discs, in a pose (u,) [m].
 
     They are half-way from the deepest overlap to the far side of the clearance; 0 without an overlap.
     """
@@ -208,5 +213,5 @@ def _aside(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
     gap = teeth.width + teeth.slope @ pose
     outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
     deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs]
-    aside = ((teeth.play - gap) / 2.0)[:, np.newaxis] * outwards
-    return np.asarray(np.where(gap[:, np.newaxis] < 0.0, aside, 0.0)[deepest])
+    shifts = ((teeth.play - gap) / 2.0)[:, np.newaxis] * outwards
+    return np.asarray(np.where(gap[:, np.newaxis] < 0.0, shifts, 0.0)[deepest])

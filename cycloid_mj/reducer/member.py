@@ -60,7 +60,7 @@ class Member:
         return np.asarray(np.asarray(crank, dtype=np.float64) - self.ring_angle(crank))
 
     def ring_and_carrier(self, output: npt.ArrayLike) -> tuple[Array, Array]:
-        """Return the angles of ring and carrier [rad] from that of the output, one of them; the other is 0.
+        """Return the angles of ring and carrier [rad] at an angle of the output, which is one of them; the other is 0.
 
         Speeds map to speeds.
         """
@@ -94,8 +94,8 @@ def member_of(design: Design) -> Member:
     return Member(design.output.turns_ring, design.ring.teeth, design.lobes)
 
 
-def seen_from_ring(design: Design) -> Design:
-    """Return the drive as seen from its ring: the carrier rotates, with its speed and torques.
+def view_from_ring(design: Design) -> Design:
+    """Return the design of the same drive as seen from its ring: the carrier rotates, with its speed and torques.
 
     Environment and inertia forces in that frame are up to the caller.
     """
@@ -112,8 +112,8 @@ def seen_from_ring(design: Design) -> Design:
     )
 
 
-def columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Return the columns of a run as seen from the ring (`seen_from_ring`).
+def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> dict[str, Array]:
+    """Convert the columns of a run to the frame of the ring (`view_from_ring`).
 
     Angles, positions, speeds and forces are rotated back with the ring; pins are logged in its frame already. The
     torque of the load becomes that on the fixed carrier, which balances crank and ring.

@@ -59,6 +59,7 @@ class Reducer:
     LAYOUT: Layout = "central"
 
     def __init__(self, design: Design, worn: "WornGaps | None" = None) -> None:
+        """Store a design at its temperatures, with the wear of its surfaces if any; equal designs share their cache."""
         if design.layout != self.LAYOUT:
             raise DesignError(unsupported_layout(design.name, design.layout))
         if not design.thermal.is_reference:
@@ -203,9 +204,9 @@ class Reducer:
     @property
     def mechanism(self) -> "Mechanism":
         """Bodies, surfaces and mating pairs."""
-        from cycloid_mj.reducer.bodies import mechanism
+        from cycloid_mj.reducer.bodies import build_mechanism
 
-        return self.kept("mechanism", lambda: mechanism(self.design))
+        return self.kept("mechanism", lambda: build_mechanism(self.design))
 
     @property
     def contacts(self) -> "Contacts":
@@ -264,10 +265,14 @@ Drive = TypeVar("Drive", bound=Reducer)
 
 
 def once(function: Callable[Concatenate[Drive, Given], Value]) -> Callable[Concatenate[Drive, Given], Value]:
-    """Cache the results of a function of a reducer, for each value of further arguments; they must not be changed."""
+    """Decorate a function of a reducer so that its results are cached, for each value of further arguments.
+
+    Results are shared and must not be changed.
+    """
 
     @wraps(function)
     def kept(reducer: Drive, /, *arguments: Given.args, **named: Given.kwargs) -> Value:
+        """Return the cached result for these arguments, or compute it."""
         key = (function, arguments, *sorted(named.items()))
         return reducer.kept(key, lambda: function(reducer, *arguments, **named))
 

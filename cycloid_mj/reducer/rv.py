@@ -56,7 +56,7 @@ class RvReducer(Reducer):
 
     @property
     def kinematics(self) -> "RvKinematics":
-        """Ratios and orders."""
+        """Ratios, and orders of periodic errors, from the numbers of teeth."""
         from cycloid_mj.geometry.rv import RvKinematics
 
         design, planet = self.design, self.planet
@@ -77,7 +77,7 @@ class RvReducer(Reducer):
 
     @property
     def stage(self) -> "RvStage":
-        """The discs on their cranks, for closed forms."""
+        """Dimensions of the discs on their cranks, for the closed forms of loads and errors."""
         from cycloid_mj.geometry.rv_loads import RvStage
 
         return RvStage(

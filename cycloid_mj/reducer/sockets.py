@@ -18,7 +18,7 @@ WALL_GAP = 0.1
 
 
 def wall_radius(design: Design) -> float:
-    """Return the radius of the wall between sockets [m]: that of the pin centres, or more for clearance of the disc.
+    """Compute the radius [m] of the wall between sockets: that of the pin centres, or more for clearance of the disc.
 
     The gear's tips reach E - rho + 2c from the reducer's axis, and the bottoms of the sockets are at E + rho: where c
     is less than rho, there is room for a wall in between.
@@ -28,7 +28,7 @@ def wall_radius(design: Design) -> float:
 
 
 def arc_half_angle(design: Design, radius: float) -> float:
-    """Return half of the angle [rad] over which a circle of `radius` [m] about a pin centre lies within the pinwheel.
+    """Compute half the angle [rad] over which a circle of `radius` [m] about a pin centre lies within the ring's wall.
 
     It is counted from the direction away from the reducer's axis; 0 where the wall lies outside the circle.
     """
@@ -49,8 +49,8 @@ def is_drawn(design: Design) -> bool:
     return design.ring.halves == 1 and not (design.ring.has_sockets and design.ring.socket == "closed")
 
 
-def require_drawn(design: Design, what: str) -> None:
-    """Raise an error if closed sockets do not support a feature (`what`) that uses the drawn parts.
+def require_open_sockets(design: Design, feature: str) -> None:
+    """Raise an error if a feature needs the drawn parts of a design whose sockets are closed, which have none.
 
     Raises
     ------
@@ -59,13 +59,13 @@ def require_drawn(design: Design, what: str) -> None:
     """
     if design.ring.has_sockets and design.ring.socket == "closed":
         raise DesignError(
-            f'{design.name}: ring.socket = "closed" does not support {what}, because bores in end plates are not '
+            f'{design.name}: ring.socket = "closed" does not support {feature}, because bores in end plates are not '
             'drawn. Set ring.socket = "half_open"'
         )
 
 
-def require_one_ring(reducer: "Reducer", what: str) -> None:
-    """Raise an error if a ring in two halves does not support a feature (`what`).
+def require_one_ring(reducer: "Reducer", feature: str) -> None:
+    """Raise an error if a feature does not support a ring in two halves, and the design has one.
 
     Raises
     ------
@@ -75,6 +75,6 @@ def require_one_ring(reducer: "Reducer", what: str) -> None:
     design = reducer.design
     if design.ring.halves > 1:
         raise DesignError(
-            f"{design.name}: a ring in two halves (ring.halves = {design.ring.halves}) does not support {what}. Set "
+            f"{design.name}: a ring in two halves (ring.halves = {design.ring.halves}) does not support {feature}. Set "
             "ring.halves = 1 and ring.preload_arcmin = 0"
         )

@@ -10,7 +10,7 @@ from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.parts import gear_solid, housing_solid
 from cycloid_mj.parts.accuracy import SCREEN_CHORD_ERROR
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
+from cycloid_mj.reducer.member import view_columns_from_ring, view_from_ring
 from cycloid_mj.report.encode import encode_array
 from cycloid_mj.scene import (
     contact_forces,
@@ -33,7 +33,7 @@ def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
 
     `samples` has the samples of a run that are shown, with forces.
     """
-    from_ring, in_ring = Reducer(seen_from_ring(reducer.design)), columns_from_ring(reducer, samples.columns)
+    from_ring, in_ring = Reducer(view_from_ring(reducer.design)), view_columns_from_ring(reducer, samples.columns)
     widest = widest_gap(from_ring, measure_gaps(from_ring, in_ring))
     return _outlines_json(reducer) | {
         "usual": fitting_magnification(from_ring, widest, MAGNIFICATIONS),

@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
 from cycloid_mj.checks import WALLS, Check, sound_checks
-from cycloid_mj.checks.body import bearings
+from cycloid_mj.checks.body import bearing_room_rule
 from cycloid_mj.design import PRESETS, override, stock
 from cycloid_mj.life import rolling
 from cycloid_mj.parts.export.casing import casing, cover_radius
@@ -376,7 +376,7 @@ def _with_shaft_length(reducer: Reducer) -> Reducer:
     shaft = reducer.design.shaft
     needed = max(2.0 * shaft.radius, 1.1 * shaft.bearing_width)
     if reducer.design.gear.discs == 1:
-        needed = bearings(reducer).limit.bound + (0.5 if shaft.bearing_width else 1.5) * shaft.radius
+        needed = bearing_room_rule(reducer).limit.bound + (0.5 if shaft.bearing_width else 1.5) * shaft.radius
     return reducer.but(shaft={"length": _round_to_file(math.ceil(needed / ROUNDING) * ROUNDING)})
 
 

@@ -7,7 +7,7 @@ from cycloid_mj.design import Design, stock
 from cycloid_mj.design.model import PARTS
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import are_one_part
+from cycloid_mj.reducer.bodies import are_discs_identical
 from cycloid_mj.sizing.candidates import DISC_SHARE, FIT_TOLERANCES, POSITIONS, POWER_RESERVE, TOLERANCE_SHARE
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement
@@ -30,7 +30,7 @@ def reasons_of(requirement: Requirement, reducer: Reducer, weakest: RatedItem) -
     yield "gear.bore_radius", f"{found}{bought and ', for a bearing in stock'}"
     if gear.discs > 1:
         yield "gear.discs", "required; they balance each other" if requirement.discs else "one disc is not enough"
-    parts = "identical parts" if are_one_part(gear.discs, output.pins, design.lobes) else "different parts"
+    parts = "identical parts" if are_discs_identical(gear.discs, output.pins, design.lobes) else "different parts"
     yield "output.pins", found if gear.discs == 1 else f"{found}; the discs are {parts}"
     yield "gear.disc_gap", "space for a spacer between several discs"
     yield "output.pin_circle_radius", "the middle of the web between bore and root"

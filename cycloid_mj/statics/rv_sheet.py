@@ -12,7 +12,7 @@ from cycloid_mj.base.units import ARCMINUTE, ARCSECOND
 from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.geometry.rv import mesh_loss_factor
-from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_error, ideal_rv_loads, mean_force
+from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_form_error, ideal_rv_loads, mean_force
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.rv import RvLoads, RvSprings, compute_rv_springs, crank_misfits, phase_errors, solve_rv_loads
@@ -82,7 +82,7 @@ def closed_rotation(reducer: RvReducer) -> Array:
     At `RvSheetSettings.closed_angles` crank angles.
     """
     crank = np.linspace(0.0, reducer.crank_turn, SETTINGS.closed_angles, endpoint=False)
-    rotation = closed_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
+    rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
     return reducer.share * rotation
 
 

@@ -21,7 +21,7 @@ from cycloid_mj.geometry.deviations import profile_error
 from cycloid_mj.geometry.kinematics import gear_rotation
 from cycloid_mj.geometry.measured import measured_deviations
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.gaps import cam_places
+from cycloid_mj.reducer.gaps import cam_displacements
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.kernel import (
     FIGURES,
@@ -286,7 +286,7 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     return Effects(
         contact_effects(contacts.slope),
         contact_effects(contacts.shift_slope),
-        cam_places(unit, springs.crank) / 1e-6,
+        cam_displacements(unit, springs.crank) / 1e-6,
         np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=-1),
         waves,
     )

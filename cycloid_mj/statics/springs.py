@@ -9,7 +9,7 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.gaps import Gaps, arc_gaps, cam_places, ideal_motion
+from cycloid_mj.reducer.gaps import Gaps, arc_gaps, cam_displacements, ideal_motion
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.film import FilmContacts, FilmFriction, build_film_contacts
 from cycloid_mj.statics.friction import compute_rubbing
@@ -124,7 +124,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     speed, reducer = float(reducer.member.against_ring(reducer.design.drive.speed)), reducer.at_rated_load
     mesh_gaps, motion = arc_gaps(reducer, crank), ideal_motion(reducer, crank) * speed
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
-    contacts = _kernel_springs(reducer, mesh_gaps, teeth, cam_places(reducer, crank))
+    contacts = _kernel_springs(reducer, mesh_gaps, teeth, cam_displacements(reducer, crank))
     film = (
         build_film_contacts(reducer, crank, mesh_gaps, teeth, motion) if friction and reducer.design.has_film else None
     )

@@ -14,7 +14,7 @@ from cycloid_mj.base.names import CAM, FORCE_X, column, of_disc
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PARTS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import columns_from_ring
+from cycloid_mj.reducer.member import view_columns_from_ring
 
 DEGREES = np.radians(np.arange(360.0))
 """All degrees of a crank turn [rad]: the sampling of Hsieh 2014, section 3.3."""
@@ -90,7 +90,7 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
     run = run.usable()
     member = Reducer(logged_design).member
     (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{rate}"]) for rate in ("angle", "speed"))
-    run = replace(run, columns=columns_from_ring(Reducer(logged_design), run.columns))
+    run = replace(run, columns=view_columns_from_ring(Reducer(logged_design), run.columns))
     requested = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     rows = _last_turn(
         run, in_hold(Reducer(logged_design), run.time) & np.isfinite(run[cam_force(Reducer(logged_design))])

@@ -20,7 +20,7 @@ from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.deviations import deviations
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import mechanism, phases
+from cycloid_mj.reducer.bodies import build_mechanism, phases
 from cycloid_mj.reducer.limits import best_fit, stops
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.kernel import gap
@@ -106,7 +106,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
     data, pose = mujoco.MjData(compiled.model), random_pose(3 * design.gear.discs + 1, BALANCE.near)
     for joint, value in _joint_positions(reducer, pose).items():
         data.joint(joint).qpos[0] = value
-    for pin in mechanism(design).pins:
+    for pin in build_mechanism(design).pins:
         data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = PIN_SHIFT
     with install():
         mujoco.mj_forward(compiled.model, data)

@@ -10,7 +10,7 @@ from random_drives import KINDS, drawn
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.checks import Checks, check, soundness
-from cycloid_mj.checks.advice import RANKS, quick_checks, with_tried_advice
+from cycloid_mj.checks.advice import RANKS, quick_checks, verify_remedies
 from cycloid_mj.checks.limit import value_and_limit
 from cycloid_mj.design import PRESETS, Design, load, override, presets_for, value_of
 from cycloid_mj.design.units import MILLIMETRE
@@ -70,7 +70,7 @@ def bad_designs(count: int, seed: int, with_statics: bool) -> Iterator[tuple[Des
 def follow(design: Design, checks: Checks, with_statics: bool) -> Iterator[tuple[str, bool]]:
     """Follow each advice of a design: a line about it, and whether its check passes and no other is worse."""
     before = {one.name: one for one in checks}
-    for one in with_tried_advice(Reducer(design), checks):
+    for one in verify_remedies(Reducer(design), checks):
         if one.passed:
             continue
         for change in one.changes:

@@ -8,7 +8,7 @@ from commands import told
 from designs import UNLIKE, design_file
 
 from cycloid_mj.base.result import to_json_values
-from cycloid_mj.checks import summary
+from cycloid_mj.checks import summarize
 from cycloid_mj.design import PRESETS, load, override
 from cycloid_mj.figures import FIGURES
 from cycloid_mj.life import rate
@@ -101,7 +101,7 @@ def test_the_summary_has_the_numbers_of_the_catalogue(name):
 
 def test_a_crank_that_stands_still_is_summed_up_too():
     standing = PRESETS["pin"].but(drive={"speed": 0.0})
-    found, turning = summary(Reducer(standing)), summary(Reducer(PRESETS["pin"]))
+    found, turning = summarize(Reducer(standing)), summarize(Reducer(PRESETS["pin"]))
     assert found.backlash == pytest.approx(turning.backlash, rel=1e-6)
     assert found.capacity == pytest.approx(turning.capacity, rel=0.1)
 
@@ -109,7 +109,7 @@ def test_a_crank_that_stands_still_is_summed_up_too():
 @pytest.mark.parametrize("name", UNLIKE)
 def test_every_design_can_be_summed_up(name):
     design = load(design_file(name))
-    found = summary(Reducer(design))
+    found = summarize(Reducer(design))
     assert found.ratio == design.ring.teeth - 1
     assert 1 <= found.loaded_teeth < design.ring.teeth
     assert found.capacity > found.rated_torque  # they are sized with room to spare

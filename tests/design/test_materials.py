@@ -8,7 +8,7 @@ import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.checks import check, summary
+from cycloid_mj.checks import check, summarize
 from cycloid_mj.design import PARTNERS, PARTS, PRESETS, Design, describe_plastic_limits, dump, loads, override
 from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
 from cycloid_mj.life.duty import constant_duty
@@ -150,7 +150,7 @@ def test_the_weaker_part_decides_and_the_remedy_names_its_table() -> None:
 
 def test_plastics_say_that_they_creep_and_how_hot_they_may_be() -> None:
     assert describe_plastic_limits(PIN) == ()
-    (limit,) = summary(Reducer(override(PIN, {"gear_material.name": "POM"}))).material_limits
+    (limit,) = summarize(Reducer(override(PIN, {"gear_material.name": "POM"}))).material_limits
     assert "POM (gear) creeps and is usable up to 90 °C" in limit
     (own,) = describe_plastic_limits(unlike("printed"))
     assert own.startswith("a plastic (gear, housing, pin, output, shaft) creeps:")
@@ -159,7 +159,7 @@ def test_plastics_say_that_they_creep_and_how_hot_they_may_be() -> None:
 @pytest.mark.parametrize("name", UNLIKE)
 def test_a_part_of_another_material_goes_through_statics_on_every_design(name: str) -> None:
     design = override(unlike(name), {"pin_material.name": "bearing steel"})
-    found = summary(Reducer(design))
+    found = summarize(Reducer(design))
     assert math.isfinite(found.backlash)
     assert math.isfinite(found.mass)
 

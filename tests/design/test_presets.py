@@ -8,7 +8,7 @@ from designs import unlike
 
 from cycloid_mj.analysis import Findings, analyze
 from cycloid_mj.base.record import Run
-from cycloid_mj.checks import check, summary
+from cycloid_mj.checks import check, summarize
 from cycloid_mj.cli import main
 from cycloid_mj.comparison.forces import forces
 from cycloid_mj.comparison.measures import settle_run
@@ -54,7 +54,7 @@ def test_values_of_a_preset_have_reasons_until_they_are_changed(tmp_path) -> Non
 
 @pytest.mark.slow
 def test_the_printed_drive_has_the_backlash_of_its_drawing() -> None:
-    assert math.degrees(summary(Reducer(PRINTED)).backlash) == pytest.approx(PLAY, rel=0.01)
+    assert math.degrees(summarize(Reducer(PRINTED)).backlash) == pytest.approx(PLAY, rel=0.01)
     _, turn = rigid_backlash.backlash_over_turn(Reducer(PRINTED))
     assert math.degrees(turn.mean()) == pytest.approx(PLAY, rel=0.01)
 

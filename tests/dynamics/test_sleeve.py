@@ -22,7 +22,7 @@ from cycloid_mj.parts import mass_properties, parts, sleeve_core_radius
 from cycloid_mj.parts.export import export
 from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import Role, mechanism
+from cycloid_mj.reducer.bodies import Role, build_mechanism
 from cycloid_mj.report.reviewed import review
 from cycloid_mj.report.tables import setup
 from cycloid_mj.scene import contact_forces
@@ -174,7 +174,7 @@ def test_every_room_takes_sleeves_for_bodies_without_sockets() -> None:
     clearances = dict(setup(review({"a.mcap": run})).body)["clearances"]
     assert "pin-sleeve 1" in clearances
     assert "socket" not in clearances
-    assert len({pair.name for pair in mechanism(SLEEVED).pairs}) == len(mechanism(SLEEVED).pairs)
+    assert len({pair.name for pair in build_mechanism(SLEEVED).pairs}) == len(build_mechanism(SLEEVED).pairs)
     assert loads(dump(SLEEVED)) == SLEEVED
 
 

@@ -22,7 +22,7 @@ from cycloid_mj.explore.verify import DynamicsCheck, verify_design
 from cycloid_mj.explore.zone import Zone, parse_zone
 from cycloid_mj.figures import figure, sampled
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.limits import best_fit, stops, tightest
+from cycloid_mj.reducer.limits import best_fit, find_tightest_pairs, stops
 from cycloid_mj.statics.samples import SampleFigures, solve_samples
 from cycloid_mj.statics.springs import springs_of
 
@@ -396,10 +396,10 @@ def test_interference_of_rigid_parts_is_that_of_their_radii() -> None:
         ({"pin_gear": -2e-6, "pin_socket": 1e-9}, "pin_gear", 2e-6),
     ):
         tight = PIN.model_copy(update={"clearance": PIN.clearance.model_copy(update=changed)})
-        room, shares = tightest(Reducer(tight), 0.3)
+        room, shares = find_tightest_pairs(Reducer(tight), 0.3)
         assert room == pytest.approx(-depth, abs=2e-9)
         assert shares[pair] == pytest.approx(1.0)
-    room, shares = tightest(Reducer(PIN), 0.3)
+    room, shares = find_tightest_pairs(Reducer(PIN), 0.3)
     assert room == pytest.approx(best_fit(Reducer(PIN), 0.3).room)
     assert sum(shares.values()) == pytest.approx(1.0)
 

@@ -7,7 +7,7 @@ import pytest
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.geometry import envelope, profile
-from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, pressure
+from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, peak_pressure
 from cycloid_mj.geometry.ideal_loads import contact_modulus
 from cycloid_mj.geometry.profile import CycloidGear, unit
 
@@ -102,7 +102,7 @@ def test_pressure_is_the_textbook_formula():
     """0.418 sqrt(F E kappa / L) for steel on steel with a Poisson's ratio of 0.3; 0.418 is rounded."""
     lines = contact_lines(PAPER, "pin", 0.3)
     force, length, young = 100.0, 10e-3, 210e9
-    found = pressure(lines, force, length, contact_modulus(young, 0.3))
+    found = peak_pressure(lines, force, length, contact_modulus(young, 0.3))
     assert found == pytest.approx(0.418 * np.sqrt(force * young * lines.relative_curvature / length), rel=1e-3)
 
 

@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.deviations import deviations, profile_error
-from cycloid_mj.geometry.modification import flank_ends, gear_profile, profile_offset, sample_turned
+from cycloid_mj.geometry.modification import flank_ends, gear_profile, profile_offset, sample_rotated_flanks
 from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.parts.gear import gear_outline
 from cycloid_mj.reducer import Reducer, limits
@@ -278,7 +278,7 @@ def test_lobes_touch_the_polygons(name: str) -> None:
 def test_flanks_end_in_corners_on_the_middles(arcsec: float) -> None:
     """The drawn outline: the largest star of points inside both turned profiles, and corners at tips and valleys."""
     gear, offset, turn = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3), 2.251e-3, np.radians(arcsec / 3600)
-    points, ends = sample_turned(gear, 1e-8, offset, turn), flank_ends(gear, offset, turn)
+    points, ends = sample_rotated_flanks(gear, 1e-8, offset, turn), flank_ends(gear, offset, turn)
     whole = profile.outline(gear, even_parameters(gear, offset, 500_000), offset)
     reach = np.minimum(*(Polygons._radius(whole, rotate(points, side * turn)) for side in (1, -1)))
     assert np.hypot(*points.T) == pytest.approx(reach, abs=4e-10)  # sagitta of 0.6 um over the least radius

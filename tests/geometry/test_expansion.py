@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import PRESETS, Design, override, presets_for
 from cycloid_mj.geometry.expansion import expand, jam_difference, strain, warm_clearances
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.limits import tightest
+from cycloid_mj.reducer.limits import find_tightest_pairs
 
 STEEL = 13e-6
 """Expansion of the alloy steel of the presets [1/K]."""
@@ -78,7 +78,7 @@ def test_the_jam_difference_closes_the_last_gap(name: str, play: float) -> None:
     others = ("clearance.output_um=100", "clearance.cam_um=100")
     for factor, jams in ((0.98, False), (1.02, True)):
         heated = warm(name, *others, f"thermal.disc_c={20.0 + factor * difference}")
-        gap, _ = tightest(Reducer(heated), 0.0)
+        gap, _ = find_tightest_pairs(Reducer(heated), 0.0)
         assert (gap < 0.0) == jams
 
 

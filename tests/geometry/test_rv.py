@@ -10,13 +10,13 @@ from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.geometry.rv import (
     RvKinematics,
     are_one_part,
-    closing_planet_teeth,
     contact_ratio,
     flip_clockings,
     mesh_stiffness,
+    meshing_planet_teeth,
     planet_misfit,
 )
-from cycloid_mj.geometry.rv_loads import RvStage, closed_stiffness, ideal_rv_loads, mean_force
+from cycloid_mj.geometry.rv_loads import RvStage, closed_form_stiffness, ideal_rv_loads, mean_force
 
 GEAR = CycloidGear(ring_teeth=40, eccentricity=1.5e-3, pin_circle_radius=77.5e-3, pin_radius=4e-3)
 TORQUE = 784.0
@@ -59,8 +59,8 @@ def test_planets_mesh_if_their_number_divides_the_sum_of_teeth(
 
 
 def test_the_nearest_planets_that_close_are_named() -> None:
-    assert closing_planet_teeth(12, 38, 3) == (39, 36)
-    assert closing_planet_teeth(17, 38, 2) == (39, 37)
+    assert meshing_planet_teeth(12, 38, 3) == (39, 36)
+    assert meshing_planet_teeth(17, 38, 2) == (39, 37)
 
 
 def test_discs_are_one_part_where_a_turn_or_a_flip_clocks_them() -> None:
@@ -127,10 +127,10 @@ def test_bore_force_over_a_turn_of_the_carrier(
 
 def test_stiffness_of_crank_bearings_and_teeth_in_series() -> None:
     arcminute = math.pi / 10800.0
-    assert closed_stiffness(stage(3, 2), 1e8, 3e8) * arcminute == pytest.approx(199.0, rel=0.01)
-    rigid_bearings, rigid_teeth = (closed_stiffness(stage(3, 2), *pair) for pair in ((1e15, 3e8), (1e8, 1e15)))
+    assert closed_form_stiffness(stage(3, 2), 1e8, 3e8) * arcminute == pytest.approx(199.0, rel=0.01)
+    rigid_bearings, rigid_teeth = (closed_form_stiffness(stage(3, 2), *pair) for pair in ((1e15, 3e8), (1e8, 1e15)))
     together = 1.0 / (1.0 / rigid_bearings + 1.0 / rigid_teeth)
-    assert closed_stiffness(stage(3, 2), 1e8, 3e8) == pytest.approx(together, rel=1e-5)
+    assert closed_form_stiffness(stage(3, 2), 1e8, 3e8) == pytest.approx(together, rel=1e-5)
 
 
 def test_mesh_stiffness_is_in_the_usual_range_of_steel_gears() -> None:

@@ -18,7 +18,7 @@ from cycloid_mj.measure.trace import TraceCondition, run_trace
 from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.gaps import arc_gaps, cam_places
+from cycloid_mj.reducer.gaps import arc_gaps, cam_displacements
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.validate import equilibrium
 
@@ -61,7 +61,7 @@ def kinematic_error(design: Design, crank: np.ndarray) -> np.ndarray:
     """Turn [rad] at which the first rigid tooth stops a gear that is centred on the cam, pressed counter-clockwise."""
     found = arc_gaps(Reducer(design), crank)
     teeth = found.kind == design.tooth_pair
-    at_cam = np.einsum("kni,ki->kn", found.slope[:, teeth, :2], cam_places(Reducer(design), crank)[:, 0])
+    at_cam = np.einsum("kni,ki->kn", found.slope[:, teeth, :2], cam_displacements(Reducer(design), crank)[:, 0])
     gap, closing = found.width[:, teeth] + at_cam, -design.output.pin_circle_radius * found.slope[:, teeth, 2]
     return np.min(np.divide(gap, closing, out=np.full(gap.shape, np.inf), where=closing > 0.0), axis=1)
 

@@ -12,7 +12,7 @@ from matplotlib.path import Path as PolygonPath
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.checks.body import balance
+from cycloid_mj.checks.body import counterweight_rule
 from cycloid_mj.design import PRESETS, Design, override, presets_for
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.figures.geometry import masses
@@ -281,8 +281,8 @@ def test_the_counterweight_balances_a_gear_of_another_material() -> None:
     found = unbalance(Reducer(design))
     assert abs(found.balanced) < 1e-6 * found.bare
     long, short = (Reducer(override(design, [f"shaft.length_mm={length}"])) for length in (2.6, 2.4))
-    assert balance(long).limit.is_met(long)
-    assert not balance(short).limit.is_met(short)
+    assert counterweight_rule(long).limit.is_met(long)
+    assert not counterweight_rule(short).limit.is_met(short)
     with pytest.raises(DesignError, match="no counterweight within the shaft's length"):
         shaft_solid(short)
 

@@ -9,8 +9,8 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.geometry.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.reducer import Reducer, limits
-from cycloid_mj.reducer.bodies import mechanism
-from cycloid_mj.reducer.gaps import arc_gaps, cam_places, gaps, ideal_motion
+from cycloid_mj.reducer.bodies import build_mechanism
+from cycloid_mj.reducer.gaps import arc_gaps, cam_displacements, gaps, ideal_motion
 from cycloid_mj.statics import springs_of
 from cycloid_mj.statics.kernel import gap
 from cycloid_mj.validate.gaps import Flanks, GearPose, ring_gaps
@@ -90,7 +90,7 @@ def test_to_first_order_a_gap_is_what_parts_as_made_leave_in_their_places(name: 
 @pytest.mark.parametrize(("pins", "seat"), [("free", "pin_socket"), ("sleeved", "pin_sleeve")])
 def test_a_thicker_pin_has_less_play_in_its_socket_and_a_thicker_sleeve_has_the_same(pins: str, seat: str) -> None:
     design = override(PRESETS["pin"], [*ERRORS, f"ring.pins={pins}"])
-    held = mechanism(design).mating(seat)
+    held = build_mechanism(design).mating(seat)
     outside, inside = (held.by, held.on) if pins == "free" else (held.on, held.by)
     found = arc_gaps(Reducer(design), CRANK)
     np.testing.assert_allclose(found.play[:36], outside.radius - inside.radius, rtol=0.0, atol=1e-17)
@@ -169,13 +169,13 @@ def test_flanks_of_an_internal_gear_close_as_the_exact_gaps_do() -> None:
 def test_many_crank_angles_at_once_are_each_of_them() -> None:
     design = override(PRESETS["pin"], list(ERRORS))
     angles = np.array([0.0, 1.0, 4.0])
-    together, places = arc_gaps(Reducer(design), angles), cam_places(Reducer(design), angles)
+    together, places = arc_gaps(Reducer(design), angles), cam_displacements(Reducer(design), angles)
     for k, angle in enumerate(angles):
         alone = gaps(Reducer(design), float(angle))
         np.testing.assert_array_equal(together.owner, alone.owner)
         np.testing.assert_allclose(together.distance[k], alone.distance, rtol=0.0, atol=1e-18)
         np.testing.assert_allclose(together.slope[k], alone.slope, rtol=0.0, atol=1e-15)
-        np.testing.assert_array_equal(places[k], cam_places(Reducer(design), float(angle)))
+        np.testing.assert_array_equal(places[k], cam_displacements(Reducer(design), float(angle)))
 
 
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
@@ -200,13 +200,13 @@ def test_second_disc_meshes_as_a_single_disc_at_the_advanced_crank_angle(kind: s
 def test_every_cam_is_too_far_out_along_its_own_eccentric() -> None:
     design = override(PRESETS["pin"], ["errors.eccentricity_um=20.0", "gear.discs=3"])
     out = kinematics.gear_centre(tooth_profile(design), CRANK + AHEAD) / design.gear.eccentricity
-    np.testing.assert_allclose(cam_places(Reducer(design), CRANK), 20e-6 * out, rtol=0.0, atol=1e-18)
+    np.testing.assert_allclose(cam_displacements(Reducer(design), CRANK), 20e-6 * out, rtol=0.0, atol=1e-18)
 
 
 def test_the_cam_carries_the_gear_outwards_by_its_error() -> None:
     """At the crank angle 0 the eccentric is on +y: the pose with the most room goes part of the way with it."""
     design = override(PRESETS["pin"], ["errors.eccentricity_um=20.0", "clearance.cam_um=0.5"])
-    np.testing.assert_allclose(cam_places(Reducer(design), 0.0), [[0.0, 20e-6]], rtol=0.0, atol=1e-18)
+    np.testing.assert_allclose(cam_displacements(Reducer(design), 0.0), [[0.0, 20e-6]], rtol=0.0, atol=1e-18)
     fit = limits.best_fit(Reducer(design), 0.0)
     assert 2e-6 < fit.shift[0, 1] < 20e-6
 

@@ -88,7 +88,7 @@ def test_willis(design: Design) -> None:
         assert Reducer(one).member.gear_angle(theta) - about == pytest.approx(-(theta - about) / one.lobes, abs=1e-14)
         assert Reducer(one).member.against_ring(theta) == pytest.approx(theta - about, abs=1e-14)
     assert Reducer(ring).member.output_angle(theta) == pytest.approx(theta / design.ring.teeth)
-    seen = member.seen_from_ring(turned_over(design))
+    seen = member.view_from_ring(turned_over(design))
     assert seen.drive.speed == pytest.approx(design.drive.speed)
     assert seen == design.but(drive={"speed": seen.drive.speed}, load={"torque": seen.load.torque})
 
@@ -122,7 +122,7 @@ def test_stops_of_the_ring_are_those_of_the_carrier_times_the_ratio_of_ratios(de
 
 def test_forces_stiffness_and_working_forces_are_those_of_the_mesh() -> None:
     ring = turned_over(PIN.but(load={"torque": 30.0}, drive={"speed": 1.0}, **FREE_OF_LOSSES))
-    carrier, more = member.seen_from_ring(ring), PIN.ring.teeth / PIN.lobes
+    carrier, more = member.view_from_ring(ring), PIN.ring.teeth / PIN.lobes
     for kind in PIN.pair_kinds:
         assert Reducer(ring).contacts[kind].force == pytest.approx(Reducer(carrier).contacts[kind].force)
     theta = np.linspace(0.0, 6.0, 7)
@@ -149,7 +149,7 @@ def test_efficiency_follows_from_the_carriers_by_the_balance_of_power(torque: fl
     assert own.output == pytest.approx(-torque * slow)
     assert own.crank + own.output == pytest.approx(sum(own.friction.values()))
     # the carrier's drive at the same speeds, under what holds the carrier here, takes the same torque on its crank
-    seen = member.seen_from_ring(ring)
+    seen = member.view_from_ring(ring)
     same = powers(Reducer(seen), held)
     assert same.crank / seen.drive.speed == pytest.approx(crank, rel=1e-4)
     if torque > 0.0:
@@ -343,7 +343,7 @@ def turning() -> Run:
 
 def test_columns_seen_from_the_ring_are_those_of_a_carrier(turning) -> None:
     design = design_of(turning)
-    seen, carrier = member.columns_from_ring(Reducer(design), turning.columns), member.seen_from_ring(design)
+    seen, carrier = member.view_columns_from_ring(Reducer(design), turning.columns), member.view_from_ring(design)
     late = turning.time > 0.008
     slow = Reducer(carrier).member.output_angle(seen["crank_speed"])
     assert seen["output_speed"][late] == pytest.approx(slow[late], abs=0.02 * abs(slow).max())
@@ -354,7 +354,7 @@ def test_columns_seen_from_the_ring_are_those_of_a_carrier(turning) -> None:
     middle = np.hypot(seen["gear_x"], seen["gear_y"])
     assert middle == pytest.approx(np.hypot(turning["gear_x"], turning["gear_y"]))
     assert seen["load_torque"][late].mean() == pytest.approx(30.0 - turning["crank_torque"][late].mean(), rel=1e-6)
-    assert member.columns_from_ring(Reducer(RIGID), turning.columns) == turning.columns
+    assert member.view_columns_from_ring(Reducer(RIGID), turning.columns) == turning.columns
 
 
 def test_the_housing_and_its_pins_turn_and_the_carrier_does_not(turning) -> None:
@@ -377,8 +377,8 @@ def test_the_housing_and_its_pins_turn_and_the_carrier_does_not(turning) -> None
 
 def test_the_mechanism_is_drawn_as_its_ring_sees_it(turning) -> None:
     design = design_of(turning)
-    seen = member.columns_from_ring(Reducer(design), turning.columns)
-    measured = measure_gaps(Reducer(member.seen_from_ring(design)), seen)
+    seen = member.view_columns_from_ring(Reducer(design), turning.columns)
+    measured = measure_gaps(Reducer(member.view_from_ring(design)), seen)
     late = turning.time > 0.008
     assert np.abs(measured.deviation[late, :2]).max() < 20e-6
     assert np.abs(measured.opening[late]).max() < 60e-6

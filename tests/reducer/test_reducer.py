@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
 from cycloid_mj.geometry.deviations import deviations
 from cycloid_mj.reducer import Reducer, bodies, gaps, reducer
-from cycloid_mj.reducer.bodies import mechanism
+from cycloid_mj.reducer.bodies import build_mechanism
 
 VARIANTS = {
     "pin": PRESETS["pin"],
@@ -48,13 +48,13 @@ def test_every_gap_belongs_to_a_pair(name: str) -> None:
     design = VARIANTS[name]
     found = gaps.arc_gaps(Reducer(design), 0.3)
     rows = list(zip(found.kind.tolist(), found.owner.tolist(), found.disc.tolist(), strict=True))
-    pairs = [(one.kind, one.owner, one.disc) for one in mechanism(design).pairs if one.kind in set(found.kind)]
+    pairs = [(one.kind, one.owner, one.disc) for one in build_mechanism(design).pairs if one.kind in set(found.kind)]
     assert rows == pairs
 
 
 @pytest.mark.parametrize("name", sorted(VARIANTS))
 def test_names_are_unique_and_mates_are_surfaces(name: str) -> None:
-    made = mechanism(VARIANTS[name])
+    made = build_mechanism(VARIANTS[name])
     names = [pair.name for pair in made.pairs]
     assert len(set(names)) == len(names)
     assert {side for pair in made.pairs for side in (pair.on, pair.by)} == set(made.carriers)
@@ -96,16 +96,16 @@ def test_discs_stand_beside_each_other_between_the_ends_of_pins_and_ring(discs: 
 
 def test_a_disc_on_the_wrong_phase_is_in_the_ring(monkeypatch: pytest.MonkeyPatch) -> None:
     design = three_discs(PRESETS["pin"])
-    turned = mechanism(design).mating("pin_gear", 1).on.angle[0]
+    turned = build_mechanism(design).mating("pin_gear", 1).on.angle[0]
     assert turned == pytest.approx(2.0 * math.pi / 3.0 / design.lobes)
-    original = bodies._mesh
+    original = bodies._tooth_mating
 
     def spoiled(*args: object) -> bodies.Mating:
         mating = original(*args)  # type: ignore[arg-type]
         teeth = bodies.Surfaces(**(vars(mating.on) | {"angle": -mating.on.angle}))
         return bodies.Mating(mating.kind, mating.names, teeth, mating.by, mating.disc)
 
-    monkeypatch.setattr(bodies, "_mesh", spoiled)
+    monkeypatch.setattr(bodies, "_tooth_mating", spoiled)
     monkeypatch.setattr(reducer, "_cache_of", lambda design: {})  # nothing is kept of the reducer as it is
     _, touching = contacts(design, 0.7)
     assert touching > 0
@@ -121,7 +121,7 @@ def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
         "clearance.pin_socket_um=4.0",
     ]
     design = override(PRESETS["pin"], [*errors, *more, "clearance.pin_sleeve_um=5.0", f'ring.pins="{pins}"'])
-    wrong, made, ring = deviations(design), mechanism(design), design.ring
+    wrong, made, ring = deviations(design), build_mechanism(design), design.ring
     angle = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth
     home = ring.pin_circle_radius * np.stack([np.sin(angle), np.cos(angle)], axis=1) + wrong.pin_place
     mesh = made.mating("pin_gear")

@@ -17,7 +17,7 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, housing_solid
 from cycloid_mj.parts.export import export
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.bodies import Role, mechanism
+from cycloid_mj.reducer.bodies import Role, build_mechanism
 from cycloid_mj.reducer.sockets import arc_half_angle, socket_half_angle, wall_radius
 
 PIN = PRESETS["pin"]
@@ -83,8 +83,8 @@ def test_tips_that_reach_far_cut_the_wall_back():
 def test_closed_sockets_hold_all_round(pins):
     design = PIN.but(ring={"pins": pins, "socket": "closed"})
     assert socket_half_angle(design) == math.pi
-    assert {surfaces.half_angle for surfaces in mechanism(design).surfaces} == {math.pi}
-    opened = mechanism(design.but(ring={"socket": "half_open"}))
+    assert {surfaces.half_angle for surfaces in build_mechanism(design).surfaces} == {math.pi}
+    opened = build_mechanism(design.but(ring={"socket": "half_open"}))
     assert {surfaces.half_angle for surfaces in opened.surfaces} == {math.pi, socket_half_angle(PIN)}
 
 

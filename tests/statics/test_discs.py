@@ -14,7 +14,7 @@ from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import beam_flexibility
-from cycloid_mj.reducer.bodies import are_one_part
+from cycloid_mj.reducer.bodies import are_discs_identical
 from cycloid_mj.statics import Loads, loads, springs_of
 from cycloid_mj.statics.bearings import compute_reactions
 from cycloid_mj.statics.samples import identical_samples, solve_samples
@@ -175,7 +175,7 @@ def test_discs_are_identical_if_a_rotation_aligns_teeth_and_holes(discs: int) ->
             off = [np.abs(np.mod(turns - want + pitch / 2.0, pitch) - pitch / 2.0).min() for want in wanted]
             same = max(off) < 1e-9
             seen.add(same)
-            assert are_one_part(discs, pins, lobes) == same, (lobes, pins)
+            assert are_discs_identical(discs, pins, lobes) == same, (lobes, pins)
     assert seen == {True, False}
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.geometry.rv_loads import closed_error, ideal_rv_loads
+from cycloid_mj.geometry.rv_loads import closed_form_error, ideal_rv_loads
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics import main as statics
 from cycloid_mj.statics.rv import compute_rv_springs, crank_misfits, phase_errors, solve_rv_loads
@@ -116,7 +116,7 @@ def test_error_map(name: str, discs: int) -> None:
     expected, crank = ranges[discs - 1], np.linspace(0.0, 2.0 * math.pi, 80, endpoint=False)
     drive = reducer(*MODERATE, f"gear.discs={discs}")
     small = RvReducer(override(drive.design, [f"crank_errors.{change.replace('10.0', '0.1')}"]))
-    closed = closed_error(small.stage, crank, phase_errors(small, crank), crank_misfits(small, crank)) / ARCSECOND
+    closed = closed_form_error(small.stage, crank, phase_errors(small, crank), crank_misfits(small, crank)) / ARCSECOND
     assert 100.0 * np.ptp(closed) == pytest.approx(expected, rel=0.03, abs=0.05)
     with_errors, without = (
         solve_rv_loads(compute_rv_springs(item, crank), 784.0).carrier_turn for item in (small, drive)

@@ -11,7 +11,7 @@ from scipy.optimize import root
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer, limits
-from cycloid_mj.reducer.gaps import cam_places
+from cycloid_mj.reducer.gaps import cam_displacements
 from cycloid_mj.statics import loads, samples, springs_of
 from cycloid_mj.statics.samples import Samples, draw_samples, identical_samples, solve_samples
 
@@ -181,7 +181,7 @@ def exactly(design: Design, crank: float, torque: float, start: np.ndarray) -> n
     """Departures in balance: exact gaps by search, the forces' directions by differences of them."""
     springs = springs_of(Reducer(design), crank, friction=False)
     contacts, load, unit = springs.contacts, springs.load(torque)[0], 1e-6
-    cam, play = cam_places(Reducer(design), crank)[0], design.pin_play
+    cam, play = cam_displacements(Reducer(design), crank)[0], design.pin_play
 
     def gaps(z: np.ndarray) -> np.ndarray:
         teeth, output = exact(design, crank, z)

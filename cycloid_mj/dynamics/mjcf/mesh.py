@@ -39,7 +39,7 @@ from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
 from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePlacement, gear_holes, prism, surfaces
 from cycloid_mj.parts.export.triangles import stl_bytes
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
+from cycloid_mj.reducer.sockets import require_one_ring, require_open_sockets
 
 VISUAL, COLLISION = "visual", "collision"
 """Default classes, in groups 2 and 3."""
@@ -137,7 +137,7 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
             f'ring.pins = "{ring.pins}" needs exact profiles, because convex meshes cannot represent {unsupported}. '
             'Use --contact profile, or set ring.pins = "free" or "fixed"'
         )
-    require_drawn(reducer.design, "mesh contact")
+    require_open_sockets(reducer.design, "mesh contact")
     require_one_ring(reducer, "mesh contact")
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)

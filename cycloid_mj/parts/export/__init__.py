@@ -45,7 +45,7 @@ from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
 from cycloid_mj.parts.housing import SLIT_SHARE
 from cycloid_mj.parts.rv import rv_parts
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
-from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
+from cycloid_mj.reducer.sockets import require_one_ring, require_open_sockets
 
 __all__ = [
     "CHORD_ERROR",
@@ -168,7 +168,7 @@ def export(
     design = resolve(design).at_reference
     encoding = _Encoding(file_format, chord_error, polylines, arcs)
     reducer = reducer_of(design)
-    require_drawn(reducer.design, "files of its parts")
+    require_open_sockets(reducer.design, "files of its parts")
     if isinstance(reducer, RvReducer):
         return _encode_rv(RvReducer(widen_clearances(reducer, offset).design), encoding)
     if reducer.design.gear.discs > 1:
