@@ -1,7 +1,7 @@
 """Comparison of designs by equal measures: runs -> `Measures` -> `Comparison` with its tables.
 
 The motion at no load is chaotic, so its figures come from several independent starts. A paper's claims about two
-designs are judged by the paper's own package on the same runs (`papers.judged_runs`).
+designs are judged by the paper's own package on the same runs (`papers.judge_runs`).
 """
 
 from cycloid_mj.base.result import load_words

@@ -190,7 +190,7 @@ def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
 
 
 def phase_errors(reducer: RvReducer, crank: Array) -> Array:
-    """Compute the phase error of each crank by its planet [rad], shape (m, n), at a fixed sun, for `closed_error`.
+    """Compute the phase error of each crank by its planet [rad], shape (m, n), at a fixed sun, for `closed_form_error`.
 
     A planet that is displaced by o along the circle of cranks is turned back by o over its pitch radius.
     """
