@@ -6,7 +6,6 @@ cranks count clockwise. Load torques act counter-clockwise on the carrier, and o
 counter-clockwise.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -188,11 +187,6 @@ def closed_form_error(stage: RvStage, crank: npt.ArrayLike, phase_error: Array, 
     turn /= stage.cranks * stage.radius**2
     of_discs = tangential / stage.gear.eccentricity + stage.gear.lobes * turn
     return -(phase_error.mean(axis=1) + of_discs.mean(axis=1)) / stage.speed_up
-
-
-def crank_bearing_turns(life: float, speed: float, pins: int, difference: int = 1) -> float:
-    """Return the turns of a crank bearing in a life [s] at an output speed [rad/s]: N/k turns per output turn."""
-    return life * abs(speed) / (2.0 * math.pi) * pins / difference
 
 
 def _unit_turned(angle: Array) -> Array:

@@ -23,7 +23,6 @@ from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
 from cycloid_mj.parts.export.casing import (
     Casing,
-    Motor,
     casing,
     casing_or_none,
 )
@@ -35,6 +34,7 @@ from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all, mea
 from cycloid_mj.parts.export.dxf import DrilledThread, dxf_bytes
 from cycloid_mj.parts.export.joint import PRESSED_PIN
 from cycloid_mj.parts.export.joints import drive_joints
+from cycloid_mj.parts.export.motor_mount import Motor
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate, plates
 from cycloid_mj.parts.export.polylines import polyline_sections, svg_bytes
@@ -168,20 +168,16 @@ def export(
     design = resolve(design).at_reference
     encoding = _Encoding(file_format, chord_error, polylines, arcs)
     reducer = reducer_of(design)
-    require_open_sockets(reducer.design, "files of its parts")
+    require_open_sockets(design, "files of its parts")
     if isinstance(reducer, RvReducer):
         return _encode_rv(RvReducer(widen_clearances(reducer, offset).design), encoding)
     if reducer.design.gear.discs > 1:
         require_one_ring(reducer, "files of its parts with several discs")
     sizes = casing_or_none(reducer, motor, cover_material)[0]
     exported = _encode_with_halves(widen_clearances(reducer, offset), encoding, sizes)
-    return Export(
-        exported.files,
-        tuple(
-            replace(clearance, asked=getattr(reducer.design.clearance, clearance.pair))
-            for clearance in exported.clearances
-        ),
-    )
+    nominal = design.clearance
+    clearances = (replace(item, asked=getattr(nominal, item.pair)) for item in exported.clearances)
+    return Export(exported.files, tuple(clearances))
 
 
 def drive_files(

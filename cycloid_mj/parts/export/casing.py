@@ -6,8 +6,8 @@ of the hub, and the output flange.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypedDict
 
 import numpy as np
 
@@ -33,12 +33,18 @@ from cycloid_mj.parts.export.casing_rules import (
     thickest_bolt,
     thread_radius,
 )
-from cycloid_mj.parts.export.motors import MOTORS, MotorFlange, MotorName, frames_for
+from cycloid_mj.parts.export.cover_screws import Screws, choose_cover_screws, choose_dowels
+from cycloid_mj.parts.export.motor_mount import (
+    Motor,
+    choose_motor_flange,
+    motor_floor_thickness,
+    motor_heads_end,
+)
+from cycloid_mj.parts.export.motors import MotorFlange
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
-from cycloid_mj.reducer.sockets import wall_radius
 
 MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"
 SCREW, FLANGE_SCREW, MOTOR_SCREW, DOWEL = "screw", "flange_screw", "motor_screw", "dowel"
@@ -47,34 +53,8 @@ SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
 LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
 CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
 
-Motor = MotorName | MotorFlange
-"""The name of a motor's interface, or an interface of one's own."""
-
 LIGHT_METAL = "aluminium 6061"
 """Material of covers on a ring of a heavier metal, unless another is chosen: a third of the mass of steel."""
-
-
-@dataclass(frozen=True)
-class Screws:
-    """Screws of the covers: bolt, length and circle radius [m], and angles clockwise from +y [rad].
-
-    `outside`: they pass next to the ring, which then has a seat in the motor cover.
-    """
-
-    bolt: stock.Bolt
-    length: float
-    circle: float
-    angles: tuple[float, ...]
-    outside: bool
-
-    @property
-    def hole(self) -> float:
-        """Radius of the through hole [m]."""
-        return 0.5 * stock.bolt_hole(self.bolt.thread)
-
-    def centres(self) -> Array:
-        """Compute the centres of the screws (n, 2) [m]."""
-        return self.circle * unit(np.array(self.angles))
 
 
 @dataclass(frozen=True)
@@ -196,34 +176,13 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     design = reducer.design
     radius, half, output = design.housing.outer_radius, design.gear.stack_width / 2.0, design.output
     wall = least_wall(reducer)
-    screws = _screws(reducer, wall)
+    screws = choose_cover_screws(reducer, wall)
     outer = _cover_radius(screws, radius, wall)
     rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius
     prisms, straddles = crank_stretches(reducer), design.shaft.mounting == "straddle"
     far, near = bearing_seats(reducer, prisms)
     seat = seat_radius(reducer, near[1] - near[0])
-    weight = prisms.get("counterweight")
-    second = -half - AXIAL_GAP - output.disc_thickness if output.support == "both_ends" else -half
-    cavity, most = _cavity(reducer, screws, max(rim if second < -half else 0.0, seat - wall), wall)
-    floor = min(weight.z0 if weight else second, second) - AXIAL_GAP
-    flange = _motor_flange(reducer, motor, outer, seat, wall, most)
-    if flange.tapped:
-        cavity = max(cavity, _heads_end(flange))
-    under = _floor_thickness(reducer, flange, wall)
-    first = near[0] if straddles else far[0]
-    end = ring_end(reducer)
-    through = min_grip(screws.bolt, wall) + 2.0 * ((0.0 if screws.outside else end) - axial_play(reducer))
-    tip = (end if screws.outside else -end) - hole_depth(reducer, screws.bolt.thread, screws.length - through) - wall
-    face, journal = _input_side(reducer, flange, first, wall, min(floor, tip) - under)
-    dowel, dowel_angles, dowel_circle = _dowel(reducer, screws, wall)
-    room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
-    hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
-    bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
-    flange_circle, flange_screws = _flange_pattern(reducer, hub, bolt, wall)
-    hub_floor = half + AXIAL_GAP + output.disc_thickness + AXIAL_GAP
-    deepest = (
-        max(far[1] + RULES.collar if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread
-    )
+    rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
     return Casing(
         outer=outer,
         wall=wall,
@@ -231,64 +190,139 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         dowel=dowel,
         dowel_angles=dowel_angles,
         dowel_circle=dowel_circle,
-        motor=flange,
-        face=face,
-        journal=journal,
-        near=(first, near[1]),
+        near=(near[0] if straddles else far[0], near[1]),
         far=far if straddles else None,
         seat=seat,
-        cavity=cavity,
-        floor=floor,
-        pocket=min(face + under, floor),
-        step=max(min(tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
-        slim=max(cavity, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
-        hub=hub,
-        hub_floor=hub_floor,
-        spacing=max(0.5 * hub.width, deepest - hub_floor - 2.0 * hub.width),
         rim=rim,
         play=axial_play(reducer),
-        end=end,
-        flange_bolt=bolt,
-        flange_thickness=hole_depth(
-            reducer, bolt.thread, bolt.head_height + flange_washer(reducer, bolt)[1] + max(bolt.thread, wall)
-        ),
-        flange_screws=flange_screws,
-        flange_circle=flange_circle,
+        end=ring_end(reducer),
         cover_material=_cover_material(reducer, cover_material),
+        **_size_motor_side(reducer, motor, screws, dowel, outer, rim),
+        **_size_output_side(reducer, screws, seat, rim),
     )
 
 
-def _input_side(reducer: Reducer, motor: MotorFlange, first: float, wall: float, most: float) -> tuple[float, float]:
-    """Return the plane of the motor, at `most` as far up as that, and the start of the crank there [m].
+class _MotorSide(TypedDict):
+    """Sizes of a `Casing` that describe the motor cover."""
 
-    A straddled crank with a bore for the motor shaft starts at its bearing (`first`); one to be coupled, or overhung,
-    keeps its journal.
+    motor: MotorFlange
+    face: float
+    journal: float
+    cavity: float
+    floor: float
+    pocket: float
+    step: float
+    slim: float
+
+
+def _size_motor_side(
+    reducer: Reducer, motor: Motor, screws: Screws, dowel: stock.Dowel | None, outer: float, rim: float
+) -> _MotorSide:
+    """Size the motor cover: its cavity for the crank, the flange of the motor and the step in its outer radius.
+
+    `outer` and `rim` are the radii [m] of the cover and of the disc of the output. Errors are those of `casing`.
+    """
+    design, wall, end = reducer.design, least_wall(reducer), ring_end(reducer)
+    half, stretches = design.gear.stack_width / 2.0, crank_stretches(reducer)
+    far, near = bearing_seats(reducer, stretches)
+    seat = seat_radius(reducer, near[1] - near[0])
+    second = -half - AXIAL_GAP - design.output.disc_thickness if design.output.support == "both_ends" else -half
+    cavity, max_cavity = _cavity(reducer, screws, max(rim if second < -half else 0.0, seat - wall), wall)
+    weight = stretches.get("counterweight")
+    floor = min(weight.z0 if weight else second, second) - AXIAL_GAP
+    flange = choose_motor_flange(reducer, motor, outer, seat, wall, max_cavity)
+    if flange.tapped:
+        cavity = max(cavity, motor_heads_end(flange))
+    under = motor_floor_thickness(reducer, flange, wall)
+    through = min_grip(screws.bolt, wall) + 2.0 * ((0.0 if screws.outside else end) - axial_play(reducer))
+    tip = (end if screws.outside else -end) - hole_depth(reducer, screws.bolt.thread, screws.length - through) - wall
+    first = near[0] if design.shaft.mounting == "straddle" else far[0]
+    face, journal = _input_side(reducer, flange, first, wall, min(floor, tip) - under)
+    return {
+        "motor": flange,
+        "face": face,
+        "journal": journal,
+        "cavity": cavity,
+        "floor": floor,
+        "pocket": min(face + under, floor),
+        "step": max(min(tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
+        "slim": max(cavity, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
+    }
+
+
+class _OutputSide(TypedDict):
+    """Sizes of a `Casing` that describe hub, bearings and flange of the output."""
+
+    hub: stock.StockBearing
+    hub_floor: float
+    spacing: float
+    flange_bolt: stock.Bolt
+    flange_thickness: float
+    flange_screws: int
+    flange_circle: float
+
+
+def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float) -> _OutputSide:
+    """Choose bearings, hub and flange of the output, within the cover screws and the rim of the output's disc.
+
+    `seat` and `rim` are radii [m] of the shaft bearings' seats and of the disc. Raises DesignError if no bearing fits.
+    """
+    design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
+    room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
+    hub = _choose_hub_bearing(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
+    bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
+    flange_circle, flange_screws = _flange_pattern(reducer, hub, bolt, wall)
+    hub_floor = design.gear.stack_width / 2.0 + AXIAL_GAP + design.output.disc_thickness + AXIAL_GAP
+    far, _ = bearing_seats(reducer, crank_stretches(reducer))
+    deepest = (
+        max(far[1] + RULES.collar if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread
+    )
+    washer = flange_washer(reducer, bolt)[1]
+    return {
+        "hub": hub,
+        "hub_floor": hub_floor,
+        "spacing": max(0.5 * hub.width, deepest - hub_floor - 2.0 * hub.width),
+        "flange_bolt": bolt,
+        "flange_thickness": hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall)),
+        "flange_screws": flange_screws,
+        "flange_circle": flange_circle,
+    }
+
+
+def _input_side(
+    reducer: Reducer, motor: MotorFlange, bearing_start: float, wall: float, max_face: float
+) -> tuple[float, float]:
+    """Return the plane of the motor and the start of the crank along z [m], for a motor on its cover.
+
+    The plane is at most at `max_face`. A straddled crank with a bore for the motor shaft starts at its bearing
+    (`bearing_start`); one to be coupled, or overhung, keeps its journal.
     """
     journal = crank_stretches(reducer)["journal"].z0
     bored = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
     shortened = reducer.design.shaft.mounting == "straddle" and motor.shaft > 0.0
-    start = first if shortened else journal
-    face = min(min(start - axial_play(reducer), first - wall) - RULES.pilot_depth, most, bored)
+    start = bearing_start if shortened else journal
+    face = min(min(start - axial_play(reducer), bearing_start - wall) - RULES.pilot_depth, max_face, bored)
     if shortened:
-        journal = max(journal, min(first, face + motor.shaft_length - 2.0 * RULES.engagement * motor.shaft))
+        journal = max(journal, min(bearing_start, face + motor.shaft_length - 2.0 * RULES.engagement * motor.shaft))
     return face, journal
 
 
-def _cover_material(reducer: Reducer, asked: str) -> str:
-    """Return the material of the covers by name, or an empty string for that of the ring.
+def _cover_material(reducer: Reducer, requested: str) -> str:
+    """Return the material of the covers by name, or an empty string for the same material as the ring.
 
     Raises
     ------
     DesignError
-        It is not a metal of the library, or the ring is of a plastic.
+        The requested material is not a metal of the library, or the ring is of a plastic.
     """
     ring = reducer.design.material_of(names.HOUSING)
-    if asked == "auto":
+    if requested == "auto":
         return "" if ring.is_plastic or ring.density <= 2.0 * MATERIALS[LIGHT_METAL].density else LIGHT_METAL
-    name = material_name(asked)
-    if name not in MATERIALS or ring.is_plastic or Material(name=name).is_plastic:
+    name = material_name(requested)
+    metals = [metal for metal in MATERIALS if not Material(name=metal).is_plastic]
+    if name not in metals or ring.is_plastic:
         raise DesignError(
-            f"covers of {asked!r} are not possible: covers and ring may differ in material only if both are metals. "
+            f"covers of {requested!r} are not possible: covers and ring may differ in material only if both are metals. "
             f"Choose one of {', '.join(one for one in MATERIALS if not Material(name=one).is_plastic)}, or omit the "
             "cover material"
         )
@@ -296,7 +330,7 @@ def _cover_material(reducer: Reducer, asked: str) -> str:
 
 
 def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> tuple[Casing | None, str]:
-    """Return the casing, or None and the reason why covers, bearings or screws do not fit.
+    """Return the casing and an empty string, or None and the reason why covers, bearings or screws do not fit.
 
     Raises
     ------
@@ -320,7 +354,7 @@ def cover_radius(reducer: Reducer) -> float:
         No screws in stock are long enough.
     """
     wall = least_wall(reducer)
-    return _cover_radius(_screws(reducer, wall), reducer.design.housing.outer_radius, wall)
+    return _cover_radius(choose_cover_screws(reducer, wall), reducer.design.housing.outer_radius, wall)
 
 
 def _cover_radius(screws: Screws, radius: float, wall: float) -> float:
@@ -334,117 +368,40 @@ def seat_radius(reducer: Reducer, width: float) -> float:
     return 0.5 * stocked[0].outside if stocked else RULES.bearing_ratio * radius
 
 
-def _screws(reducer: Reducer, wall: float) -> Screws:
-    """Place the screws in the wall of the ring, between its pins, or else outside of it.
-
-    Thin screws are not in stock in the length of a wide ring.
-    """
-    design = reducer.design
-    ring, housing = design.ring, design.housing
-    around = wall if is_plastic(reducer) else max(0.5 * wall - RULES.head_play, 0.5 * RULES.min_wall)
-    for bolt in _bolts_up_to(housing.outer_radius, is_plastic(reducer)):
-        hole, head = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
-        if housing.support == "bolts":
-            angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
-            circle = design.bolt_circle_radius
-            outside = max(hole + wall, head + around)
-            fits = circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside
-        else:
-            circle, angles = housing.outer_radius - max(hole, head) - around, _lands(ring.teeth)
-            apart = unit(np.array([0.0, math.pi / ring.teeth])) * np.array([[ring.pin_circle_radius], [circle]])
-            fits = (
-                ring.kind == "pin"
-                and math.dist(*apart.tolist()) >= ring.pin_radius + design.socket_play + hole + wall
-                and circle - hole - wall >= wall_radius(design)
-            )
-        if fits and stock.bolt_length(bolt.thread, _min_screw_length(bolt, wall, design.gear.stack_width)):
-            return _screws_of_length(bolt, circle, angles, wall, design.gear.stack_width)
-    bolt = thickest_bolt(RULES.thread_share * housing.outer_radius, inserted=is_plastic(reducer))
-    circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)) + wall
-    angles = tuple(2.0 * math.pi * number / RULES.max_screws for number in range(RULES.max_screws))
-    return _screws_of_length(bolt, circle, angles, wall, 0.0)
-
-
-def _bolts_up_to(radius: float, inserted: bool) -> Iterator[stock.Bolt]:
-    most = thickest_bolt(RULES.thread_share * radius, inserted=inserted)
-    usable = (bolt for bolt in reversed(stock.bolts()) if not inserted or stock.insert_of(bolt.thread))
-    yield from (bolt for bolt in usable if bolt.thread <= most.thread)
-
-
-def _lands(teeth: int) -> tuple[float, ...]:
-    """Return the angles [rad] of screws between pins, clockwise from +y; at least two lands stay free for dowels."""
-    count = max(min(RULES.max_screws, teeth - 2), 2)
-    return tuple(2.0 * math.pi * (number * teeth // count + 0.5) / teeth for number in range(count))
-
-
-def _min_screw_length(bolt: stock.Bolt, wall: float, through: float) -> float:
-    """Compute the minimum length of a screw through a cover and a ring, wide as the discs, into the other cover [m]."""
-    return min_grip(bolt, wall) + through + RULES.engagement * bolt.thread
-
-
-def _screws_of_length(
-    bolt: stock.Bolt, circle: float, angles: tuple[float, ...], wall: float, through: float
-) -> Screws:
-    length = stock_screw_length(bolt, _min_screw_length(bolt, wall, through))
-    return Screws(bolt, length, circle, angles, outside=not through)
-
-
-def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel | None, tuple[float, ...], float]:
-    """Choose two dowels for each face between covers and ring, opposite each other, with their angles and circle.
-
-    They stand between the screws, or in the wall of a ring that the screws pass outside of: they keep it from turning.
-    """
-    design = reducer.design
-    room = design.housing.outer_radius - design.ring_root_radius - 2.0 * wall if screws.outside else screws.bolt.thread
-    sizes = [size for size in reversed(stock.dowel_diameters()) if size <= min(screws.bolt.thread, room)]
-    pins = [in_stock[0] for size in sizes if (in_stock := stock.pins(size, 2.0 * size))]
-    pin = next((one for one in pins if one.length <= design.gear.stack_width - wall), None)
-    if not pin:
-        return None, (), 0.0
-    if screws.outside or design.housing.support == "bolts":
-        step = math.pi / len(screws.angles)
-        angles = step, step + 2.0 * math.pi * (len(screws.angles) // 2) / len(screws.angles)
-        middle = 0.5 * (design.ring_root_radius + design.housing.outer_radius)
-        return pin, angles, middle if screws.outside else screws.circle
-    teeth = design.ring.teeth
-    free = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
-    other = min(free[1:], key=lambda land: abs(land - free[0] - 0.5 * teeth))
-    return pin, tuple(2.0 * math.pi * (land + 0.5) / teeth for land in (free[0], other)), screws.circle
-
-
 def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:
     """Return the end of the dowels, and of pins in sleeves, in the motor cover [m]."""
     pressed = 2.0 * sleeve_core_radius(reducer) if reducer.design.ring.has_sleeves else 0.0
     return -end - max(0.5 * dowel.length if dowel else 0.0, pressed)
 
 
-def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tuple[float, float]:
-    """Compute the radius of the cavity for crank and a `second` radius [m] in the motor cover, and its maximum [m].
+def _cavity(reducer: Reducer, screws: Screws, min_radius: float, wall: float) -> tuple[float, float]:
+    """Compute the radius [m] of the cavity for the crank in the motor cover, and the largest that it can have.
 
-    The cover retains the ring pins: the maximum leaves them a fifth of their end face.
+    It is a wall larger than the crank and `min_radius` [m]. The cover retains the ring pins: the largest cavity leaves
+    them a fifth of their end face. Raises DesignError if the crank does not fit.
     """
     design = reducer.design
     weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
-    cavity = max(weight, second) + wall
-    room = (
+    cavity = max(weight, min_radius) + wall
+    outer_limit = (
         screws.circle - thread_radius(reducer, screws.bolt.thread)
         if not screws.outside
         else design.housing.outer_radius
     )
-    most = min(room - wall, design.ring_root_radius)
-    if not cavity <= most:
+    max_radius = min(outer_limit - wall, design.ring_root_radius)
+    if not cavity <= max_radius:
         raise DesignError(
-            f"the crank needs a diameter of {2e3 * cavity:.4g} mm in the motor-side cover, but only {2e3 * most:.4g} "
+            f"the crank needs a diameter of {2e3 * cavity:.4g} mm in the motor-side cover, but only {2e3 * max_radius:.4g} "
             "mm is available: reduce shaft.counterweight_radius_mm or output.pin_circle_radius_mm"
         )
     ring = design.ring
-    return cavity, min(most, ring.pin_circle_radius + 0.5 * ring.pin_radius) if ring.kind == "pin" else most
+    return cavity, min(max_radius, ring.pin_circle_radius + 0.5 * ring.pin_radius) if ring.kind == "pin" else max_radius
 
 
-def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float, most: float) -> MotorFlange:
+def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float, max_radius: float) -> MotorFlange:
     """Return the flange of the motor: the chosen one, or a bolt circle.
 
-    For `auto` it is the smallest NEMA frame that is strong enough for torque and speed of the design and fits. `most`
+    For `auto` it is the smallest NEMA frame that is strong enough for torque and speed of the design and fits. `max_radius`
     is the largest radius [m] of the cavity for the heads of screws from within the cover.
     """
 
@@ -452,7 +409,7 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
         return counterbore(thickest_bolt(one.thread)) if one.tapped else thread_radius(reducer, one.thread)
 
     def reach(one: MotorFlange) -> tuple[float, float]:
-        return (_heads_end(one), most) if one.tapped else (one.circle + hole(one) + wall, outer)
+        return (_heads_end(one), max_radius) if one.tapped else (one.circle + hole(one) + wall, outer)
 
     def fits(one: MotorFlange) -> bool:
         needed, there = reach(one)
@@ -470,7 +427,7 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
         place = "room for its screw heads up to" if one.tapped else "a cover with"
         raise DesignError(
             f"a motor flange {one.name} does not fit: it needs {place} a radius of {1e3 * needed:.4g} mm (here "
-            f"{1e3 * there:.4g}), a bearing of at most {2e3 * (one.circle - hole(one) - wall):.4g} mm diameter (here "
+            f"{1e3 * there:.4g}), a bearing of at max_radius {2e3 * (one.circle - hole(one) - wall):.4g} mm diameter (here "
             f"{2e3 * seat:.4g}), and a crank of at least {2e3 * one.shaft + 4e3 * wall:.4g} mm diameter around the "
             f"motor shaft (here {2e3 * reducer.design.shaft.radius:.4g}). Choose another motor"
         )
@@ -487,49 +444,20 @@ def output_cover_step(sizes: Casing) -> float | None:
     return step if fits else None
 
 
-def motor_screw(motor: MotorFlange, wall: float) -> tuple[stock.Bolt, float]:
-    """Return bolt and length [m] of screws from within the cover into a tapped motor, by one thread diameter."""
-    bolt = thickest_bolt(motor.thread)
-    return bolt, stock_screw_length(bolt, min_grip(bolt, wall) + motor.thread)
-
-
-def _heads_end(motor: MotorFlange) -> float:
-    """Compute the minimum radius of a cavity with the counterbores of the motor screws in its floor [m]."""
-    return motor.circle + counterbore(thickest_bolt(motor.thread)) + RULES.head_play
-
-
-def motor_grip(motor: MotorFlange, wall: float) -> float:
-    """Compute the thickness of the cover under the heads of the motor screws [m]."""
-    _, length = motor_screw(motor, wall)
-    return length - motor.thread
-
-
-def _floor_thickness(reducer: Reducer, motor: MotorFlange, wall: float) -> float:
-    """Compute the thickness of the cover behind its cavity that the motor screws need [m]."""
-    if motor.tapped:
-        return motor_grip(motor, wall) + thickest_bolt(motor.thread).head_height
-    return hole_depth(reducer, motor.thread, RULES.engagement * motor.thread) + wall
-
-
-def _fits_shaft(reducer: Reducer, motor: MotorFlange, wall: float) -> bool:
-    """Return whether the crank is thick enough for a bore for the shaft of the motor."""
-    return motor.shaft <= reducer.design.shaft.radius - 2.0 * wall
-
-
 def _bore_end(reducer: Reducer) -> float:
-    """Compute the end of the longest bore for the shaft of the motor [m]: the cam if the crank is one piece."""
+    """Compute the end along z [m] of the longest bore for the motor shaft: the cam if the crank is one piece."""
     prisms = crank_stretches(reducer)
     return prisms[names.CAM].z0 if reducer.design.gear.discs == 1 else max(one.z1 for one in prisms.values())
 
 
-def _hub(room: float, most: float, least: float) -> stock.StockBearing:
-    """Return the largest bearing of the hub within a radius [m], with a bore between two radii [m]."""
+def _choose_hub_bearing(max_radius: float, max_bore: float, min_bore: float) -> stock.StockBearing:
+    """Choose the largest thin ball bearing for the hub with a radius [m] at most, and a bore between two radii [m]."""
     for bearing in reversed(stock.thin_ball_bearings()):
-        if bearing.outside <= 2.0 * room and 2.0 * least <= bearing.bore <= 2.0 * most:
+        if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
             return bearing
     raise DesignError(
-        f"no bearing in stock fits the hub of the output: it needs a bore of {2e3 * least:.4g} to {2e3 * most:.4g} mm "
-        f"and an outside diameter of at most {2e3 * room:.4g} mm. Choose a larger outer diameter, or a thinner shaft "
+        f"no bearing in stock fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to {2e3 * max_bore:.4g} mm "
+        f"and an outside diameter of at max_bore {2e3 * max_radius:.4g} mm. Choose a larger outer diameter, or a thinner shaft "
         "(shaft.radius_mm)"
     )
 
@@ -559,7 +487,7 @@ def flange_centres(sizes: Casing) -> Array:
 
 
 def _flange_pattern(reducer: Reducer, hub: stock.StockBearing, bolt: stock.Bolt, wall: float) -> tuple[float, int]:
-    """Return circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
+    """Choose circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
     radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
     flange = shoulder_radius(radius, 0.5 * hub.outside)
     circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)

@@ -33,8 +33,6 @@ from cycloid_mj.parts.export.casing import (
     flange_screw_length,
     motor_bore,
     motor_centres,
-    motor_grip,
-    motor_screw,
     output_cover_step,
 )
 from cycloid_mj.parts.export.casing_rules import (
@@ -50,6 +48,7 @@ from cycloid_mj.parts.export.casing_rules import (
 )
 from cycloid_mj.parts.export.crank_joints import KEY, crank_joints
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind, Point, TappedHole
+from cycloid_mj.parts.export.motor_mount import motor_grip, motor_screw
 from cycloid_mj.parts.export.round_part import AXIS, Hole, dowel_body, screw_body, tube
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once

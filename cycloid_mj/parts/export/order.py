@@ -19,7 +19,6 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
-    motor_screw,
 )
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
@@ -28,6 +27,7 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.crank_joints import KEY, cam_key
 from cycloid_mj.parts.export.crank_rings import CRANK_RING, crank_rings
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
+from cycloid_mj.parts.export.motor_mount import motor_screw
 from cycloid_mj.reducer import Reducer
 
 ALONG = (

@@ -1,0 +1,92 @@
+"""Choice of the motor's flange on its cover, and of the screws that hold the motor."""
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design import stock
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    counterbore,
+    hole_depth,
+    is_plastic,
+    min_grip,
+    stock_screw_length,
+    thickest_bolt,
+    thread_radius,
+)
+from cycloid_mj.parts.export.motors import MOTORS, MotorFlange, MotorName, frames_for
+from cycloid_mj.reducer import Reducer
+
+Motor = MotorName | MotorFlange
+"""The name of a motor's interface, or an interface of one's own."""
+
+
+def choose_motor_flange(
+    reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float, max_cavity: float
+) -> MotorFlange:
+    """Choose the flange for a motor on its cover: the requested one, the smallest NEMA frame, or a bolt circle.
+
+    For ``auto`` it is the smallest frame that fits and is strong enough for torque and speed of the design. `outer`,
+    `seat` and `max_cavity` are the radii [m] of the cover, of the seat of the shaft bearing, and of the largest cavity
+    for the heads of screws from within. Raises DesignError if the requested flange does not fit.
+    """
+
+    def hole(flange: MotorFlange) -> float:
+        return counterbore(thickest_bolt(flange.thread)) if flange.tapped else thread_radius(reducer, flange.thread)
+
+    def reach(flange: MotorFlange) -> tuple[float, float]:
+        return (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole(flange) + wall, outer)
+
+    def fits(flange: MotorFlange) -> bool:
+        needed, available = reach(flange)
+        return (
+            flange.circle - hole(flange) - wall >= seat and needed <= available and _fits_shaft(reducer, flange, wall)
+        )
+
+    drive = reducer.design.drive
+    if motor == "auto":
+        flange = next((frame for frame in frames_for(drive.torque, drive.speed) if fits(frame)), None)
+    else:
+        flange = motor if isinstance(motor, MotorFlange) else MOTORS.get(motor)
+    if flange and fits(flange):
+        return flange
+    if flange:
+        needed, available = reach(flange)
+        feature = "room for its screw heads up to" if flange.tapped else "a cover with"
+        raise DesignError(
+            f"a flange {flange.name} needs {feature} a radius of {1e3 * needed:.4g} mm, a bearing diameter of at most "
+            f"{2e3 * (flange.circle - hole(flange) - wall):.4g} mm and a crank diameter of at least "
+            f"{2e3 * flange.shaft + 4e3 * wall:.4g} mm around the motor's shaft; the radius is {1e3 * available:.4g} "
+            f"mm, the bearing {2e3 * seat:.4g} mm, the crank {2e3 * reducer.design.shaft.radius:.4g} mm; "
+            "choose another motor"
+        )
+    thread = thickest_bolt(RULES.thread_share * outer, inserted=is_plastic(reducer)).thread
+    circle = outer - thread_radius(reducer, thread) - 2.0 * wall
+    return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
+
+
+def motor_screw(motor: MotorFlange, wall: float) -> tuple[stock.Bolt, float]:
+    """Return bolt and length [m] of screws from within the cover into a tapped motor, by one thread diameter."""
+    bolt = thickest_bolt(motor.thread)
+    return bolt, stock_screw_length(bolt, min_grip(bolt, wall) + motor.thread)
+
+
+def motor_heads_end(motor: MotorFlange) -> float:
+    """Compute the minimum radius of a cavity with the counterbores of the motor screws in its floor [m]."""
+    return motor.circle + counterbore(thickest_bolt(motor.thread)) + RULES.head_play
+
+
+def motor_grip(motor: MotorFlange, wall: float) -> float:
+    """Compute the thickness of the cover under the heads of the motor screws [m]."""
+    _, length = motor_screw(motor, wall)
+    return length - motor.thread
+
+
+def motor_floor_thickness(reducer: Reducer, motor: MotorFlange, wall: float) -> float:
+    """Compute the thickness of the cover behind its cavity that the motor screws need [m]."""
+    if motor.tapped:
+        return motor_grip(motor, wall) + thickest_bolt(motor.thread).head_height
+    return hole_depth(reducer, motor.thread, RULES.engagement * motor.thread) + wall
+
+
+def _fits_shaft(reducer: Reducer, motor: MotorFlange, wall: float) -> bool:
+    """Return whether the crank is thick enough for a bore for the shaft of the motor."""
+    return motor.shaft <= reducer.design.shaft.radius - 2.0 * wall
