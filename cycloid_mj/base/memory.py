@@ -2,43 +2,52 @@
 
 import gc
 import sys
+from dataclasses import dataclass
 from typing import Any
 
-_RARELY = 100_000, 20, 100
-"""Allocations between garbage collections, and how much rarer the collections of older generations are.
 
-Modules and classes are a hundred thousand objects that stay.
-"""
+@dataclass(frozen=True)
+class MemorySettings:
+    """Settings of Python's garbage collector and of the memory allocation of glibc.
 
-_FIRST = 400_000
-"""Allocations before the first collection: a short command keeps what it loads, and searching it takes 30 ms for
-each hundred thousand."""
+    Attributes
+    ----------
+    thresholds
+        Allocations between garbage collections, and how much rarer those of older generations are. Modules and classes
+        are a hundred thousand objects that stay.
+    first
+        Allocations before the first collection: a short command keeps what it loads, and searching it takes 30 ms for
+        each hundred thousand.
+    mallopt
+        Parameter of ``mallopt`` -> value in bytes, the largest that it may have: free memory to keep
+        (M_TRIM_THRESHOLD), and size from which an array is allocated apart (M_MMAP_THRESHOLD).
+    """
 
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
-"""Numbers of two of glibc's parameters: how much free memory it keeps, and from what size on arrays are no part of it
-(`mallopt`)."""
+    thresholds: tuple[int, int, int] = (100_000, 20, 100)
+    first: int = 400_000
+    mallopt: tuple[tuple[int, int], ...] = ((-1, 2**31 - 1), (-3, 2**25))
 
-_NEVER, _LARGEST_KEPT = 2**31 - 1, 2**25
-"""Their values here, in bytes: the largest that each may have."""
+
+MEMORY = MemorySettings()
 
 
 def look_rarely() -> None:
     """Make the garbage collector run rarely, which saves up to a quarter of a short command."""
-    gc.set_threshold(_FIRST, *_RARELY[1:])
+    gc.set_threshold(MEMORY.first, *MEMORY.thresholds[1:])
     gc.callbacks.append(_after_the_first)
 
 
 def _after_the_first(phase: str, _: object) -> None:
     """Look as often as is to be, once the first look has begun."""
-    gc.set_threshold(*_RARELY)
+    gc.set_threshold(*MEMORY.thresholds)
     gc.callbacks.remove(_after_the_first)
 
 
 def keep_freed() -> None:
     """Make the C library keep freed memory, where possible: new pages from the system cost time."""
     if tune := _of_c_library("mallopt"):
-        tune(_TRIM_THRESHOLD, _NEVER)
-        tune(_MMAP_THRESHOLD, _LARGEST_KEPT)
+        for parameter, value in MEMORY.mallopt:
+            tune(parameter, value)
 
 
 def give_back() -> None:

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 from contextvars import ContextVar
+from dataclasses import dataclass
 from functools import wraps
 from inspect import signature
 from threading import current_thread, main_thread
@@ -12,11 +13,16 @@ from typing import Any, ParamSpec, TypeVar
 P = ParamSpec("P")
 R = TypeVar("R")
 
-MIN_SECONDS = 1.0
-"""Time before a bar appears [s]: a shorter call needs none."""
 
-UPDATE_SECONDS = 0.2
-"""Least time between two updates of a bar [s]."""
+@dataclass(frozen=True)
+class BarTiming:
+    """Times of a progress bar [s]."""
+
+    delay: float = 1.0  # time before a bar appears: a shorter call needs none
+    interval: float = 0.2  # minimum time between two updates
+
+
+TIMING = BarTiming()
 
 _shown: ContextVar[bool] = ContextVar("bar_is_shown", default=False)
 
@@ -32,7 +38,7 @@ class CellBar:
     def __call__(self, done: int, total: int) -> None:
         """Update the bar in the cell: share of the items done and estimated time left."""
         now = monotonic()
-        if now - self._start < MIN_SECONDS or now - self._updated < UPDATE_SECONDS:
+        if now - self._start < TIMING.delay or now - self._updated < TIMING.interval:
             return
         self._updated = now
         seconds_left = (now - self._start) * (total / done - 1.0) if done else float("inf")

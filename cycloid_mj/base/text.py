@@ -2,17 +2,24 @@
 
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 
-MAX_WORD_LENGTH = 240
-"""Characters of a word in a message; a longer one, such as a hostile path, is shortened in its middle."""
-MAX_MESSAGE_LENGTH = 1500
-"""Characters of a message; a longer one is shortened in its middle."""
+
+@dataclass(frozen=True)
+class MessageLimits:
+    """Limits of messages, against hostile paths and values; a longer text is shortened in its middle."""
+
+    word: int = 240  # characters of a word
+    message: int = 1500  # characters of a message
+    head_share: float = 0.7  # share of a shortened text that is taken from its start; the rest is its end
+
+
+MESSAGE = MessageLimits()
+
 NOTE = "...({:,} characters left out)..."
 """What stands for the middle of a shortened text."""
-HEAD_SHARE = 0.7
-"""Share of a shortened text that is taken from its start; the rest is its end."""
 
-_LONG_WORD = re.compile(rf"\S{{{MAX_WORD_LENGTH + 1},}}")
+_LONG_WORD = re.compile(rf"\S{{{MESSAGE.word + 1},}}")
 
 
 def escape_controls(text: str, keep: str = "") -> str:
@@ -39,13 +46,13 @@ def shorten(text: str, length: int) -> str:
     if len(text) <= length:
         return text
     kept = length - len(NOTE.format(len(text)))
-    head = round(HEAD_SHARE * kept)
+    head = round(MESSAGE.head_share * kept)
     return f"{text[:head]}{NOTE.format(len(text) - kept)}{text[len(text) - kept + head :]}"
 
 
 def legible(text: str) -> str:
     """Return a message in one line: control characters escaped, long words and a long message shortened."""
     text = escape_controls(text)
-    if len(text) > MAX_WORD_LENGTH:
-        text = _LONG_WORD.sub(lambda match: shorten(match.group(), MAX_WORD_LENGTH), text)
-    return shorten(text, MAX_MESSAGE_LENGTH)
+    if len(text) > MESSAGE.word:
+        text = _LONG_WORD.sub(lambda match: shorten(match.group(), MESSAGE.word), text)
+    return shorten(text, MESSAGE.message)

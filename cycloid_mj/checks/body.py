@@ -8,10 +8,8 @@ from cycloid_mj.checks.limit import Limit, millimetres
 from cycloid_mj.checks.rule import Rule, wall_rule
 from cycloid_mj.checks.teeth import TEETH, circles_on_circle
 from cycloid_mj.design.units import MILLIMETRE
+from cycloid_mj.parts.accuracy import RELATIVE_ROUNDING
 from cycloid_mj.reducer import Reducer
-
-HOLE_RTOL = 1e-9
-"""Relative tolerance for the rounding of a hole of output pin + eccentricity."""
 
 
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
@@ -137,7 +135,7 @@ def _check_hole_size(reducer: Reducer) -> Check:
     design = reducer.design
     orbit = design.output.pin_radius + design.gear.eccentricity
     hole = design.output.hole_radius
-    passed = abs(hole - orbit) <= HOLE_RTOL * orbit
+    passed = abs(hole - orbit) <= RELATIVE_ROUNDING * orbit
     key, number = "output.hole_radius_mm", f"{MILLIMETRE.from_si(orbit):.14g}"
     return Check(
         name="hole_size",

@@ -10,11 +10,16 @@ from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
 
-MIN_TORQUE_SHARE = 1e-6
-"""Torque over the nominal torque below which it counts as none: the pressure is that of inertia forces."""
 
-LOADED_SHARE = 0.01
-"""Force of a loaded tooth over the largest, at least."""
+@dataclass(frozen=True)
+class LoadShares:
+    """Shares below which a load counts as none."""
+
+    torque: float = 1e-6  # of the nominal torque: below it the pressure is that of inertia forces
+    tooth: float = 0.01  # of the largest force of a tooth
+
+
+MIN_SHARE = LoadShares()
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +63,7 @@ class RatedLoad:
                 )
         except RunError:
             return math.nan
-        return abs(torque) if abs(torque) > MIN_TORQUE_SHARE * abs(self.torque) else math.nan
+        return abs(torque) if abs(torque) > MIN_SHARE.torque * abs(self.torque) else math.nan
 
     @property
     def concentration(self) -> float:
@@ -70,7 +75,7 @@ class RatedLoad:
     @property
     def loaded_teeth(self) -> float:
         """Mean number of loaded contact lines of a disc with the ring [1]."""
-        loaded = (self.contact_loads.teeth > LOADED_SHARE * self.contact_loads.teeth.max()).sum(axis=1).mean()
+        loaded = (self.contact_loads.teeth > MIN_SHARE.tooth * self.contact_loads.teeth.max()).sum(axis=1).mean()
         return float(loaded) / self.reducer.design.gear.discs
 
     @property

@@ -18,11 +18,19 @@ from cycloid_mj.base.units import FREEZING_POINT
 
 TABLE = Path(__file__).with_suffix(".toml")
 
-DENSITY_SLOPE = -0.65
-"""Change of an oil's density with temperature [kg/(m3 K)]: a volume expansion of 7e-4 to 8e-4 1/K (ISO 91)."""
 
-SPECIFIED_AT = 15.0
-"""Temperature at which densities of oils are stated [°C]."""
+@dataclass(frozen=True)
+class OilDensity:
+    """Density of oils: temperature at which it is stated [°C], and its change with temperature [kg/(m3 K)].
+
+    The change is a volume expansion of 7e-4 to 8e-4 1/K (ISO 91).
+    """
+
+    reference_temperature: float = 15.0
+    slope: float = -0.65
+
+
+DENSITY = OilDensity()
 
 
 @dataclass(frozen=True)
@@ -65,7 +73,7 @@ class Lubricant:
 
     def viscosity(self, temperature: float) -> float:
         """Compute the dynamic viscosity [Pa s] at a temperature [°C] and ambient pressure."""
-        density = self.density + DENSITY_SLOPE * (temperature - SPECIFIED_AT)
+        density = self.density + DENSITY.slope * (temperature - DENSITY.reference_temperature)
         return 1e-6 * self.kinematic_viscosity(temperature) * density
 
     def pressure_coefficient(self, temperature: float) -> float:

@@ -7,6 +7,7 @@ be reviewed elsewhere.
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -18,11 +19,16 @@ from cycloid_mj.design import units as u
 from cycloid_mj.design.section import Section
 from cycloid_mj.design.units import choice, list_quantity
 
-MAX_ROWS = 10_000
-"""Largest number of rows of a file: as many as a list of the design file may have values."""
 
-MAX_SIZE = 5_000_000
-"""Largest size of a file [bytes], ten times that of as many rows."""
+@dataclass(frozen=True)
+class FileLimits:
+    """Limits of files of measurements."""
+
+    rows: int = 10_000  # as many as a list of the design file may have values
+    size: int = 5_000_000  # bytes, ten times those of as many rows
+
+
+LIMITS = FileLimits()
 
 Angles = tuple[Annotated[float, Field(ge=-100.0, le=100.0, allow_inf_nan=False)], ...]
 Lengths = tuple[Annotated[float, Field(ge=-5.0, le=5.0, allow_inf_nan=False)], ...]
@@ -218,7 +224,7 @@ def _describe_out_of_range(row: Mapping[str, float]) -> str | None:
     """Describe the first value of a row that is beyond the limit of its unit; None if all are within."""
     limits = {"um": 1000.0, "mm": 5000.0, "deg": 3600.0}
     for name, value in row.items():
-        limit = limits.get(name.rsplit("_", 1)[-1], MAX_ROWS)
+        limit = limits.get(name.rsplit("_", 1)[-1], LIMITS.rows)
         if abs(value) > limit:
             return f"{name} is {value:g}, must be from {-limit:g} to {limit:g}; are the units right?"
     return None

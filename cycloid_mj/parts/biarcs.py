@@ -5,6 +5,7 @@ The middle point is that of equal distances from both ends along their tangents 
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,11 +16,16 @@ from cycloid_mj.parts.curve import Arc, LineSegment, Spline
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-CHECKS = 9
-"""Points of a spline between the ends of a biarc at which its deviation is measured."""
 
-STRAIGHT = 1e-12
-"""Height of an arc over its chord below which it is a line [m]."""
+@dataclass(frozen=True)
+class BiarcFit:
+    """Settings of the approximation of splines by biarcs."""
+
+    checks: int = 9  # points of a spline between the ends of a biarc at which its deviation is measured
+    min_height: float = 1e-12  # height of an arc over its chord below which it is a line [m]
+
+
+FIT = BiarcFit()
 
 
 def arcs_of(spline: Spline, tolerance: float) -> tuple[Arc | LineSegment, ...]:
@@ -39,7 +45,7 @@ def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance:
     (start, end), tangents = curve([low, high]), slope([low, high])
     tangents = tangents / np.linalg.norm(tangents, axis=1)[:, np.newaxis]
     pieces = _biarc(start, tangents[0], end, tangents[1])
-    points = curve(np.linspace(low, high, CHECKS + 2)[1:-1])
+    points = curve(np.linspace(low, high, FIT.checks + 2)[1:-1])
     if np.min([_deviation(piece, points) for piece in pieces], axis=0).max() <= tolerance:
         yield from pieces
         return
@@ -62,7 +68,7 @@ def _arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
     """Return the arc from a start (2,) [m] with its unit tangent to an end, as a counter-clockwise arc or as a line."""
     chord, normal = end - start, np.array([-tangent[1], tangent[0]])
     height = float(normal @ chord)
-    if abs(height) < STRAIGHT:
+    if abs(height) < FIT.min_height:
         return LineSegment((float(start[0]), float(start[1])), (float(end[0]), float(end[1])))
     radius = float(chord @ chord) / (2.0 * height)
     centre = start + radius * normal

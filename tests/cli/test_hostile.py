@@ -17,7 +17,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Chunk
 
 from cycloid_mj.base.errors import DesignError, LogError
-from cycloid_mj.base.text import MAX_MESSAGE_LENGTH
+from cycloid_mj.base.text import MESSAGE
 from cycloid_mj.cli.terminal import printable, tell
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.dynamics.mjcf import build
@@ -270,11 +270,11 @@ def test_what_can_be_read_is_printed_as_it_is():
 def test_long_messages_are_cut_short(capsys):
     tell("x" * 10**6)
     err = capsys.readouterr().err
-    assert len(err) < MAX_MESSAGE_LENGTH + 100
+    assert len(err) < MESSAGE.message + 100
     tell("two words " * 10**5)
     err = capsys.readouterr().err
     assert "characters left out)..." in err
-    assert len(err) < MAX_MESSAGE_LENGTH + 100
+    assert len(err) < MESSAGE.message + 100
 
 
 def test_of_many_wrong_values_the_first_are_named_and_the_others_counted():

@@ -18,7 +18,7 @@ from designs import cases
 import cycloid_mj
 from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.base.interrupt import Stopped, exit_code
-from cycloid_mj.base.text import MAX_MESSAGE_LENGTH, MAX_WORD_LENGTH, legible, shorten
+from cycloid_mj.base.text import MESSAGE, legible, shorten
 from cycloid_mj.cli.process import SUBSTITUTES, SUBSTITUTING, substitutes
 from cycloid_mj.cli.terminal import tell_error
 from cycloid_mj.design import PRESETS, dump, loads
@@ -77,7 +77,7 @@ def test_a_mutated_design_file_gives_one_clear_error_or_a_design(
             assert all(line.startswith("  ") for line in others), seed
             for text in (first, *others, str(error)):
                 assert text.isprintable(), (seed, text)
-                assert len(text) < 2 * MAX_MESSAGE_LENGTH, (seed, text)
+                assert len(text) < 2 * MESSAGE.message, (seed, text)
                 assert "Value error" not in text, (seed, text)
                 assert "Input should" not in text, (seed, text)
         else:
@@ -118,7 +118,7 @@ def test_a_very_long_path_is_shortened(command: tuple[str, ...], path: str) -> N
     assert code in (1, 2)
     assert out == ""
     assert err.count("\n") == 1
-    assert len(err) < MAX_MESSAGE_LENGTH + 100
+    assert len(err) < MESSAGE.message + 100
     assert "characters left out" in err
 
 
@@ -126,7 +126,7 @@ def test_legible_is_idempotent_and_keeps_ordinary_text() -> None:
     text = "a\x1b[2Jb\n" + "w" * 10_000 + " " + "many words " * 1000
     assert legible(legible(text)) == legible(text)
     assert legible("Hsieh, 謝: ω_c = 2 ω_i ± 1 µm, 5 °C") == "Hsieh, 謝: ω_c = 2 ω_i ± 1 µm, 5 °C"
-    assert shorten("x" * MAX_WORD_LENGTH, MAX_WORD_LENGTH) == "x" * MAX_WORD_LENGTH
+    assert shorten("x" * MESSAGE.word, MESSAGE.word) == "x" * MESSAGE.word
 
 
 @pytest.mark.parametrize(

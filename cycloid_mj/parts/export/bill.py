@@ -60,15 +60,27 @@ from cycloid_mj.parts.export.round_part import cut_holes
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
 
-GREASE_FILL = 1.0 / 3.0
-"""Share of the free space that is filled with grease (SKF, Rolling bearings, 2018: 30 to 50 %)."""
+
+@dataclass(frozen=True)
+class ConsumableSettings:
+    """Amounts of grease and adhesive.
+
+    Attributes
+    ----------
+    grease_fill
+        Share of the free space that is filled with grease (SKF, Rolling bearings, 2018: 30 to 50 %).
+    adhesive_film
+        Thickness of the adhesive in a joint, with what is wiped off [m] (assumed: gaps of H7/g6 take half of it).
+    density
+        Density of grease and adhesive [kg/m3] (0.9 and 1.1, SKF and Loctite data sheets).
+    """
+
+    grease_fill: float = 1.0 / 3.0
+    adhesive_film: float = 0.1e-3
+    density: float = 0.95e3
 
 
-ADHESIVE_FILM = 0.1e-3
-"""Thickness of the adhesive in a joint, with what is wiped off [m] (assumed: gaps of H7/g6 take half of it)."""
-
-CONSUMABLE_DENSITY = 0.95e3
-"""Density of grease and adhesive [kg/m3] (0.9 and 1.1, SKF and Loctite data sheets)."""
+CONSUMABLES = ConsumableSettings()
 
 
 @dataclass(frozen=True)
@@ -130,7 +142,7 @@ def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
         + (-sizes.end - sizes.floor) * sizes.cavity**2
         + (sizes.bearings[0][0] - sizes.end) * sizes.output_cavity**2
     )
-    grease = GREASE_FILL * max(room - solid, 0.0)
+    grease = CONSUMABLES.grease_fill * max(room - solid, 0.0)
     designation = "NLGI 1 with EP additives"
     yield _consumable("grease", grease, "lithium soap", designation, "a third of the free space")
     glued = [joint for joint in drive_joints(reducer, sizes) if joint.kind is JointKind.GLUED]
@@ -141,7 +153,7 @@ def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
         area += 2.0 * math.pi * radius * (end - start)
         where.append("motor shaft in the crank")
     if where:
-        volume = ADHESIVE_FILM * area
+        volume = CONSUMABLES.adhesive_film * area
         yield _consumable("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(where))
 
 
@@ -151,7 +163,7 @@ def describe_consumable(line: BillLine) -> str:
 
 
 def _consumable(item: str, volume: float, material: str, designation: str, use: str) -> BillLine:
-    size, mass = f"{1e6 * volume:.2g} cm3", CONSUMABLE_DENSITY * volume
+    size, mass = f"{1e6 * volume:.2g} cm3", CONSUMABLES.density * volume
     return BillLine(item, 1, size, material, "consumable", designation, use, mass)
 
 

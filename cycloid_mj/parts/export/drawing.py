@@ -245,11 +245,15 @@ def _mm(length: float) -> str:
     return f"{MILLIMETRES * length:.5g}"
 
 
-SPACING = 0.06
-"""Distance of neighbouring dimension lines relative to the larger extent of the part."""
+@dataclass(frozen=True)
+class SheetLayout:
+    """Sizes of a drawing relative to the larger extent of the part."""
 
-TEXT_HEIGHT = 0.018
-"""Height of the text in the DXF file relative to the larger extent of the part."""
+    spacing: float = 0.06  # distance of neighbouring dimension lines
+    text_height: float = 0.018  # height of the text in the DXF file
+
+
+SHEET = SheetLayout()
 
 Line = tuple[tuple[float, float], tuple[float, float], Dimension]
 
@@ -288,7 +292,7 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
     """
     ezdxf = import_extra("ezdxf", "DXF", "dxf", "use drawings.pdf")
     step, low, bottom, high = _layout(drawing)
-    height = TEXT_HEIGHT / SPACING * step
+    height = SHEET.text_height / SHEET.spacing * step
     with fixed_metadata(ezdxf):
         document = ezdxf.new("R2000", setup=["dimstyles", "linetypes", "styles"])
         document.units = ezdxf.units.MM
@@ -325,4 +329,4 @@ def _layout(drawing: PartDrawing) -> tuple[float, float, float, float]:
     """Return the spacing of dimension lines, and the left, lower and right end of the section [mm]."""
     ends = MILLIMETRES * np.array(drawing.section)
     low, high, bottom = float(ends[:, 0].min()), float(ends[:, 1].max()), float(ends[:, 2].min())
-    return SPACING * max(high - low, -2.0 * bottom), low, bottom, high
+    return SHEET.spacing * max(high - low, -2.0 * bottom), low, bottom, high
