@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
-from cycloid_mj.parts.export.step import Place
+from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.parts.inertia import mass_properties
 from cycloid_mj.parts.part import Part
 from cycloid_mj.parts.parts import COLOURS, Colour
@@ -51,7 +51,7 @@ def rv_mass(reducer: RvReducer) -> float:
     return sum(count * mass_properties(parts[name].solid(EXPORT_CHORD_ERROR)).mass for name, count in counts.items())
 
 
-def rv_places(reducer: RvReducer, crank: float = 0.0) -> Iterator[Place]:
+def rv_places(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPart]:
     """Yield the places of all parts at a crank angle [rad] against the ring, which is drawn at rest.
 
     All clearances are centred, so nothing touches.
@@ -61,10 +61,10 @@ def rv_places(reducer: RvReducer, crank: float = 0.0) -> Iterator[Place]:
     sun = crank / float(kinematics.crank_per_sun)
     along = heights(reducer)
     middle = sum(along.planets) / 2.0
-    yield Place(names.HOUSING, names.HOUSING, (0.0, 0.0, 0.0), 0.0, names.HOUSING)
+    yield PlacedPart(names.HOUSING, names.HOUSING, (0.0, 0.0, 0.0), 0.0, names.HOUSING)
     for flange in FLANGES:
-        yield Place(flange, flange, (0.0, 0.0, 0.0), carrier, CARRIER)
-    yield Place(SUN, SUN, (0.0, 0.0, middle), sun, SUN)
+        yield PlacedPart(flange, flange, (0.0, 0.0, 0.0), carrier, CARRIER)
+    yield PlacedPart(SUN, SUN, (0.0, 0.0, middle), sun, SUN)
     yield from _discs(reducer, crank, carrier)
     cos, sin = np.cos(carrier), np.sin(carrier)
     planet_teeth = reducer.planet.planet_teeth
@@ -73,28 +73,28 @@ def rv_places(reducer: RvReducer, crank: float = 0.0) -> Iterator[Place]:
     for number, (x, y) in enumerate(crank_centres(reducer).tolist(), start=1):
         at = float(cos * x - sin * y), float(sin * x + cos * y)
         own = names.numbered_name(CRANK, number)
-        yield Place(own, CRANK, (*at, 0.0), crank, own)
-        yield Place(names.numbered_name(PLANET, number), PLANET, (*at, middle), crank + first_tooth, own)
+        yield PlacedPart(own, CRANK, (*at, 0.0), crank, own)
+        yield PlacedPart(names.numbered_name(PLANET, number), PLANET, (*at, middle), crank + first_tooth, own)
         for side, ends in zip((1, 2), along.flanges, strict=True):
             name = f"{TAPERED_BEARING}_{2 * (number - 1) + side}"
-            yield Place(name, TAPERED_BEARING, (*at, sum(ends) / 2.0), carrier, CARRIER)
+            yield PlacedPart(name, TAPERED_BEARING, (*at, sum(ends) / 2.0), carrier, CARRIER)
         yield from _needles(reducer, number, at, crank)
     ring = reducer.design.ring
     if ring.kind == "pin":
         angles = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth
         for number, (x, y) in enumerate((ring.pin_circle_radius * unit(angles)).tolist(), start=1):
-            yield Place(names.pin(number), names.PIN, (x, y, 0.0), 0.0, names.PIN)
+            yield PlacedPart(names.pin(number), names.PIN, (x, y, 0.0), 0.0, names.PIN)
 
 
-def _discs(reducer: RvReducer, crank: float, carrier: float) -> Iterator[Place]:
+def _discs(reducer: RvReducer, crank: float, carrier: float) -> Iterator[PlacedPart]:
     """Yield the places of the discs, which turn with the carrier on the eccentrics."""
     gear = reducer.design.gear
     for name, phase, plane in zip(reducer.gears, reducer.phases, gear.disc_planes, strict=True):
         x, y = gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
-        yield Place(name, name, (float(x), float(y), plane), carrier, name)
+        yield PlacedPart(name, name, (float(x), float(y), plane), carrier, name)
 
 
-def _needles(reducer: RvReducer, crank_number: int, axis: tuple[float, float], crank: float) -> Iterator[Place]:
+def _needles(reducer: RvReducer, crank_number: int, axis: tuple[float, float], crank: float) -> Iterator[PlacedPart]:
     """Yield the places of the needles of a crank, evenly spaced around each of its eccentrics."""
     gear, cranks = reducer.design.gear, reducer.cranks
     pitch_radius = cranks.eccentric_radius + cranks.needle_radius
@@ -104,4 +104,4 @@ def _needles(reducer: RvReducer, crank_number: int, axis: tuple[float, float], c
         centre = np.array(axis) + gear.eccentricity * unit(-(crank + phase))
         for needle, (x, y) in enumerate((centre + around).tolist()):
             name = names.numbered_name(NEEDLE, first + disc * cranks.needles + needle)
-            yield Place(name, NEEDLE, (x, y, plane), crank, NEEDLE)
+            yield PlacedPart(name, NEEDLE, (x, y, plane), crank, NEEDLE)
