@@ -173,7 +173,7 @@ class Run(Presented):
         return tuple(pair for pair in self.by_stem(FORCE_X) if kind_of(pair) == kind)
 
     def forces(self, kind: str) -> Array:
-        """Return the forces in the k mating pairs of a kind, such as ``pin_gear``: x and y [N], shape (n, k, 2).
+        """Return the contact forces (n, k, 2) [N], x and y, of the k mating pairs of a kind, such as ``pin_gear``.
 
         Raises
         ------

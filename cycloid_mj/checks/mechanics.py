@@ -114,7 +114,7 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules for shaft, fillet and counterweight."""
+    """Yield the rules that the cam encloses shaft and fillet, and for the radius of a counterweight."""
     design = reducer.design
     shaft, c = design.shaft, design.gear.eccentricity
     yield Rule(
@@ -216,7 +216,7 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
 
 
 def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules for motor power and load."""
+    """Yield the rules that the motor's power suffices for torque and speed, and its torque for the load."""
     design = reducer.design
     drive, load = design.drive, design.load.torque
     speed = abs(drive.speed)

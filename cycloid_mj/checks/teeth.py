@@ -65,7 +65,7 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _undercut_rule(reducer: Reducer) -> Rule:
-    """Return the rule that the profile has no undercut.
+    """Return the rule that the profile has no undercut: rho is below the smallest convex radius of the trochoid.
 
     An internal gear exists under the same condition (see ``geometry.envelope``). It also keeps the outline simple: for
     N >= 4 the smallest convex radius of the path is below the smallest distance of its tangents from the disc's centre,

@@ -118,7 +118,7 @@ class Ring(Section):
 
     @property
     def ahead(self) -> tuple[float, ...]:
-        """Counter-clockwise rotation of the ring, or of each of its halves, from its nominal position [rad].
+        """Counter-clockwise rotations [rad] of the ring, or of each of its halves, from the nominal position.
 
         Raises
         ------
@@ -1126,10 +1126,10 @@ class Design(Section, Presented):
 
     @property
     def ratio(self) -> float:
-        """Input turns per output turn: R for the carrier, 1 - R for the ring as output; a whole number of one crank.
+        """Input turns per output turn; negative if they rotate in opposite directions.
 
-        R is -(N - 1) with a central crank, and 1 + N z_p/z_s of an RV reducer with z_s teeth of the sun, z_p of a
-        planet; its input is the sun.
+        It is R with the carrier as output and 1 - R with the ring. R is -(N - 1) with a central crank, and 1 + N
+        z_p/z_s of an RV reducer with z_s teeth of the sun, z_p of a planet; its input is the sun.
         """
         to_carrier: float = -self.lobes
         if self.planet is not None:

@@ -56,7 +56,7 @@ def warm_clearances(design: Design) -> dict[str, float]:
 
 
 def expand(design: Design) -> Design:
-    """Return the design with the clearances and materials that its parts have at the temperatures of ``[thermal]``.
+    """Return the design as it is at the temperatures of ``[thermal]``: with changed clearances and materials.
 
     Without temperatures other than 20 °C the design itself is returned.
 

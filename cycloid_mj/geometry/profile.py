@@ -307,7 +307,7 @@ def undercut_radius(gear: CycloidGear) -> float:
 
 
 def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
-    """Raise DesignError unless `offset` (by default rho) is below `undercut_radius`: the outline would have cusps."""
+    """Raise DesignError if the outline has cusps: its offset (by default rho) must be below `undercut_radius`."""
     limit, rho = undercut_radius(gear), _offset(gear, offset)
     if rho >= limit:
         raise DesignError(

@@ -45,7 +45,7 @@ def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def sleeve_core_radius(reducer: Reducer) -> float:
-    """Compute the radius of the pin pressed in inside a sleeve [m]: that of the bore less the clearance.
+    """Compute the radius [m] of the pin that is pressed in inside a sleeve: that of the sleeve's bore less clearance.
 
     Raises
     ------

@@ -102,7 +102,7 @@ class Contact:
 
     @property
     def force(self) -> float:
-        """Working force [N], at which the stiffness is the secant; of the cam, the total force.
+        """Working force of the pair [N], at which its stiffness is the secant; of the cam, the total force.
 
         It is the pair's own ``working_force``, or ``contact.working_force`` for all pairs: of a rolling cam, that of
         the most loaded roller; of a plain cam, N/4 times as much, as by ideal sharing with this force on the most
@@ -443,7 +443,7 @@ class Contacts:
         return ", ".join(forces)
 
     def _describe_source(self, source: Source) -> str:
-        """Describe the source of a working force."""
+        """Describe in words where a working force comes from, with the torque that it follows from."""
         return {
             "given": "given",
             "working load": f"ideal sharing of {self.working_load:.4g} N m",

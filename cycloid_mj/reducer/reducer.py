@@ -79,7 +79,7 @@ class Reducer:
         return type(self)(self.design.steady(settled, turns, samples, **changes), self.worn)
 
     def working_at(self, torque: float) -> Self:
-        """Return the reducer with contact stiffnesses for a torque on the output [N m], whatever its load.
+        """Return the reducer whose contact stiffnesses are those at an output torque [N m], whatever its load.
 
         A design with a working load, or with a working force for all pairs, keeps it.
         """
@@ -99,7 +99,7 @@ class Reducer:
 
     @property
     def for_slices(self) -> Self:
-        """Reducer for mesh contact: `working_at` the larger of its nominal torque and its own load.
+        """Reducer for the simulation with mesh contact, with stiffnesses for its nominal torque or its larger load.
 
         A bed of slices is softer at a small depth by itself, so its stiffness does not follow a small load. Its creep
         speed is that of the design, or `SLICES_CREEP`.
@@ -130,7 +130,7 @@ class Reducer:
 
     @property
     def shape(self) -> Self:
-        """Reducer of the same parts, shared by all loads, speeds and contact laws."""
+        """Reducer with the same parts and no load, speed or contact law, to cache what depends on parts only."""
 
         def without_operation() -> Reducer | None:
             fields = Design.model_fields

@@ -136,7 +136,7 @@ def summarize_quality(heights: Array, parts: int, volume_error: float) -> Qualit
 
 
 def require_within(name: str, quality: Quality, overfill: float, underfill: float) -> None:
-    """Raise DesignError if a decomposition deviates from its surface by more than the bounds [m]."""
+    """Raise DesignError if convex pieces overfill or underfill a surface by more than the bounds [m]."""
     for what, value, bound in (("over", quality.max_overfill, overfill), ("under", quality.max_underfill, underfill)):
         if not value <= bound:
             raise DesignError(

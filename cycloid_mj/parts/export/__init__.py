@@ -190,7 +190,7 @@ def drive_files(
     polylines: bool = False,
     arcs: float | None = None,
 ) -> dict[str, bytes]:
-    """Export all manufactured parts of an assembled drive, one file per part, by name.
+    """Encode all manufactured parts of an assembled drive, one file per part; return the contents by file name.
 
     They are covers and flange, and ring, output and shaft with their holes and seats. Meshes have cams of the radius
     `cam_seat` [m], as ``printing.manufactured_parts``; outlines and solids those of the assembly.

@@ -160,7 +160,7 @@ def _sleeve_pin_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _output_pin_joints(reducer: Reducer) -> Iterator[Joint]:
-    """Yield the joints of separate output pins: pressed into the discs of the output, with rollers on them."""
+    """Yield the joints of separate output pins, pressed into the discs of the output, and of the rollers on them."""
     gear, output = reducer.design.gear, reducer.design.output
     if in_one_piece(reducer):
         return

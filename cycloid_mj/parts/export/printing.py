@@ -65,7 +65,7 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
 
 
 def material_part(reducer: Reducer, part: str) -> str:
-    """Return the part of the mechanism whose material a part has.
+    """Return the part of the mechanism that sets the material of a part of the drive, such as the shaft for a cam.
 
     Discs and flange of the output have the material of the housing, whatever the material of its pins.
     """
