@@ -172,8 +172,8 @@ READERS = {"gear": _read_gear, "pins": _read_pins}
 def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Yield line number and cells of each line of a CSV file that is neither empty nor a comment (#)."""
     try:
-        if note_input(path).stat().st_size > MAX_SIZE:
-            raise DesignError(f"{path} has more than {MAX_SIZE:,} bytes: reduce it to at most {MAX_ROWS:,} rows")
+        if note_input(path).stat().st_size > LIMITS.size:
+            raise DesignError(f"{path} has more than {LIMITS.size:,} bytes: reduce it to at most {LIMITS.rows:,} rows")
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise DesignError(

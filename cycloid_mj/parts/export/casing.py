@@ -322,8 +322,8 @@ def _cover_material(reducer: Reducer, requested: str) -> str:
     metals = [metal for metal in MATERIALS if not Material(name=metal).is_plastic]
     if name not in metals or ring.is_plastic:
         raise DesignError(
-            f"covers of {requested!r} are not possible: covers and ring may differ in material only if both are metals. "
-            f"Choose one of {', '.join(one for one in MATERIALS if not Material(name=one).is_plastic)}, or omit the "
+            f"covers of {requested!r} are not possible: covers and ring may differ in material only if both are "
+            f"metals. Choose one of {', '.join(metals)}, or omit the "
             "cover material"
         )
     return name
@@ -391,49 +391,12 @@ def _cavity(reducer: Reducer, screws: Screws, min_radius: float, wall: float) ->
     max_radius = min(outer_limit - wall, design.ring_root_radius)
     if not cavity <= max_radius:
         raise DesignError(
-            f"the crank needs a diameter of {2e3 * cavity:.4g} mm in the motor-side cover, but only {2e3 * max_radius:.4g} "
-            "mm is available: reduce shaft.counterweight_radius_mm or output.pin_circle_radius_mm"
+            f"the crank needs a diameter of {2e3 * cavity:.4g} mm in the motor-side cover, but only "
+            f"{2e3 * max_radius:.4g} mm is available: reduce shaft.counterweight_radius_mm or "
+            "output.pin_circle_radius_mm"
         )
     ring = design.ring
     return cavity, min(max_radius, ring.pin_circle_radius + 0.5 * ring.pin_radius) if ring.kind == "pin" else max_radius
-
-
-def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float, max_radius: float) -> MotorFlange:
-    """Return the flange of the motor: the chosen one, or a bolt circle.
-
-    For `auto` it is the smallest NEMA frame that is strong enough for torque and speed of the design and fits. `max_radius`
-    is the largest radius [m] of the cavity for the heads of screws from within the cover.
-    """
-
-    def hole(one: MotorFlange) -> float:
-        return counterbore(thickest_bolt(one.thread)) if one.tapped else thread_radius(reducer, one.thread)
-
-    def reach(one: MotorFlange) -> tuple[float, float]:
-        return (_heads_end(one), max_radius) if one.tapped else (one.circle + hole(one) + wall, outer)
-
-    def fits(one: MotorFlange) -> bool:
-        needed, there = reach(one)
-        return one.circle - hole(one) - wall >= seat and needed <= there and _fits_shaft(reducer, one, wall)
-
-    drive = reducer.design.drive
-    if motor == "auto":
-        one = next((frame for frame in frames_for(drive.torque, drive.speed) if fits(frame)), None)
-    else:
-        one = motor if isinstance(motor, MotorFlange) else MOTORS.get(motor)
-    if one and fits(one):
-        return one
-    if one:
-        needed, there = reach(one)
-        place = "room for its screw heads up to" if one.tapped else "a cover with"
-        raise DesignError(
-            f"a motor flange {one.name} does not fit: it needs {place} a radius of {1e3 * needed:.4g} mm (here "
-            f"{1e3 * there:.4g}), a bearing of at max_radius {2e3 * (one.circle - hole(one) - wall):.4g} mm diameter (here "
-            f"{2e3 * seat:.4g}), and a crank of at least {2e3 * one.shaft + 4e3 * wall:.4g} mm diameter around the "
-            f"motor shaft (here {2e3 * reducer.design.shaft.radius:.4g}). Choose another motor"
-        )
-    thread = thickest_bolt(RULES.thread_share * outer, inserted=is_plastic(reducer)).thread
-    circle = outer - thread_radius(reducer, thread) - 2.0 * wall
-    return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
 
 
 def output_cover_step(sizes: Casing) -> float | None:
@@ -456,9 +419,9 @@ def _choose_hub_bearing(max_radius: float, max_bore: float, min_bore: float) -> 
         if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
             return bearing
     raise DesignError(
-        f"no bearing in stock fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to {2e3 * max_bore:.4g} mm "
-        f"and an outside diameter of at max_bore {2e3 * max_radius:.4g} mm. Choose a larger outer diameter, or a thinner shaft "
-        "(shaft.radius_mm)"
+        f"no bearing in stock fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to "
+        f"{2e3 * max_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a larger outer "
+        "diameter, or a thinner shaft (shaft.radius_mm)"
     )
 
 
