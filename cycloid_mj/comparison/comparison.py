@@ -86,7 +86,8 @@ class Comparison(Presented):
             "differences": self.differences,
             "runs": [_run_json(trial) for trial in self.trials],
             "sensitivity": [
-                to_json_values(item) | {"changes": item.changes, "determined": item.is_determined} for item in self.sensitivity
+                to_json_values(item) | {"changes": item.changes, "determined": item.is_determined}
+                for item in self.sensitivity
             ],
         }
         return dict(to_json_values(content))

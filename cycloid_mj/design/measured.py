@@ -186,8 +186,8 @@ def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
         raise DesignError(
             f"{path} has no measurements: write a header, such as {','.join(ANGLES)}, and one row per measured point"
         )
-    if len(lines) > MAX_ROWS + 1:
-        raise DesignError(f"{path} has {len(lines):,} rows: reduce them to at most {MAX_ROWS:,}")
+    if len(lines) > LIMITS.rows + 1:
+        raise DesignError(f"{path} has {len(lines):,} rows: reduce them to at most {LIMITS.rows:,}")
     for number, line in lines:
         yield number, _cells(line)
 

@@ -504,7 +504,7 @@ class _Recorder:
             [pairs[:, of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for of_kind in self._kinds], axis=1
         )
         energies = copied[:, self._read :]
-        point_motion = point_motion(
+        pin_motion = point_motion(
             (0.0, self._design.output.pin_circle_radius), copied[:, self._pose], copied[:, self._motion]
         )
         parts = [
@@ -513,7 +513,7 @@ class _Recorder:
             energies,
             powers.reshape(len(rows), -1),
             drags,
-            *point_motion,
+            *pin_motion,
         ]
         tables = {REDUCER: np.concatenate(parts, axis=1)}
         if self._has_pins:

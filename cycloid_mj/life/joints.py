@@ -466,12 +466,16 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
 
 
 def _rate_press_fit(
-    reducer: Reducer, key_and_name: tuple[str, str], turning_torque: float, seat: tuple[float, float, str, Material]
+    reducer: Reducer,
+    key_and_name: tuple[str, str],
+    turning_torque: float,
+    seat: tuple[float, float, str, Material],
+    zones: str,
 ) -> RatedItem:
     """Rate a press fit against a `turning_torque` on the pin in its hole [N m] (DIN 7190-1, thick-walled hub by Lame).
 
     `key_and_name` are those of the item. `seat` contains radius and length of the joint [m], the part whose material
-    the pin has, and the material of the hole.
+    the pin has, and the material of the hole; `zones` are those of pin and hole, such as ``m6 in N7``.
     """
     radius, length, part, hub = seat
     pin = reducer.design.material_of(part)

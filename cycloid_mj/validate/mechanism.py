@@ -131,7 +131,9 @@ def model_rows(pins: str) -> list[ValidationRow]:
         0.0,
     )
     return [
-        deviation_row(f"depths in the model, {pins} pins", 1e6 * collider_depths, 1e6 * depths, "um", "exact curves", 1e-3)
+        deviation_row(
+            f"depths in the model, {pins} pins", 1e6 * collider_depths, 1e6 * depths, "um", "exact curves", 1e-3
+        )
     ]
 
 

@@ -163,7 +163,9 @@ def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick
     source = "static solution by scipy"
     return [
         deviation_row(f"forces of the teeth, {name}", tooth_forces, expected_forces, "N", source, SHARING.force),
-        deviation_row(f"turn of the gear, {name}", 1e6 * rotation, 1e6 * expected_rotation, "urad", source, SHARING.turn),
+        deviation_row(
+            f"turn of the gear, {name}", 1e6 * rotation, 1e6 * expected_rotation, "urad", source, SHARING.turn
+        ),
         deviation_row(f"load of the cam, {name}", cam_load, expected_cam, "N", source, SHARING.cam),
     ]
 

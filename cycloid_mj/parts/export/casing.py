@@ -173,14 +173,12 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     DesignError
         Motor flange, output bearing, crank or screws do not fit.
     """
-    design = reducer.design
-    radius, half, output = design.housing.outer_radius, design.gear.stack_width / 2.0, design.output
-    wall = least_wall(reducer)
+    design, wall = reducer.design, least_wall(reducer)
     screws = choose_cover_screws(reducer, wall)
-    outer = _cover_radius(screws, radius, wall)
-    rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius
-    prisms, straddles = crank_stretches(reducer), design.shaft.mounting == "straddle"
-    far, near = bearing_seats(reducer, prisms)
+    outer = _cover_radius(screws, design.housing.outer_radius, wall)
+    dowel, dowel_angles, dowel_circle = choose_dowels(reducer, screws, wall)
+    far, near = bearing_seats(reducer, crank_stretches(reducer))
+    straddles = design.shaft.mounting == "straddle"
     seat = seat_radius(reducer, near[1] - near[0])
     rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
     return Casing(
