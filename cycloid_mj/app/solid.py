@@ -51,8 +51,8 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     design = reducer.design
     sizes, reason = casing_or_none(reducer, options.motor)
     geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
-    assembly_moves = assembly_moves(reducer, sizes) if sizes else ()
-    steps, shifts = _number_steps(assembly_moves), _exploded_shifts(reducer, geometry, components)
+    ordered_moves = assembly_moves(reducer, sizes) if sizes else ()
+    steps, shifts = _number_steps(ordered_moves), _exploded_shifts(reducer, geometry, components)
     phases = dict(zip(reducer.gears, map(float, reducer.phases), strict=True))
     parts = [
         {
@@ -69,7 +69,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     ]
     return {
         "parts": [part for part in parts if part["places"]],
-        "steps": [*_describe_steps(assembly_moves)],
+        "steps": [*_describe_steps(ordered_moves)],
         "orbit": MILLIMETRES * design.gear.eccentricity,
         "gear_rate": -1.0 / design.lobes,
         "reason": reason,

@@ -184,7 +184,7 @@ def _describe_defaults(design: Design, motor: Sequence[str]) -> str:
 
 
 def _compute_summary(design: Design) -> "Summary | None":
-    """Compute the summarize of a design; None if it has no static equilibrium, which a check reports."""
+    """Compute the summary of a design; None if it has no static equilibrium, which a check reports."""
     from cycloid_mj.checks import summarize
 
     try:

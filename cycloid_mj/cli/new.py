@@ -306,7 +306,7 @@ def _copy_design(stem: str, source: str, discs: str, changes: tuple[str, ...], d
             f"gear.discs={discs}"
         )
     design = load_design(source, changes, ()).but(name=stem)
-    files = {f"{stem}.toml": dump(design, reasons(source, design)).encode()}
+    files = {f"{stem}.toml": dump(design, preset_reasons(source, design)).encode()}
     return _write_designs(
         files, [{"figures": {}, "why": f"a copy of {source}"}], _claim_files(stem, delivery), delivery
     )

@@ -8,6 +8,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome, headline
+from cycloid_mj.base.result import to_json_values
 from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, out_flag, whole
 from cycloid_mj.cli.ranges import RANGES
@@ -224,7 +225,7 @@ def _outcome(
     files: "Mapping[str, bytes]",
 ) -> Outcome:
     """Convert a reduced joint to an `Outcome`: figures, comparison with the full model, time steps, files and page."""
-    from cycloid_mj.base.result import plain, quantity_frame, quantity_table
+    from cycloid_mj.base.result import quantity_frame, quantity_table
     from cycloid_mj.report.joint import joint_page
     from cycloid_mj.robot.bam import fit_bam_models
     from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_table

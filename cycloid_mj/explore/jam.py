@@ -121,7 +121,9 @@ def _minimize_interference(reducer: Reducer, departures: Mapping[str, Array]) ->
     for row in range(count):
         drive = unchecked_design_of_sample(reducer, samples, row)
         crank_angles = np.linspace(0.0, 2.0 * np.pi, JAM.angles, endpoint=False).tolist()
-        gap, pairs = min((find_tightest_pairs(Reducer(drive), angle) for angle in crank_angles), key=lambda contact: contact[0])
+        gap, pairs = min(
+            (find_tightest_pairs(Reducer(drive), angle) for angle in crank_angles), key=lambda contact: contact[0]
+        )
         interferences.append(-gap)
         for pair, share in pairs.items():
             shares[pair] = shares.get(pair, 0.0) + share / count

@@ -147,7 +147,7 @@ def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _summarize_design(reducer: Reducer) -> MeasuredFigures:
-    """Collect ratio, size, mass, rated torque, capacity and other quantities of `design check`'s summarize as columns."""
+    """Collect ratio, size, mass, rated torque, capacity and other quantities of `design check`'s summary as columns."""
     from cycloid_mj.checks import summarize
 
     figures = summarize(reducer)

@@ -13,7 +13,7 @@ from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gea
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, body_solids, output_centres, parts
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
-from cycloid_mj.parts.cut_prism import cut_prism
+from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.plots.dimension import TEXT, draw_dimension, draw_leader
 from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_output_pins, draw_region, draw_ring_pins
