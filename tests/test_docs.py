@@ -55,7 +55,7 @@ def test_figures_of_statics_are_those_of_the_code() -> None:
             f"largest tooth force [N] | {found['pin_gear_peak_force']:.0f} |",
             f"| friction of the teeth [W] | {found['pin_gear_friction_power']:.1f} |",
             f"[arcsec] | {found['output_peak_to_peak_loaded_forward_speed']:.2f} |",
-            f"| the same, unloaded [arcsec] | {found['output_peak_to_peak_unloaded_forward_speed']:.2f} |",
+            f"output, unloaded, peak to peak [arcsec] | {found['output_peak_to_peak_unloaded_forward_speed']:.2f} |",
         ),
         "rating": (
             f"| {items['cam_bearing'].value:.0f} N | 1687 rpm | {round(items['cam_bearing'].life, -2):,.0f} h |",
