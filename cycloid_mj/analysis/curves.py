@@ -46,7 +46,7 @@ def _with_theory(label: str, part: Callable[[Series], Compared], factor: float =
 def _pin(motion: Series) -> PinPath:
     if motion.pin_1 is None:
         raise LogError(
-            f"{motion.design.name}: the path of ring pin 1 needs pins that move, and this design has none. Use a "
+            f"{motion.design.name}: ring pin 1 has no path, because this design has no movable ring pins. Use a "
             'design with ring.kind = "pin" and ring.pins = "free" or "sleeved"'
         )
     return motion.pin_1

@@ -93,7 +93,8 @@ def parse_options(content: Any) -> BuildOptions:
         raise UsageError(f"unknown motor {motor!r}: choose one of {', '.join(MOTOR_WORDS)}")
     if type(offset) not in (int, float) or not 0.0 <= offset <= QUESTIONS.offset_um:
         raise UsageError(
-            f"the printer offset is {offset!r} um, which is out of range: choose 0 to {QUESTIONS.offset_um:g} um"
+            f"the printer offset is {offset!r} um, which is out of range: choose a value from 0 to "
+            f"{QUESTIONS.offset_um:g} um"
         )
     if bed not in BEDS:
         raise UsageError(f"unknown printer bed {bed!r}: choose one of {', '.join(BEDS[1:])} (length x width in mm)")

@@ -123,7 +123,7 @@ class Jobs:
         if sum(job.state in ("queued", "running") for job in self._jobs.values()) > QUESTIONS.queued_jobs:
             raise UsageError(
                 f"{QUESTIONS.queued_jobs} jobs are queued, which is the maximum: stop one of them, or wait until one "
-                "is finished"
+                "of them has finished"
             )
         job = Job(next(self._numbers), name)
         self._jobs[job.number] = job

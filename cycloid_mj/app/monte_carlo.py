@@ -64,7 +64,7 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
     zones = tolerance_zones(reducer)
     if not zones:
         raise UsageError(
-            "this design has no tolerances: enter one tolerance for all sizes (more than 0, at most "
+            "this design has no tolerances: enter one tolerance for all dimensions (greater than 0, at most "
             f"{STUDY.max_half_width_um:g} um), or set the table [tolerance] of the design file"
         )
     columns: dict[str, Array] = {}
@@ -104,7 +104,7 @@ def set_tolerances(design: Design, spread_um: Any) -> Design:
         or not math.isfinite(spread_um)
     ):
         raise UsageError(
-            f"the tolerance is {spread_um!r} um, which is out of range: choose more than 0 and at most "
+            f"the tolerance is {spread_um!r} um, which is out of range: choose a value greater than 0 and at most "
             f"{STUDY.max_half_width_um:g} um"
         )
     zone = f"uniform {spread_um:g}"

@@ -103,7 +103,10 @@ def _create_hidden_file(path: Path, user_path: Path) -> Path:
     Errors name the file by `user_path`, as the user wrote it.
     """
     if path.suffix.lower() == LOG:
-        raise UsageError(f"cannot write {user_path}: only logs may have the ending {LOG}. Choose another ending")
+        raise UsageError(
+            f"cannot write {user_path}: the extension {LOG} is reserved for logs. Choose another extension, such as "
+            ".json"
+        )
     require_replaceable(user_path)
     if path.exists() and not path.is_file():
         raise CycloidError(f"cannot write {user_path}: it is not a regular file. Choose another file name")

@@ -174,7 +174,8 @@ def require_ending(path: Path, ending: str) -> None:
     suffix = path.suffix.lower()
     if suffix in KINDS and suffix != ending:
         raise UsageError(
-            f"cannot write {path}: the ending {suffix} is for {KINDS[suffix].name}. Use the ending {ending}"
+            f"cannot write {path}: the extension {suffix} is reserved for {KINDS[suffix].name}. Use the extension "
+            f"{ending}"
         )
 
 

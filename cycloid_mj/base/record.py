@@ -122,7 +122,10 @@ class Run(Presented):
     def __getitem__(self, name: str) -> Array:
         """Return the column `name`, shape (n,); raise LogError if there is none."""
         if name not in self.columns:
-            raise LogError(_unknown_column(name, list(self.columns)))
+            raise LogError(
+                f"no column {name!r} in this run: choose one of its {len(self.columns)} columns; "
+                f"{_nearest_columns(name, list(self.columns))}"
+            )
         return self.columns[name]
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -184,7 +187,7 @@ class Run(Presented):
         if not pairs:
             present = sorted({str(kind_of(pair)) for pair in self.by_stem(FORCE_X)})
             raise LogError(
-                f"{self.label} has no contact forces of the kind {kind!r}; the kinds in this log are: "
+                f"{self.label} has no contact forces of kind {kind!r}; the kinds in this log are: "
                 f"{', '.join(present) or 'none'}. Run `cycloid-mj simulate` again with the same design: it logs all "
                 "contact forces"
             )
@@ -268,8 +271,8 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
             )
     if surplus := [name for name in units if name not in columns]:
         raise LogError(
-            f"the argument `units` has the key {surplus[0]!r}, which is not a column. Remove or rename this key: "
-            f"{_unknown_column(surplus[0], list(columns))}"
+            f"the argument `units` has the key {surplus[0]!r}, but the log has no such column. Remove the key or "
+            f"correct its name: {_nearest_columns(surplus[0], list(columns))}"
         )
 
 
@@ -282,8 +285,8 @@ def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, 
     listed = [name for names in names_by_topic.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:
         raise LogError(
-            f"the argument `topics` lists {unknown[0]!r}, which is not a column. Remove or rename it: "
-            f"{_unknown_column(unknown[0], list(columns))}"
+            f"the argument `topics` lists {unknown[0]!r}, but the log has no such column. Remove it or correct its "
+            f"name: {_nearest_columns(unknown[0], list(columns))}"
         )
     if len(set(listed)) < len(listed):
         twice = next(name for name in listed if listed.count(name) > 1)
@@ -294,7 +297,8 @@ def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, 
     return names_by_topic
 
 
-def _unknown_column(name: str, names: list[str]) -> str:
+def _nearest_columns(name: str, names: list[str]) -> str:
+    """Return the columns with the most similar names, in words, for an error message."""
     nearest = get_close_matches(name, names, n=3) or names[:3]
     listed = ", ".join(nearest) if nearest else "none, the run has no columns"
-    return f"no column {name!r} in this run of {len(names)}; nearest: {listed}"
+    return f"nearest: {listed}"

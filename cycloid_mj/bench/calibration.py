@@ -682,14 +682,14 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
         expected = float(np.ptp(turn))
         if loop.height * LIMITS.radians_factor < expected < loop.height / DEGREE * LIMITS.radians_factor:
             raise UsageError(
-                f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but that of the "
-                f"model is {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in radians, multiply it by "
+                f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but the model "
+                f"predicts {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in radians, multiply it by "
                 "57.2958; if not, set the clearances of the design closer to those of the drive"
             )
         if loop.height > LIMITS.arcminutes_factor * expected:
             raise UsageError(
-                f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but that of the "
-                f"model is {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in arcminutes, divide it by 60; "
+                f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but the model "
+                f"predicts {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in arcminutes, divide it by 60; "
                 "if not, set the clearances and the stiffness of the design closer to those of the drive"
             )
 
@@ -699,6 +699,6 @@ def _require_sensitivity(problem: FitProblem) -> None:
     start = np.array([item.to_scale(item.start) for item in problem.parameters] + [0.0] * (2 * len(problem.loops)))
     if not np.any(np.abs(problem.slopes(start, range(len(problem.parameters)), central=True)) > LIMITS.min_sensitivity):
         raise UsageError(
-            f"--fit {','.join(item.key for item in problem.parameters)}: the measured loop does not depend on any of "
-            f"these parameters. Fit parameters on which it depends, such as {','.join(DEFAULT)}"
+            f"--fit {','.join(item.key for item in problem.parameters)}: none of these parameters affects the "
+            f"modelled loop. Fit parameters that do, such as {','.join(DEFAULT)}"
         )

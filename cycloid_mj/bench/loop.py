@@ -24,7 +24,7 @@ class LoopSettings:
     min_points: int = 20
     """Smallest number of points of a loop."""
     min_branch_points: int = 6
-    """Smallest mean number of points of a branch: with fewer, rows are not in the order of time."""
+    """Smallest mean number of points of a branch: with fewer, rows are not in chronological order."""
     reversal: float = 0.2
     """Share of its range by which the torque returns after a reversal."""
     median_window: int = 5
@@ -57,9 +57,9 @@ class MeasuredLoop(Presented):
     name
         Name of its file without the ending.
     torque, deflection
-        Torque at the output [N m] and rotation of it [rad], counter-clockwise, in the order of time, shape (n,).
+        Torque at the output [N m] and rotation of it [rad], counter-clockwise, in chronological order, shape (n,).
     turns
-        Torques at which the course reverses [N m], in the order of time.
+        Torques at which the course reverses [N m], in chronological order.
     branch
         Number of reversals before each point, shape (n,).
     flipped
@@ -133,7 +133,7 @@ def read_loop(path: Path | str) -> MeasuredLoop:
     Returns
     -------
     MeasuredLoop
-        Torque and deflection of the output in order of time.
+        Torque and deflection of the output in chronological order.
 
     Raises
     ------
@@ -211,7 +211,7 @@ def _parse_number(text: str, location: str) -> float:
 
 
 def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str = "") -> MeasuredLoop:
-    """Create a loop from torque and deflection in the order of time, after checks; find its reversals and branches.
+    """Create a loop from torque and deflection in chronological order, after checks; find its reversals and branches.
 
     Parameters
     ----------
@@ -238,14 +238,14 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     if not np.ptp(torque) > 0.0 or not height > 0.0:
         constant = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
         raise UsageError(
-            f"{origin}: {constant} is the same in all rows, but both torque and deflection of a loop must vary. Record "
-            "a full loop"
+            f"{origin}: {constant} is the same in all rows, but both the torque and the deflection must vary over a "
+            "loop. Record a full loop"
         )
     turns, branch = _find_reversals(torque)
     if count < SETTINGS.min_branch_points * (branches := len(np.unique(branch))):
         raise UsageError(
             f"{origin}: the torque reverses {branches - 1} times in {count} points; a loop needs at least "
-            f"{SETTINGS.min_branch_points} points per branch. Check that the rows are in the order of time"
+            f"{SETTINGS.min_branch_points} points per branch. Check that the rows are in chronological order"
         )
     _require_no_outlier(torque, TORQUE, origin)
     _require_no_outlier(deflection_deg, DEFLECTION, origin)
@@ -253,7 +253,8 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
         raise UsageError(
             f"{origin}: the file contains only one branch, from {torque[0]:.4g} to {torque[-1]:.4g} N m, which does "
-            "not separate friction from stiffness. Record a loop from one torque to one of opposite sign and back"
+            "not separate friction from stiffness. Record a full loop: from one torque to the opposite torque and "
+            "back"
         )
     flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
     deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
@@ -261,8 +262,8 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, points_left_out)
     if _mean_opening(loop) < -SETTINGS.max_negative_opening * loop.height:
         raise UsageError(
-            f"{origin}: the loop releases energy, because at the same torque the output deflects less while the torque "
-            "falls than while it rises. Exchange the two columns, or reverse the order of the rows"
+            f"{origin}: the loop releases energy, because at the same torque the deflection is smaller during "
+            "unloading than during loading. Swap the two columns, or reverse the order of the rows"
         )
     return loop
 

@@ -132,7 +132,7 @@ def needs_contact_friction(keys: Sequence[str]) -> bool:
     wind_up_keys = [key for key in keys if key in STANDS_FOR_RUBBING]
     if contact_keys and wind_up_keys:
         raise UsageError(
-            f"--fit: {wind_up_keys[0]} and {contact_keys[0]} describe the same friction, and a loop determines only "
+            f"--fit: {wind_up_keys[0]} and {contact_keys[0]} describe the same friction, and a loop can identify only "
             "one of them. Remove one of the two"
         )
     return bool(contact_keys)

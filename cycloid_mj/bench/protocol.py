@@ -317,7 +317,7 @@ def find_breakaway_torque(crank: Array, torque: Array) -> float:
 
     NaN if the crank stays.
 
-    Angles `crank` [rad] and `torque` are in the order of time, shape (n,).
+    Angles `crank` [rad] and `torque` are in chronological order, shape (n,).
     """
     has_moved = np.abs(crank - crank[0]) > START.turned
     if not has_moved[-1]:

@@ -191,9 +191,9 @@ def read_te(path: Path | str) -> MeasuredError:
         )
     if np.ptp(columns[ERROR]) > TE.max_error or not np.ptp(columns[ERROR]) > 0.0:
         raise UsageError(
-            f"{path}: {ERROR} has a range of {np.ptp(columns[ERROR]):.4g} arcsec; a transmission error has more than 0 "
-            f"and at most {TE.max_error:g} arcsec. Compute it as output angle minus (crank angle / ratio), in "
-            "arcseconds"
+            f"{path}: {ERROR} has a range of {np.ptp(columns[ERROR]):.4g} arcsec; the range of a transmission error "
+            f"must be greater than 0 and at most {TE.max_error:g} arcsec. Compute it as output angle minus (crank "
+            "angle / ratio), in arcseconds"
         )
     return measured
 
@@ -226,8 +226,8 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
         raise UsageError(
-            "--load-nm 0 is not allowed, because without a load the parts are loose in their clearances: set a torque "
-            "other than 0"
+            "--load-nm 0 is not allowed, because without a load the parts float within their clearances: set a "
+            "torque other than 0"
         )
     lobes = reducer.design.lobes
     ideal = compute_model_error(reducer, torque)

@@ -178,7 +178,7 @@ def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
     names = [loop.name for loop in loops]
     if len(set(names)) < len(names):
         raise UsageError(
-            f"--loop: two files have the name {max(names, key=names.count)}, but their results are identified by name. "
+            f"--loop: two files are named {max(names, key=names.count)}, but results are identified by file name. "
             "Rename one of the files"
         )
     return loops

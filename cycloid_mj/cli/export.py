@@ -205,7 +205,7 @@ class MotorInterface:
         if not any(abs(thread - motor.thread) < stock.ROUNDING for thread in threads):
             sizes = ", ".join(f"{1e3 * thread:g}" for thread in threads)
             raise UsageError(
-                f"--motor-thread-mm {1e3 * motor.thread:g} is not a thread in stock: choose one of {sizes} mm"
+                f"--motor-thread-mm {1e3 * motor.thread:g} is not an available thread size: choose one of {sizes} mm"
             )
         return motor
 

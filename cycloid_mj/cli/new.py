@@ -271,7 +271,9 @@ def new(
     if len(size.missing) == 3:
         return _copy_design(stem, source or "pin", size.discs, set_, delivery)
     if source and not size.missing:
-        raise UsageError(f"--from {source} copies a design, but --ratio sizes a new one: remove one of the two")
+        raise UsageError(
+            f"--from {source} copies a design, whereas --ratio sizes a new drive: remove one of the two flags"
+        )
     from cycloid_mj.sizing.drives import size_drive
 
     requirement = size.requirement(set_)
@@ -436,8 +438,8 @@ def _motor_speed(motor: str, torque: float, process: "Process") -> float:
     if (frame := MOTORS.get(motor)) and frame.torque:
         if torque > frame.torque:
             raise UsageError(
-                f"--motor {motor}: the crank needs {torque:.4g} N m, but usual motors of this frame size have at most "
-                f"{frame.torque:g} N m. Choose a larger frame, a larger ratio or less torque"
+                f"--motor {motor}: the crank needs {torque:.4g} N m, but motors of this frame size typically deliver "
+                f"at most {frame.torque:g} N m. Choose a larger frame, a larger ratio or less torque"
             )
         return min(PROCESSES[process].speed_rpm, frame.power / torque / RPM)
     try:
@@ -457,8 +459,8 @@ def _motor_speed(motor: str, torque: float, process: "Process") -> float:
     if not speeds:
         largest = max((available for _, available in curve), default=0.0)
         raise UsageError(
-            f"--motor {motor}: the motor cannot deliver the {torque:.4g} N m that the crank needs at any speed (its "
-            f"maximum is {largest:.4g} N m). Choose a stronger motor, a larger ratio or less torque"
+            f"--motor {motor}: the crank needs {torque:.4g} N m, but the motor delivers at most {largest:.4g} N m at "
+            "any speed. Choose a stronger motor, a larger ratio or less torque"
         )
     return max(speeds)
 

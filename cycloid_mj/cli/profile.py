@@ -107,9 +107,9 @@ def _curvature_columns(reducer: Reducer, crank_angles: int | None) -> Columns:
     crank_angles = crank_angles or CRANK_ANGLES
     if crank_angles * design.ring.teeth > RANGES.rows[1]:
         raise UsageError(
-            f"--points {crank_angles} with {design.ring.teeth} ring teeth gives {crank_angles * design.ring.teeth:,} "
-            f"rows, but at most {RANGES.rows[1]:,} are allowed: use --points {RANGES.rows[1] // design.ring.teeth} or "
-            "fewer"
+            f"--points {crank_angles} with {design.ring.teeth} ring teeth results in "
+            f"{crank_angles * design.ring.teeth:,} rows, but at most {RANGES.rows[1]:,} are allowed: use --points "
+            f"{RANGES.rows[1] // design.ring.teeth} or fewer"
         )
     lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
     modulus = reducer.contacts[design.tooth_pair].modulus

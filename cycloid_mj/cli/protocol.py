@@ -24,7 +24,7 @@ LoopFlag = Annotated[
         name="--loop",
         metavar="LOOP.csv",
         help="CSV file of a loop measured with the crank locked: columns torque_output_Nm, deflection_deg, "
-        "in order of time. Repeatable, one file for each crank angle.",
+        "in chronological order. Repeatable, one file for each crank angle.",
     ),
 ]
 TeFlag = Annotated[

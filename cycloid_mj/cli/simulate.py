@@ -338,7 +338,7 @@ def run_into_log(
     open_log = _log_opener(compiled, reducer, identity | {"steps": str(plan.steps)}, force, viewable)
     progress.tell(f"time step {identity['timestep']}, for {identity['timestep_for']}")
     start = time.perf_counter()
-    with _open_unused_log(names, open_log) as log:
+    with _open_unused_log(design.name, names, open_log) as log:
         note = "; ".join(_record_samples(blocks(compiled, reducer), log, progress))
         wall = time.perf_counter() - start
         progress.judging()
@@ -369,15 +369,15 @@ def _log_opener(
     return lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)
 
 
-def _open_unused_log(names: Iterable[Path], open_log: Callable[[Path], "LogWriter"]) -> "LogWriter":
+def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path], "LogWriter"]) -> "LogWriter":
     """Open the first log of `names` that does not exist; raise LogTakenError if all exist.
 
-    `open_log` opens a path for writing.
+    `name` is that of the design, for an error message; `open_log` opens a path for writing.
     """
     from cycloid_mj.log import LogTakenError
 
     last_error: LogError = LogError(
-        "there is no free file name left for the log in the output folder: choose another folder with --out"
+        f"no free file name is left for the log of the design {name!r}: choose another folder with --out"
     )
     for path in names:
         try:

@@ -222,8 +222,8 @@ def _require_consistent(designs: Sequence[str], logs: Sequence[str], changed: bo
         raise UsageError("--set and --load-nm have no effect on logs: remove them, or remove --log")
     if logs and designs and len(logs) != len(designs):
         raise UsageError(
-            f"the number of designs ({len(designs)}) and of logs ({len(logs)}) differ: name one design per --log, in "
-            "the same order, or name no design"
+            f"the number of designs ({len(designs)}) differs from the number of logs ({len(logs)}): name one design "
+            "per --log, in the same order, or name no design"
         )
 
 

@@ -68,7 +68,7 @@ def wear(
 
     result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report)
     if result.interrupted:
-        tell("stopped by Ctrl-C: the result contains only the steps that were finished")
+        tell("stopped by Ctrl-C: the result contains only the completed steps")
     return deliver(_outcome(result, destination), destination, delivery)
 
 

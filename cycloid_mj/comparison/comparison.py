@@ -130,8 +130,8 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
         first_case = by_name.setdefault(case.name, case)
         if differing := [key for key in differences([first_case, case]) if key != HOLD]:
             raise UsageError(
-                f"two designs are named {case.name!r}, but differ in {', '.join(differing[:3])}: set another `name` in "
-                "one of the design files"
+                f"two designs are named {case.name!r}, but differ in {', '.join(differing[:3])}: change `name` in one "
+                "of the design files"
             )
     if len(by_name) < 2:
         raise UsageError(
@@ -182,7 +182,7 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
             raise UsageError(
                 f"the runs have different settings: {key} is {expected.get(key)} for {reference.design.name} at "
                 f"{load_words(reference.design.load.torque)}, but {actual.get(key)} for {case.design.name} at "
-                f"{load_words(case.design.load.torque)}. Simulate them again with equal settings"
+                f"{load_words(case.design.load.torque)}. Simulate them again with identical settings"
             )
 
 

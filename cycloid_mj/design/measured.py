@@ -177,8 +177,8 @@ def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise DesignError(
-            f"cannot read the measurements {path}: {reason(error)}. Give a path relative to the design file, or with "
-            "--set relative to the current folder"
+            f"cannot read the measurement file {path}: {reason(error)}. Check that it is a CSV file with UTF-8 text, "
+            "and check the path: it is relative to the design file or, if given with --set, to the current folder"
         ) from error
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
     lines = [(number, line) for number, line in lines if line and not line.startswith("#")]

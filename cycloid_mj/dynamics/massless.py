@@ -42,7 +42,7 @@ def require_pin_bodies(reducer: Reducer, what: str) -> None:
     if design.ring.has_massless_pins:
         others = {without: real for real, without in MASSLESS.items()}
         raise DesignError(
-            f'{design.name}: ring.pins = "{design.ring.pins}" is valid for mean values under load only, not for '
+            f'{design.name}: ring.pins = "{design.ring.pins}" is supported for mean values under load only, not for '
             f'{what}. Set ring.pins = "{others[design.ring.pins]}"'
         )
 

@@ -117,16 +117,16 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterab
             raise UsageError(f"{option} is not a formula: give KEY=FORMULA, e.g. {_EXAMPLE}")
         if declaration_of(key).annotation not in (int, float):
             raise UsageError(
-                f"{option}: {key} is not a number, and only numbers can follow a formula. Choose a key with a single "
-                "number"
+                f"{option}: the value of {key} is not a number, so a formula cannot set it. Choose a key that has a "
+                "single numeric value"
             )
         if key in varied or key in links:
             problem = "is varied by --vary" if key in varied else "is repeated"
             raise UsageError(f"{option}: {key} {problem}, but it can have only one value. Remove one of the two")
         if not formula and key not in RULES:
             raise UsageError(
-                f"{option}: the formula is missing, and only {' and '.join(RULES)} follow a rule without a formula. "
-                f"Give --follow '{key}=FORMULA'"
+                f"{option}: the formula is missing; only {' and '.join(RULES)} have a built-in rule and need no "
+                f"formula. Give --follow '{key}=FORMULA'"
             )
         if formula:
             _require_numbers(option, key, formula, reducer)
@@ -184,8 +184,8 @@ def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> N
         value = value_of(reducer.design, used)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UsageError(
-                f"{option}: {used} is not a number, so it cannot be part of a formula. Use only keys with a single "
-                "number"
+                f"{option}: the value of {used} is not a number, so it cannot be used in a formula. Use only keys "
+                "that have a single numeric value"
             )
 
 

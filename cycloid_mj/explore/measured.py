@@ -204,8 +204,8 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
             _require_figure(name)
     if not chosen:
         raise UsageError(
-            f"no measure is named: choose at least one of {', '.join(MEASURED)}, or a figure that `cycloid-mj figures` "
-            "lists"
+            f"no measure is named: choose at least one of {', '.join(MEASURED)}, or a figure listed by `cycloid-mj "
+            "figures`"
         )
     return chosen
 

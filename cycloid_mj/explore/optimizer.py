@@ -283,8 +283,8 @@ class _PointEvaluator:
 
 def _raise_lost(_: int, why: str) -> PointResult:
     raise RunError(
-        f"a point of the search could not be evaluated: {why}. Run the same command again to resume, with fewer "
-        "--workers"
+        f"a point of the search could not be evaluated: {why}. Run the same command again with a lower --workers to "
+        "resume"
     )
 
 

@@ -278,7 +278,9 @@ class Optimum(Tabular):
     @property
     def ran_into(self) -> tuple[str, ...]:
         """Deprecated name of `active_bounds`."""
-        warnings.warn("the attribute ran_into is deprecated: use active_bounds", DeprecationWarning, stacklevel=2)
+        warnings.warn(
+            "the attribute Optimum.ran_into is deprecated: use Optimum.active_bounds", DeprecationWarning, stacklevel=2
+        )
         return self.active_bounds
 
     def _checks_as_json(self, checked: BestChecks) -> dict[str, Any]:

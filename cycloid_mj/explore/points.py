@@ -68,8 +68,8 @@ def grid_points(vary: Mapping[str, Wanted]) -> Points:
     if open_range := next((axis for axis in axes if not axis.values and not axis.count), None):
         low, high = f"{open_range.low:g}", f"{open_range.high:g}"
         raise UsageError(
-            f"--vary {open_range.key}={low}:{high} does not state the number of values: give it, e.g. {low}:{high}:5, "
-            "or draw points from the range with --sample sobol --points 64"
+            f"--vary {open_range.key}={low}:{high} does not specify the number of values: add it, e.g. "
+            f"{low}:{high}:5, or sample the range with --sample sobol --points 64"
         )
     _require_few(math.prod(axis.count or len(axis.values) for axis in axes))
     return Points(tuple(vary), tuple(product(*map(axis_values, axes))))
@@ -236,9 +236,9 @@ def axis_values(axis: Axis) -> tuple[Value, ...]:
         return tuple(values)
     if fraction := next((value for value in values if not value.is_integer()), None):
         raise UsageError(
-            f"--vary {axis.key}: {fraction:g} is not a whole number, but this key takes only whole numbers. Choose "
-            "ends and "
-            f"number of values of the range {axis.low:g}:{axis.high:g} so that all values are whole"
+            f"--vary {axis.key}: {fraction:g} is not a whole number, but this key takes only whole numbers. Change "
+            f"the limits of the range {axis.low:g}:{axis.high:g}, or its number of values, so that all values are "
+            "whole numbers"
         )
     return tuple(map(int, values))
 

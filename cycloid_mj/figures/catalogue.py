@@ -40,6 +40,14 @@ CHEAP = frozenset({Need.GEOMETRY, Need.STATICS})
 
 COMPUTED = frozenset({*CHEAP, Need.LIFE})
 """Needs without finite elements and runs."""
+NEED_NAMES = {
+    Need.GEOMETRY: "dimensions only",
+    Need.STATICS: "statics",
+    Need.LIFE: "a life rating",
+    Need.STRESS: "a finite-element analysis",
+    Need.RUN: "a simulation",
+}
+"""Names of the needs in messages."""
 
 
 def find_figure(key: str) -> Figure | None:
@@ -67,8 +75,7 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     row = find_figure(key)
     if row is None:
         raise UsageError(
-            f"unknown figure {key!r:.60}; {_suggest_keys(key, needs, reducer)}choose one that `cycloid-mj figures` "
-            "lists"
+            f"unknown figure {key!r:.60}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
         )
     if key in row.deprecated:
         warnings.warn(
@@ -77,15 +84,15 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
             stacklevel=2,
         )
     if row.need not in needs:
-        possible = " or ".join(need for need in Need if need in needs)
+        possible = " or ".join(NEED_NAMES[need] for need in Need if need in needs)
         raise UsageError(
-            f"the figure {key} needs a {row.need}, but only figures of {possible} can be computed here; "
-            f"{_suggest_keys(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
+            f"the figure {key} requires {NEED_NAMES[row.need]}, but this command computes only figures that require "
+            f"{possible}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
         )
     if reducer is not None and not row.applies_to(reducer):
         raise UsageError(
             f"the figure {key} does not apply to the design {reducer.design.name!r}; "
-            f"{_suggest_keys(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
+            f"{_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
         )
     return row
 

@@ -74,8 +74,8 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
     if rotation >= half_pitch / 2:
         limit = np.degrees(half_pitch / 2) * 3600
         raise DesignError(
-            f"modification.rotation_arcsec = {np.degrees(rotation) * 3600:.6g} is too large, because no lobe is left "
-            f"at {limit:.6g} arcsec. Reduce it to less than {limit:.6g}"
+            f"modification.rotation_arcsec = {np.degrees(rotation) * 3600:.6g} is too large, because at {limit:.6g} "
+            f"arcsec the lobes vanish. Reduce it to less than {limit:.6g}"
         )
     middles = np.array([half_pitch, 0.0])
     t = profile.solve_monotone(

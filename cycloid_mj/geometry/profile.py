@@ -60,9 +60,9 @@ class CycloidGear:
         limit = self.pin_circle_radius / self.ring_teeth
         if self.eccentricity >= limit:
             raise DesignError(
-                f"eccentricity = {1e3 * self.eccentricity:.6g} mm is too large: it must be less than pin_circle_radius "
-                f"/ ring_teeth = {1e3 * limit:.6g} mm, because from there on the profile crosses itself. Reduce "
-                "eccentricity or ring_teeth, or increase pin_circle_radius"
+                f"eccentricity = {1e3 * self.eccentricity:.6g} mm is too large: it must be less than "
+                f"pin_circle_radius / ring_teeth = {1e3 * limit:.6g} mm, because at or above this value the profile "
+                "crosses itself. Reduce eccentricity or ring_teeth, or increase pin_circle_radius"
             )
 
     @property
@@ -311,8 +311,9 @@ def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
     limit, rho = undercut_radius(gear), _offset(gear, offset)
     if rho >= limit:
         raise DesignError(
-            f"pin_radius = {1e3 * rho:.6g} mm is too large: it must be less than {1e3 * limit:.6g} mm, because from "
-            "there on the cycloid disc is undercut. Reduce pin_radius or eccentricity, or increase pin_circle_radius"
+            f"pin_radius = {1e3 * rho:.6g} mm is too large: it must be less than {1e3 * limit:.6g} mm, because at or "
+            "above this value the cycloid disc is undercut. Reduce pin_radius or eccentricity, or increase "
+            "pin_circle_radius"
         )
 
 
@@ -390,7 +391,7 @@ def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -
         If `chord_error` is below 1e-12 m (there, rounding takes over).
     """
     if not chord_error >= CURVE.min_chord_error:
-        raise DesignError(f"chord_error = {chord_error} m is too small: give at least {CURVE.min_chord_error} m")
+        raise DesignError(f"chord_error = {chord_error} m is too small: choose at least {CURVE.min_chord_error} m")
     grid = np.linspace(low, high, CURVE.sagitta_grid)
     density = np.sqrt(np.abs(arc.turning_rate(grid) * arc.arc_rate(grid)))
     share = (

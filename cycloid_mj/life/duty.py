@@ -90,12 +90,13 @@ def read_duty(path: Path, peak_torque: float | None = None) -> Duty:
     total = sum(point.share for point in points)
     if not total > 0.0:
         raise UsageError(
-            f"{path}: the sum of the column share is {total:g}, but must be more than 0. Give at least one point a "
-            "positive share"
+            f"{path}: the sum of the column share is {total:g}, but must be greater than 0. Enter a positive share "
+            "for at least one point"
         )
     if not any(point.speed and point.share for point in points):
         raise UsageError(
-            f"{path}: the crank never turns. Give at least one point with a positive share a speed_rpm other than 0"
+            f"{path}: the crank never turns. Enter a speed_rpm other than 0 for at least one point with a positive "
+            "share"
         )
     return _cycle(tuple(DutyPoint(point.torque, point.speed, point.share / total) for point in points), peak_torque)
 

@@ -112,7 +112,7 @@ class ColumnGroup:
                 f"{self.zeros.size}"
             )
         if (messages[:, self.key_bytes] != self.zeros[self.key_bytes]).any():
-            raise LogError(f"messages of the topic {self.topic} have other fields than their schema defines")
+            raise LogError(f"messages of the topic {self.topic} have fields that differ from their schema")
         return messages.view(self.record)[:, 0]
 
     def schema(self) -> bytes:

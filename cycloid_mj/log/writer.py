@@ -228,8 +228,8 @@ class LogWriter:
         topics = [group.topic for group in self._groups]
         if sorted(values) != sorted(topics):
             raise LogError(
-                f"the samples have the topics {sorted(values)}, but log {self.path} needs {sorted(topics)}: pass "
-                "exactly these topics"
+                f"the samples have the topics {sorted(values)}, but the log {self.path} has {sorted(topics)}: pass "
+                "samples of exactly these topics"
             )
         if time.ndim != 1:
             raise LogError(
@@ -243,8 +243,9 @@ class LogWriter:
                 )
         if not (np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last) > 0.0).all()):
             raise LogError(
-                f"the sample times {time[0]:g} to {time[-1]:g} s cannot follow {self._last:g} s: pass finite times of "
-                "at least 0 s that increase strictly"
+                f"the sample times ({time[0]:g} to {time[-1]:g} s) are not valid after the last logged time, "
+                f"{self._last:g} s: pass finite, strictly increasing times, at least 0 s and later than "
+                f"{self._last:g} s"
             )
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:

@@ -111,7 +111,7 @@ def select_samples(
         raise UsageError(f"the number of frames is {frames}, which is out of range: choose 1 or more")
     if not turns > 0.0:
         raise UsageError(
-            f"the number of crank turns is {turns:g}, which is out of range: choose more than 0, such as 1"
+            f"the number of crank turns is {turns:g}, which is out of range: choose a value greater than 0, such as 1"
         )
     motion = series(run)
     if not 0 <= disc < motion.design.gear.discs:
@@ -141,8 +141,8 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
     narrowest, widest = ANIMATION.widths
     if not narrowest <= width <= widest:
         raise UsageError(
-            f"the width of the animation is {width} pixels, which is out of range: choose {narrowest} to {widest} "
-            "pixels"
+            f"the width of the animation is {width} pixels, which is out of range: choose a width from {narrowest} to "
+            f"{widest} pixels"
         )
     motion = samples.motion
     columns = {name: values[samples.rows] for name, values in motion.run.columns.items()}

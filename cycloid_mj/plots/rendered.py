@@ -48,7 +48,9 @@ def render(
         The time is outside of the run, or the size is out of range.
     """
     if time_s is not None and not run.time[0] <= time_s <= run.time[-1]:
-        raise UsageError(f"the time {time_s:g} s is outside the run: choose {run.time[0]:.6g} to {run.time[-1]:.6g} s")
+        raise UsageError(
+            f"the time {time_s:g} s is outside the run: choose a time from {run.time[0]:.6g} to {run.time[-1]:.6g} s"
+        )
     require_mujoco()
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))
     return fromarray(render_sample(run, Reducer(design_of(run)), sample, size, (azimuth, elevation)))

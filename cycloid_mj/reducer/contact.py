@@ -329,7 +329,8 @@ class Contact:
         if reference <= 1.0:
             raise ContactError(
                 f"{self._force_key} is too large: {force:g} N on one pin of {1e3 * depth:g} mm radius is beyond the "
-                "line-contact model. Reduce it, or increase gear.face_width_mm or the elastic modulus of the material"
+                "range of the line-contact model. Reduce it, or increase gear.face_width_mm or the elastic modulus "
+                "of the material"
             )
         of_teeth = getattr(design.stiffness, self.kind) if self.kind == design.tooth_pair else 0.0
         stated = of_teeth or design.contact.stiffness

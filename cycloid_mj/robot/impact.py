@@ -75,8 +75,8 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
         if crossing_time <= 0.5 / frequency:
             return ImpactLoad(frequency, peak)
     raise RunError(
-        f"{reduced.name}: under the rated load, an inertia of {inertia:.4g} kg m2 takes more than a minute to cross "
-        "the play. Reduce the inertia (--load-inertia-kgm2)"
+        f"{reduced.name}: under the rated load, an inertia of {inertia:.4g} kg m2 takes more than a minute to "
+        "traverse the backlash. Reduce the inertia (--load-inertia-kgm2)"
     )
 
 

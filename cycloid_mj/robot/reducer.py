@@ -400,8 +400,8 @@ class ReducedJoint(Presented):
         numbers_valid = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
         if joint.level not in LEVELS or joint.way not in (-1, 1) or not numbers_valid or not joint.springs:
             raise UsageError(
-                "the reducer file is not valid, because the value of level, way, springs or a number is not allowed: "
-                "use a reducer.json written by `cycloid-mj reduce`"
+                "the reducer file is not valid, because the value of level, way, springs or a numeric key is not "
+                "allowed: use a reducer.json written by `cycloid-mj reduce`"
             )
         return joint
 

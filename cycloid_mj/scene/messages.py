@@ -89,8 +89,8 @@ class Scene:
     def __post_init__(self) -> None:
         if not 0.0 < self.rate <= FRAME.max_rate:
             raise UsageError(
-                f"the frame rate of the 3-D scene is {self.rate:g} per second, which is out of range: choose more than "
-                f"0 and at most {FRAME.max_rate:g} per second"
+                f"the frame rate of the 3-D scene is {self.rate:g} per second, which is out of range: choose a rate "
+                f"greater than 0 and at most {FRAME.max_rate:g} per second"
             )
 
     @cached_property

@@ -196,15 +196,18 @@ class Requirement:
                 )
         if not LEAST_RATIO <= self.ratio <= MOST_RATIO:
             raise UsageError(
-                f"the ratio is {self.ratio}, which is out of range: choose {LEAST_RATIO} to {MOST_RATIO} for a single "
-                f"stage{self._two_stages()}"
+                f"the ratio is {self.ratio}, which is out of range: choose a ratio from {LEAST_RATIO} to {MOST_RATIO} "
+                f"for a single stage{self._two_stages()}"
             )
         if not 0 <= self.discs <= MAX_DISCS:
-            raise UsageError(f"the number of discs is {self.discs}, which is out of range: choose 1 to {MAX_DISCS}")
+            raise UsageError(
+                f"the number of discs is {self.discs}, which is out of range: choose a number from 1 to {MAX_DISCS}"
+            )
         for what, value, unit, minimum, most in self._sizes():
             if not minimum <= value <= most:
                 raise UsageError(
-                    f"the {what} is {value:.10g} {unit}, which is out of range: choose {minimum:g} to {most:g} {unit}"
+                    f"the {what} is {value:.10g} {unit}, which is out of range: choose a value from {minimum:g} to "
+                    f"{most:g} {unit}"
                 )
         if self.material and self.material not in MATERIALS:
             raise UsageError(f"unknown material {self.material!r}: choose one of {', '.join(MATERIALS)}")

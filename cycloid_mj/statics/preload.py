@@ -51,9 +51,7 @@ def preloaded(design: Named) -> Design:
         while torque_residual(upper) < 0.0:
             upper *= 2.0
             if upper > MAX_ANGLE:
-                raise RunError(
-                    f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin, the largest angle allowed, is less than that"
-                )
+                raise RunError(f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin, the largest angle allowed, is smaller")
         angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, upper, rtol=1e-4))
     except RunError as error:
         raise DesignError(

@@ -259,7 +259,8 @@ def _with_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
     load, _ = load_of(reducer, load)
     if not load > 0.0:
         raise UsageError(
-            f"the output torque is {load:g} N m, which is out of range: give more than 0 N m, e.g. --load-nm 10"
+            f"the output torque is {load:g} N m, which is out of range: choose a torque greater than 0 N m, e.g. "
+            "--load-nm 10"
         )
     if reducer.design.drive.speed == 0.0:
         raise DesignError(

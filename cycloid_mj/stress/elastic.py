@@ -289,8 +289,8 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     pieces = csgraph.connected_components(graph, directed=False)[0]
     if pieces != 1:
         raise CycloidError(
-            f"the finite-element mesh of the {grid.part} consists of {pieces} separate pieces, but must be one: check "
-            "the outline of this part with `cycloid-mj export`"
+            f"the finite-element mesh of the {grid.part} consists of {pieces} separate pieces, but it must be in one "
+            "piece: check the outline of this part with `cycloid-mj export`"
         )
     scaled = motions / np.linalg.norm(motions, axis=0)
     support_matrix = scaled[fixed].T @ scaled[fixed]
@@ -300,8 +300,8 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     values = np.linalg.eigvalsh(support_matrix) if len(support_matrix) else np.zeros(1)
     if not values[0] > 1e-12 * max(values[-1], np.finfo(float).tiny):
         raise CycloidError(
-            f"the {grid.part} can still move as a rigid body, because its supported nodes are all in one point: "
-            "support nodes in at least two different points"
+            f"the {grid.part} can still move as a rigid body, because all its supported nodes lie at one point: "
+            "support nodes at two or more different points"
         )
 
 

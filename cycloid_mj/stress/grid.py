@@ -78,7 +78,8 @@ class GridSettings:
         for name, value in vars(self).items():
             if name != "solid" and not value > 0.0:
                 raise UsageError(
-                    f"the mesh setting {name} is {value}, which is out of range: choose more than 0, such as 1"
+                    f"the mesh setting {name} is {value}, which is out of range: choose a value greater than 0, such "
+                    "as 1"
                 )
 
 
@@ -260,8 +261,8 @@ def quadratic_mesh(
     nodes = find_edge_nodes(mesh, new_numbers[edge_ends])
     if nodes.min(initial=0) < 0:
         raise CycloidError(
-            f"cannot generate a finite-element mesh of the {part}: an edge of its outline is missing. Use another "
-            "refinement (without --quick, or GridSettings.refinement in Python)"
+            f"cannot generate a finite-element mesh of the {part}: an edge of its outline is missing. Use a finer "
+            "mesh: omit --quick or, in Python, increase GridSettings.refinement"
         )
     mesh.doflocs[:, nodes] = middles.T
     determinants = mapping_of(mesh).detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))

@@ -79,7 +79,7 @@ def open_mesher(part: str, longest_edge: float) -> Iterator[Any]:
     except Exception as error:
         raise CycloidError(
             f"cannot generate a finite-element mesh of the {part} ({str(error).strip()}): check its outline with "
-            "`cycloid-mj export`, or use another refinement (without --quick, or GridSettings.refinement in Python)"
+            "`cycloid-mj export`, or use a finer mesh: omit --quick or, in Python, increase GridSettings.refinement"
         ) from error
     finally:
         gmsh.model.remove()

@@ -94,8 +94,8 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
         if not len(face.nodes):
             raise CycloidError(
                 "the finite-element mesh of the shaft is too coarse: no element lies on the bearing seat from z = "
-                f"{1e3 * z0:.4g} to {1e3 * z1:.4g} mm. Increase the refinement (without --quick, or "
-                "GridSettings.refinement in Python)"
+                f"{1e3 * z0:.4g} to {1e3 * z1:.4g} mm. Use a finer mesh: omit --quick or, in Python, increase "
+                "GridSettings.refinement"
             )
         bed_stiffness = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
         x, y, z = face.points[..., 0], face.points[..., 1], face.points[..., 2]

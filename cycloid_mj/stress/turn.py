@@ -113,7 +113,7 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
     """Raise UsageError unless a design is the one that ran, apart from load, speed, environment and settings."""
     if differing := list_differences(reducer, ran):
         raise UsageError(
-            f"the log belongs to another design than {reducer.design.name!r}: it differs in {'; '.join(differing[:3])} "
+            f"the log does not belong to the design {reducer.design.name!r}: it differs in {'; '.join(differing[:3])} "
             "(SI units). Use the design of the run, or omit --design"
         )
 
@@ -152,8 +152,8 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     if swept < 2 * np.pi - sample_step:
         span = float(np.ptp(run.time[rows])) if rows.size else 0.0
         raise LogError(
-            f"{run.label}: at constant speed and load the run lasts {span:.4g} s, {swept / (2 * np.pi):.3f} crank "
-            "turns, but at least one turn is needed. Simulate the design again with a longer --hold-s"
+            f"{run.label}: at constant speed and load the run lasts {span:.4g} s ({swept / (2 * np.pi):.3f} crank "
+            "turns), but at least one turn is needed. Simulate the design again with a longer --hold-s"
         )
     return rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
 

@@ -117,7 +117,7 @@ def reproduce(
     keys = [step.key for step in (*STEPS, AUTHORS)]
     only = (*only, AUTHORS.key) if as_the_authors else only
     if unknown := next((key for key in only if key not in keys), None):
-        raise UsageError(f"unknown stage {unknown!r}; available: {', '.join(keys)}")
+        raise UsageError(f"unknown stage {unknown!r}: choose one of {', '.join(keys)}")
     if STRESS in only:  # before the runs, of which it is the last to know
         for name in ("gmsh", "skfem"):
             import_package(name)

@@ -450,7 +450,7 @@ def test_the_chosen_motor_is_the_one_of_the_drive() -> None:
     assert describe_drive(reducer, parse_options({"motor": "nema17"}))["motor"] == "NEMA 17"
     with pytest.raises(UsageError, match=r"unknown motor .*: choose one of auto"):
         parse_options({"motor": "nema1"})
-    with pytest.raises(UsageError, match="choose 0 to 500 um"):
+    with pytest.raises(UsageError, match="choose a value from 0 to 500 um"):
         parse_options({"offset_um": -1})
     with pytest.raises(UsageError, match="180x180"):
         parse_options({"bed": "1x1"})
@@ -562,7 +562,7 @@ def test_a_form_becomes_a_requirement_and_back() -> None:
         ({"torque_nm": None}, "torque is missing"),
         ({"torque_nm": "2"}, "which is not a number"),
         ({"torque_nm": True}, "which is not a number"),
-        ({"ratio": 2}, "choose 3 to 150"),
+        ({"ratio": 2}, "choose a ratio from 3 to 150"),
         ({"process": "baked"}, "unknown process"),
         ({"material": "cheese"}, "unknown material"),
         ({"speed": 3}, "unknown field"),

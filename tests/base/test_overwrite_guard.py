@@ -253,7 +253,7 @@ def test_files_of_another_kind_are_never_replaced(here: Path) -> None:
         "log repair run.mcap my.toml --scene-hz 10",
     ):
         code, err = called(*words.split(), "--force")
-        assert (code, "the ending ." in err) == (2, True), err
+        assert (code, "the extension ." in err) == (2, True), err
     assert contents(here) == before
 
 
@@ -265,7 +265,7 @@ def test_a_command_that_claims_nothing_replaces_nothing(tmp_path: Path) -> None:
     with command_scope():
         write_files({tmp_path / "new.csv": b"first"})
         write_files({tmp_path / "new.csv": b"second"})
-    with pytest.raises(UsageError, match="only logs may have the ending"):
+    with pytest.raises(UsageError, match="is reserved for logs"):
         write_files({tmp_path / "new.mcap": b"no log"})
     assert contents(tmp_path) == {"old.csv": b"old", "new.csv": b"second"}
 

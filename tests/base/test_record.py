@@ -131,7 +131,7 @@ def test_travels_to_other_processes(travel):
         ({"time": np.array([0, 1, 2, np.nan, 3, 4, 5.0])}, "the time of sample 3 of the run is nan s"),
         ({"time": np.array([0, 1, 2, 3, 4, 5, np.inf])}, "the time of sample 6 of the run is inf s"),
         ({"units": {"gear_angle": "rad", "gear_speed": "rad/s"}}, "'pin_force' has no unit"),
-        ({"units": UNITS | {"pin_forse": "N"}}, "'pin_forse', which is not a column.* nearest: pin_force"),
+        ({"units": UNITS | {"pin_forse": "N"}}, "'pin_forse', but the log has no such column.* nearest: pin_force"),
     ],
 )
 def test_refuses_what_does_not_fit(changes, message):
@@ -180,7 +180,8 @@ def test_a_run_keeps_its_topics():
     assert make_run().topics == {"/reducer": tuple(UNITS)}
     assert forced_run(topics={"/forces": []}).topics == {"/forces": tuple(run.columns)}
     with pytest.raises(
-        LogError, match=r"`topics` lists 'cam_friction_powr', which is not a column.*nearest: cam_friction_power"
+        LogError,
+        match=r"`topics` lists 'cam_friction_powr', but the log has no such column.*nearest: cam_friction_power",
     ):
         forced_run(topics={"/reducer": ["cam_friction_powr"]})
     with pytest.raises(LogError, match="lists the column 'cam_force_x' twice"):
@@ -195,6 +196,6 @@ def test_forces_are_those_of_a_kind_of_pair_in_the_order_of_the_run():
     assert run.forces("pin_socket").shape == (3, 1, 2)
     assert list(run.by_stem("friction_power")) == ["cam"]
     with pytest.raises(
-        LogError, match=r"no contact forces of the kind 'tooth'; the kinds in this log are.*simulate` again"
+        LogError, match=r"no contact forces of kind 'tooth'; the kinds in this log are.*simulate` again"
     ):
         run.forces("tooth")

@@ -921,9 +921,9 @@ def rows(path: Path) -> list[str]:
         (lambda lines: [*lines[:9], "1.0,80", *lines[9:]], "deflection_deg is 80 in row 9 below the header"),
         (
             lambda lines: [lines[0], *np.random.default_rng(0).permutation(lines[1:])],
-            "Check that the rows are in the order of time",
+            "Check that the rows are in chronological order",
         ),
-        (lambda lines: [lines[0], *(",".join(row.split(",")[::-1]) for row in lines[1:])], "Exchange the two columns"),
+        (lambda lines: [lines[0], *(",".join(row.split(",")[::-1]) for row in lines[1:])], "Swap the two columns"),
         (lambda lines: [lines[0], *lines[:0:-1]], "reverse the order of the rows"),
         (
             lambda lines: [lines[0], *(f"{float(t) / 1000},{d}" for t, d in (row.split(",") for row in lines[1:]))],
@@ -967,7 +967,7 @@ def test_a_bad_loop_is_refused(change, told: str, tmp_path: Path, capsys: pytest
         ("mesh_plai", "unknown parameter 'mesh_plai'"),
         ("ring.teeth", "only real numbers"),
         ("play,play", "listed twice"),
-        ("drive.power_kw", "does not depend on any of these"),
+        ("drive.power_kw", "none of these parameters affects"),
         ("friction,hysteresis", "hysteresis and friction describe the same friction"),
         ("clearance.output_mm", "unknown parameter"),
     ],
@@ -1087,8 +1087,8 @@ def test_compare_bench_writes_and_tells(tmp_path: Path, capsys: pytest.CaptureFi
     [
         (np.linspace(0.0, 90.0, 100), np.ones(100), "at least one full turn"),
         (np.linspace(0.0, 6.28, 100), np.ones(100), "in radians"),
-        (np.linspace(0.0, 360.0, 100), np.ones(100), "a transmission error has more than 0"),
-        (np.linspace(0.0, 360.0, 100), 1e5 * np.sin(np.arange(100)), "a transmission error has more than 0"),
+        (np.linspace(0.0, 360.0, 100), np.ones(100), "a transmission error must be greater than 0"),
+        (np.linspace(0.0, 360.0, 100), 1e5 * np.sin(np.arange(100)), "a transmission error must be greater than 0"),
     ],
 )
 def test_a_bad_error_curve_is_refused(crank: Array, error: Array, told: str, tmp_path: Path) -> None:

@@ -178,7 +178,7 @@ def test_a_run_without_forces_is_refused():
     run = ideal_mechanism(designed("pin"))
     columns = {name: values for name, values in run.columns.items() if not name.startswith("cam")}
     bare = replace(run, columns=columns, units={name: run.units[name] for name in columns}, topics={})
-    with pytest.raises(LogError, match="no contact forces of the kind 'cam'"):
+    with pytest.raises(LogError, match="no contact forces of kind 'cam'"):
         measure_run(settle_run(bare))
 
 

@@ -343,7 +343,7 @@ def test_an_animation_follows_the_disc_that_is_asked_for(run: Run) -> None:
     first, second = (next(draw_frames(select_samples(run, frames=1, disc=disc), 320)) for disc in (0, 1))
     assert first.shape == second.shape
     assert np.any(first != second)
-    with pytest.raises(UsageError, match="no disc 3: choose 1 to 2"):
+    with pytest.raises(UsageError, match="no disc 3: choose a disc from 1 to 2"):
         select_samples(run, disc=2)
 
 

@@ -98,7 +98,7 @@ def test_sobol_points_are_more_even_than_random_ones() -> None:
         ({"ring.kind": "pin,none"}, "give pin, nonpin"),
         ({"output.rollers": "1"}, "give true or false"),
         ({"clearance.cam_um": "one"}, "give a number"),
-        ({"clearance.cam_um": "1:2"}, r"1:2:5, or draw points from the range with --sample"),
+        ({"clearance.cam_um": "1:2"}, r"1:2:5, or sample the range with --sample"),
         ({"clearance.cam_um": "2:1:3"}, "the smaller one first"),
         ({"clearance.cam_um": "1:2:1"}, "a range needs at least 2"),
         ({"clearance.cam_um": "1:2:x"}, "give LO:HI:N"),

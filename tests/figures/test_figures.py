@@ -80,8 +80,8 @@ def test_an_old_key_is_the_same_figure() -> None:
         ("te_loaded", Need, "unknown figure 'te_loaded'; did you mean .*te_loaded_arcsec"),
         ("tooth_force", Need, "did you mean tooth_force_n"),
         ("baklash_arcmin", Need, "did you mean backlash_arcmin"),
-        ("xyz", Need, "unknown figure 'xyz'; choose one that `cycloid-mj figures` lists"),
-        ("life_h", [Need.STATICS], "the figure life_h needs a life, but only figures of statics"),
+        ("xyz", Need, "unknown figure 'xyz'; choose one listed by `cycloid-mj figures`"),
+        ("life_h", [Need.STATICS], "the figure life_h requires a life rating, but .* require statics;"),
         ("tooth_pressure", Need, "the figure tooth_pressure does not apply to the design 'pin'"),
     ],
 )

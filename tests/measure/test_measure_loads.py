@@ -118,7 +118,7 @@ def test_a_plain_cam_presses_the_bore_and_a_rolling_one_a_roller() -> None:
 
 @pytest.mark.parametrize("torque", [0.0, -5.0, float("nan")])
 def test_no_torque_is_a_usage_error(torque: float) -> None:
-    with pytest.raises(UsageError, match="more than 0"):
+    with pytest.raises(UsageError, match="greater than 0"):
         loads(FIXED, torque)
 
 

@@ -217,7 +217,7 @@ def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
 
 
 def test_an_unknown_stage_is_a_usage_error(tmp_path):
-    with pytest.raises(UsageError, match=r"unknown stage 'stres'; available: geometry, .*torque"):
+    with pytest.raises(UsageError, match=r"unknown stage 'stres': choose one of geometry, .*torque"):
         command.reproduce(only=("stres",), delivery=ReproduceDelivery(out=str(tmp_path)))
 
 

@@ -45,5 +45,5 @@ def test_a_pattern_of_ones_own_has_its_circle_screws_and_shaft() -> None:
     assert MotorInterface(motor="bldc25", motor_shaft_mm=5.0).chosen().circle == pytest.approx(12.5e-3)
     with pytest.raises(UsageError, match="--motor-circle-mm"):
         MotorInterface(motor_shaft_mm=5.0).chosen()
-    with pytest.raises(UsageError, match="not in stock"):
+    with pytest.raises(UsageError, match="not an available thread size"):
         MotorInterface(motor="nema17", motor_thread_mm=7.0).chosen()

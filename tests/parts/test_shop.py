@@ -82,7 +82,9 @@ def test_plates_fit_the_bed():
         assert one.size[1] <= 0.13
     (single,) = plates(PRINTED, 5e-5, 0.0, sizes)
     assert sum(len(one.places) for one in laid) == len(single.places)
-    with pytest.raises(DesignError, match=r"_cover measures 108\.4 x 108\.\d mm, but the bed only 100 x 100 mm"):
+    with pytest.raises(
+        DesignError, match=r"_cover measures 108\.4 x 108\.\d mm, but the bed measures only 100 x 100 mm"
+    ):
         plates(PRINTED, 5e-5, 0.0, sizes, (0.1, 0.1))
 
 

@@ -169,7 +169,7 @@ def test_magnifications_that_are_refused():
     assert drawn_radii(Reducer(PIN), largest).pin == pytest.approx(0.4 * 2.25e-3)
     assert drawn_radii(Reducer(PIN)).pin == 2.25e-3
     for times in (0.99, largest + 1, np.nan, np.inf):
-        with pytest.raises(UsageError, match="choose 1 to 1351 for this design"):
+        with pytest.raises(UsageError, match="choose a value from 1 to 1351 for this design"):
             drawn_radii(Reducer(PIN), times)
 
 
@@ -184,7 +184,7 @@ def test_take_is_even_over_the_settled_turns(pin_run):
     half = select_samples(pin_run, frames=30, turns=0.5)
     assert np.ptp(angle[half.rows]) == pytest.approx(np.pi * 29 / 30, abs=angle[1])
     for frames, turns in ((0, 1.0), (5, 0.0), (5, np.nan)):
-        with pytest.raises(UsageError, match=r"choose 1 or more|more than 0"):
+        with pytest.raises(UsageError, match=r"choose 1 or more|greater than 0"):
             select_samples(pin_run, frames=frames, turns=turns)
 
 
@@ -285,7 +285,7 @@ def test_a_full_disk_is_an_error_of_an_mp4() -> None:
 def test_what_cannot_be_written_as_a_movie(tmp_path, monkeypatch):
     with pytest.raises(UsageError, match=r"cannot write a\.avi: unknown animation format.* \.gif or \.mp4"):
         write_movie(clip(), "a.avi")
-    with pytest.raises(UsageError, match="choose 1 to 50"):
+    with pytest.raises(UsageError, match="choose a rate from 1 to 50"):
         write_movie(clip(), tmp_path / "a.gif", 100)
     with pytest.raises(CycloidError, match=r"cannot write .*no/a\.gif: No such file"):
         write_movie(clip(), tmp_path / "no" / "a.gif")

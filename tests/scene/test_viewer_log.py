@@ -434,7 +434,7 @@ def test_run_that_goes_wrong_has_no_frame_of_it(small, tmp_path):
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf, 1e7])
 def test_rates_that_a_scene_refuses(rate):
-    with pytest.raises(UsageError, match="choose more than 0"):
+    with pytest.raises(UsageError, match="choose a rate greater than 0"):
         Scene(PRESETS["pin"], rate)
 
 

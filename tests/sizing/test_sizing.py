@@ -201,7 +201,7 @@ def test_a_range_of_ratios_leaves_the_one_that_bears_the_most() -> None:
         ({"diameter": math.inf}, "the diameter is inf mm"),
         ({"life": -1.0}, "the life is -1 h"),
         ({"speed": 0.0}, "the speed is 0 rpm"),
-        ({"discs": 5}, "the number of discs is 5, which is out of range: choose 1 to 4"),
+        ({"discs": 5}, "the number of discs is 5, which is out of range: choose a number from 1 to 4"),
         ({"material": "cheese"}, "unknown material 'cheese'"),
         ({"length": 0.0}, "the length is 0 mm"),
         ({"diameter": 6e6}, "the diameter is 6000000000 mm, which is out of range: choose 5 to 3000 mm"),
@@ -543,7 +543,7 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
         (["--discs", "2"], "applies only when a new drive is sized"),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema17"],
-            "the crank needs 2 N m, but usual motors of this frame size have at most 0.45 N m",
+            "the crank needs 2 N m, but motors of this frame size typically deliver at most 0.45 N m",
         ),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema99"],

@@ -173,7 +173,7 @@ def test_what_has_no_balance_or_no_motion_is_one_error() -> None:
         sheet(Reducer(override(FIXED, ["friction.pin_gear=0.9"])))
     with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
         sheet(Reducer(override(FIXED, ["drive.speed_rpm=0"])))
-    with pytest.raises(UsageError, match="give more than 0 N m"):
+    with pytest.raises(UsageError, match="choose a torque greater than 0 N m"):
         sheet(Reducer(FIXED), -3.0)
 
 

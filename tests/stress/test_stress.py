@@ -686,13 +686,17 @@ def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
     [
         ((), 2, "no design or log is given"),
         (("--log", "a.mcap", "--load-nm", "3"), 2, "have no effect on logs"),
-        (("--log", "a.mcap", "--design", "pin", "nonpin"), 2, "the number of designs (2) and of logs (1) differ"),
+        (
+            ("--log", "a.mcap", "--design", "pin", "nonpin"),
+            2,
+            "the number of designs (2) differs from the number of logs (1)",
+        ),
         (("--design", "pin", "pin", "--out", "{}"), 2, "two designs have the name 'pin'"),
         (("--log", "{}/none.mcap"), 2, "none.mcap"),
         (
             ("--log", "{log}", "--design", "nonpin"),
             2,
-            "the log belongs to another design than 'nonpin': it differs in ring.kind",
+            "the log does not belong to the design 'nonpin': it differs in ring.kind",
         ),
         (("--log", "{log}", "--part", "tooth"), 2, "no part 'tooth': choose one of shaft, gear, ring, output, pin_1"),
     ],

@@ -96,7 +96,8 @@ class ConvexSettings:
             value = getattr(self, name)
             if not 1e-11 <= value <= 1e-3:
                 raise DesignError(
-                    f"{name} of ConvexSettings is {value} m, which is out of range: choose 1e-11 to 1e-3 m, e.g. 1e-7"
+                    f"{name} of ConvexSettings is {value} m, which is out of range: choose a length from 1e-11 to "
+                    "1e-3 m, e.g. 1e-7"
                 )
         if self.fewest_facets < 8:
             raise DesignError(
@@ -110,5 +111,5 @@ class ConvexSettings:
         if not 0.0 < self.depth <= 0.5:
             raise DesignError(
                 f"depth of ConvexSettings is {self.depth}, which is out of range: choose a fraction of the pin radius "
-                "above 0 and at most 0.5"
+                "greater than 0 and at most 0.5"
             )

@@ -417,7 +417,7 @@ def _choose_hub_bearing(max_radius: float, max_bore: float, min_bore: float) -> 
         if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
             return bearing
     raise DesignError(
-        f"no bearing in stock fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to "
+        f"no standard bearing fits the hub of the output: it needs a bore of {2e3 * min_bore:.4g} to "
         f"{2e3 * max_bore:.4g} mm and an outside diameter of at most {2e3 * max_radius:.4g} mm. Choose a larger outer "
         "diameter, or a thinner shaft (shaft.radius_mm)"
     )

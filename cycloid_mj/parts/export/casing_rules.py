@@ -143,8 +143,8 @@ def stock_screw_length(bolt: stock.Bolt, min_length: float) -> float:
     length = stock.bolt_length(bolt.thread, min_length)
     if length is None:
         raise DesignError(
-            f"the casing needs {bolt.designation} screws {1e3 * min_length:.4g} mm long, but the longest in stock is "
-            "shorter: reduce housing.outer_radius_mm"
+            f"the casing needs {bolt.designation} screws {1e3 * min_length:.4g} mm long, but the longest standard "
+            "screw is shorter: reduce housing.outer_radius_mm"
         )
     return length
 

@@ -52,10 +52,11 @@ def choose_motor_flange(
         needed, available = reach(flange)
         feature = "room for its screw heads up to" if flange.tapped else "a cover with"
         raise DesignError(
-            f"a motor flange {flange.name} does not fit: it needs {feature} a radius of {1e3 * needed:.4g} mm (here "
-            f"{1e3 * available:.4g}), a bearing of at most {2e3 * (flange.circle - hole(flange) - wall):.4g} mm "
-            f"diameter (here {2e3 * seat:.4g}), and a crank of at least {2e3 * flange.shaft + 4e3 * wall:.4g} mm "
-            f"diameter around the motor shaft (here {2e3 * reducer.design.shaft.radius:.4g}). Choose another motor"
+            f"the motor flange {flange.name} does not fit. It needs {feature} a radius of {1e3 * needed:.4g} mm "
+            f"(actual: {1e3 * available:.4g} mm), a bearing with a diameter of at most "
+            f"{2e3 * (flange.circle - hole(flange) - wall):.4g} mm (actual: {2e3 * seat:.4g} mm), and a crank with a "
+            f"diameter of at least {2e3 * flange.shaft + 4e3 * wall:.4g} mm around the motor shaft (actual: "
+            f"{2e3 * reducer.design.shaft.radius:.4g} mm). Choose another motor"
         )
     thread = thickest_bolt(RULES.thread_share * outer, inserted=is_plastic(reducer)).thread
     circle = outer - thread_radius(reducer, thread) - 2.0 * wall

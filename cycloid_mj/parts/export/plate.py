@@ -187,8 +187,8 @@ def _pack_plates(
         if along > length or across > width:
             size, room = (" x ".join(f"{MILLIMETRES * item:.4g}" for item in pair) for pair in ((along, across), bed))
             raise DesignError(
-                f"{part} measures {size} mm, but the bed only {room} mm: choose a larger bed (--bed), or manufacture "
-                "this part by another process"
+                f"{part} measures {size} mm, but the bed measures only {room} mm: choose a larger bed (--bed), or "
+                "manufacture this part by another process"
             )
     spots = [(0, (0.0, 0.0))] * len(pairs)
     number, x, y, deepest = 0, 0.0, 0.0, 0.0
