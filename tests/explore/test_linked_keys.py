@@ -64,7 +64,7 @@ def test_what_follows_is_a_column_of_the_sweep_and_what_cannot_an_error() -> Non
         PIN, {"gear.eccentricity_mm": [1.0]}, "mass", follow="output.pins=gear.eccentricity_mm / 3", engine=HERE
     )
     assert "output.pins" in broken["error"][0]
-    with pytest.raises(DesignError, match="has no value: float division by zero"):
+    with pytest.raises(DesignError, match=r"cannot be computed \(float division by zero\)"):
         at({"gear.eccentricity_mm": 1.0}, "output.hole_radius_mm=1 / (gear.eccentricity_mm - 1)")
 
 

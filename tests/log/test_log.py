@@ -652,14 +652,14 @@ def test_names_that_a_log_refuses(groups, message, tmp_path):
 @pytest.mark.parametrize(
     ("time", "shapes", "message"),
     [
-        ([1.0, 2.0], {"/a": (2, 1)}, r"topics \['/a'\], but log .* needs \['/a', '/b'\]"),
+        ([1.0, 2.0], {"/a": (2, 1)}, r"topics \['/a'\], but the log .* has \['/a', '/b'\]"),
         ([1.0, 2.0], {"/a": (2, 1), "/b": (2, 3)}, r"/b have shape \(2, 3\): pass an array of shape \(2, 2\)"),
         ([1.0, 2.0], {"/a": (1, 1), "/b": (2, 2)}, r"/a have shape \(1, 1\): pass an array of shape \(2, 1\)"),
         ([[1.0, 2.0]], {"/a": (2, 1), "/b": (2, 2)}, r"shape \(1, 2\)"),
         ([1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "strictly increasing times"),
         ([0.5, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "later than 0.5 s"),
         ([-1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "at least 0 s"),
-        ([1.0, np.nan], {"/a": (2, 1), "/b": (2, 2)}, "finite times"),
+        ([1.0, np.nan], {"/a": (2, 1), "/b": (2, 2)}, "pass finite"),
     ],
 )
 def test_samples_that_a_log_refuses_leave_it_unharmed(time, shapes, message, tmp_path):
