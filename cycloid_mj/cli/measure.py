@@ -106,7 +106,7 @@ def several(name: str, quantity: DesignValue, text: str, default: str) -> Parame
         """Raise ValueError for a value that is not positive or out of range."""
         for value in values or ():
             if not value > 0.0:
-                raise ValueError(f"each value must be more than 0 [{quantity.symbol}], not {value:g}")
+                raise ValueError(f"each value must be greater than 0 [{quantity.symbol}], not {value:g}")
             try:
                 quantity.require(value)
             except ValueError as error:
@@ -117,7 +117,7 @@ def several(name: str, quantity: DesignValue, text: str, default: str) -> Parame
         metavar="X",
         consume_multiple=True,
         validator=require,
-        help=f"{text} [{quantity.symbol}], each more than 0; one or more values. {default}",
+        help=f"{text} [{quantity.symbol}], each greater than 0; one or more values. {default}",
     )
 
 

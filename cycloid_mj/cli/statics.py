@@ -45,7 +45,7 @@ LoadFlag = Annotated[
     Parameter(
         metavar="X",
         validator=LOADED.require,
-        help="Output torque [N m], more than 0. Default: the magnitude of load.torque_nm, or if that is 0 "
+        help="Output torque [N m], greater than 0. Default: the magnitude of load.torque_nm, or if that is 0 "
         f"the {RATED}.",
     ),
 ]

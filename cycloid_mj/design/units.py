@@ -75,7 +75,7 @@ VISCOSITY = Unit("mm2_s", divisor=1e6)
 WEAR = Unit("mm3_nm", divisor=1e9)
 HERTZ = Unit("hz")
 
-BOUNDS = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
+BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 """Name of a bound in pydantic and in `operator`, and in words."""
 
 

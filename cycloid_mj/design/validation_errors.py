@@ -127,7 +127,7 @@ def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> st
 
 
 def range_words(bounds: dict[str, float]) -> str:
-    """Describe bounds by name (``gt``, ``ge``, ``lt``, ``le``) in words: "from 4 to 400", "more than 0"."""
+    """Describe bounds by name (``gt``, ``ge``, ``lt``, ``le``) in words: "from 4 to 400", "greater than 0"."""
     numbers = {name: f"{bound:.10g}" for name, bound in bounds.items() if name in BOUNDS}
     if numbers.keys() == {"ge", "le"}:
         return f"from {numbers['ge']} to {numbers['le']}"

@@ -842,9 +842,9 @@ def test_wrong_use_is_one_line_and_exit_code_2(argv, words, here):
 
 LIMITS = {
     "--timestep-us": "at least 0 and at most 1000",
-    "--speed-rpm": "more than -100000 and less than 100000, not 0",
+    "--speed-rpm": "greater than -100000 and less than 100000, not 0",
     "--ramp-s": "at least 0 and at most 1000",
-    "--hold-s": "more than 0 and at most 1000",
+    "--hold-s": "greater than 0 and at most 1000",
     "--load-nm": "at least -1000000 and at most 1000000",
 }
 

@@ -152,7 +152,7 @@ def test_group_without_a_command_is_wrong_use_and_prints_its_help(group, capsys)
     assert out == ""
     *page, error = err.splitlines()
     names = commands(application()[group])
-    assert error == f"error: {group} needs a command: {', '.join(names)}"
+    assert error == f"error: {group} needs a command: choose one of {', '.join(names)}"
     assert page[0] == f"Usage: cycloid-mj {group} COMMAND"
     assert all(any(f" {name} " in line for line in page) for name in names)
 

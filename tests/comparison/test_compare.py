@@ -404,7 +404,7 @@ def test_a_log_of_a_stopped_run_is_not_compared(compared, tmp_path):
         (("pin", "nonpin", "--workers", "0"), ("--workers", "from 1 to 4096")),
         (("pin", "nonpin", "--load-nm", "nan"), ("--load-nm", "at least -1000000")),
         (("pin", "nonpin", "--ramp-s", "-1"), ("--ramp-s", "at least 0")),
-        (("pin", "nonpin", "--hold-s", "0"), ("--hold-s", "more than 0")),
+        (("pin", "nonpin", "--hold-s", "0"), ("--hold-s", "greater than 0")),
         (("pin", "nonpin", "--set", "drive.speed_rpm=0"), ("drive.speed_rpm",)),
         (("pin", "nonpin", "--q", "1"), ("--q", "X,Y")),
         (("pin", "nonpin", "--frob"), ("--frob",)),

@@ -304,7 +304,7 @@ def test_an_unknown_key_is_told_with_the_right_one(text: str, hint: str) -> None
         ("ring.pin_radius_mm=1e-300", "from 0.001 to 1000"),
         ("gear.bore_radius_mm=1e308", "from 0.001 to 5000"),
         ("shaft.radius_mm=6000", r"shaft\.radius_mm = 6000\.0 is not allowed: it must be from 0\.001 to 5000"),
-        ("clearance.cam_um=0", r"clearance\.cam_um = 0\.0 is not allowed: it must be more than 0 and at most 1000"),
+        ("clearance.cam_um=0", r"clearance\.cam_um = 0\.0 is not allowed: it must be greater than 0 and at most 1000"),
         ("clearance.cam_um=1001", "at most 1000"),
         ("drive.speed_rpm=1e5", "less than 100000"),
         ("drive.speed_rpm=nan", r"drive\.speed_rpm = nan is not allowed: it must be a finite number"),

@@ -61,7 +61,7 @@ def test_a_wrong_value_never_has_the_words_of_pydantic(change: str) -> None:
 
 def test_a_range_is_written_in_the_units_of_the_file() -> None:
     assert range_words({"ge": 4.0, "le": 400.0}) == "from 4 to 400"
-    assert range_words({"gt": 0.0, "le": 1000.0}) == "more than 0 and at most 1000"
+    assert range_words({"gt": 0.0, "le": 1000.0}) == "greater than 0 and at most 1000"
     assert range_words({"lt": 0.5}) == "less than 0.5"
     assert set(BOUNDS) == {"gt", "ge", "lt", "le"}
 

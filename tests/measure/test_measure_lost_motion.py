@@ -141,4 +141,4 @@ def test_command_refuses_a_torque_that_is_none(tmp_path: Path, monkeypatch: pyte
     monkeypatch.chdir(tmp_path)
     (tmp_path / "lost-motion-pin.json").write_text("{}")
     assert main(["measure", "lost-motion", "--load-nm", "0", "--out", "."]) == 2
-    assert "--load-nm 0: must be more than 0" in capsys.readouterr().err
+    assert "--load-nm 0: must be greater than 0" in capsys.readouterr().err

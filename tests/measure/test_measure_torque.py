@@ -274,7 +274,7 @@ def test_map_is_that_of_the_points_asked_for(efficiency):
     [
         (["torque", "pin", "--design", "pin"], "two designs have the name 'pin'"),
         (["torque", "nopin"], "nopin"),
-        (["efficiency", "--load-nm", "0"], "must be more than 0"),
+        (["efficiency", "--load-nm", "0"], "must be greater than 0"),
         (["efficiency", "--speed-rpm", "1e9"], "--speed-rpm"),
     ],
 )

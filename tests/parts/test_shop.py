@@ -108,7 +108,7 @@ def test_the_bill_states_exact_sizes_threads_and_what_is_out_of_stock():
     steel = {line.item: line for line in bill(PIN, 0.0, casing(PIN))}
     assert "drilled 3.3 mm" in steel["output"].fit
     assert any(
-        "shaft_bearing: none in stock has outside diameter 22.4 x bore 16" in text
+        "shaft_bearing: no standard part has outside diameter 22.4 x bore 16" in text
         for text in out_of_stock(steel.values())
     )
     assert not list(out_of_stock(line for line in lines.values() if line.item != "output_roller"))

@@ -205,7 +205,7 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert "capacity" in out
     assert "known difference" in out
     for words, said in (
-        (["--load-nm", "0"], "must be more than 0"),
+        (["--load-nm", "0"], "must be greater than 0"),
         (["--load-nm", "x"], "load-nm"),
         (["--set", "ring.teeth=3"], "ring.teeth"),
     ):

@@ -112,14 +112,14 @@ def test_another_modulus_is_that_of_all_printed_parts_and_of_no_steel() -> None:
         ("[studs]\nnear_seat_mm = 9\nfar_seat_mm = 8\nlength_mm = 3\n", "unknown key studs.length_mm"),
         (
             "[studs]\nnear_seat_mm = 9\nfar_seat_mm = -8\n",
-            "far_seat_mm = -8.0 is not allowed: it must be more than 0",
+            "far_seat_mm = -8.0 is not allowed: it must be greater than 0",
         ),
         ("[studs]\nnear_seat_mm = 9\nfar_seat_mm = 8\nfar_plate_free = 1\n", "studs.far_plate_free = 1 is not allowed"),
         ("[material]\nmodulus_mpa = 1400\n", "material.modulus_mpa = 1400 is not allowed"),
         ("[material]\nmodulus_mpa = [1400]\n", "material.modulus_mpa[2] is missing"),
         (
             "[material]\nmodulus_mpa = [-1, 700]\n",
-            "modulus_mpa[1] = -1.0 is not allowed: it must be more than 0",
+            "modulus_mpa[1] = -1.0 is not allowed: it must be greater than 0",
         ),
         ("[material]\nmodulus_mpa = [1400, 700]\n", "the smallest, then the largest"),
         ("[studs\n", "is not valid TOML"),

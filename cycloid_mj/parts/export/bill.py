@@ -189,7 +189,7 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
     """Yield a warning for each part to be bought of which none in stock has the size."""
     for item in items:
         if item.made_or_bought == "bought" and not item.designation:
-            yield f"{item.item}: none in stock has {item.size}; choose other sizes, or order it to measure"
+            yield f"{item.item}: no standard part has {item.size}; choose other dimensions, or have it custom-made"
 
 
 def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:

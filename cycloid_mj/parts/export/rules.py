@@ -41,7 +41,7 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
             yield f"{joint.name} has no fit: please report this design"
         for thread in joint.threads:
             if is_plastic(reducer) and not thread.insert:
-                yield f"M{MILLIMETRES * thread.thread:g} in {thread.part}, a plastic, has no insert in stock"
+                yield f"M{MILLIMETRES * thread.thread:g} in {thread.part}, a plastic, has no standard insert"
     if reducer.member.ring_and_carrier(1.0)[0]:
         teeth = reducer.design.ring.teeth
         yield (
