@@ -76,7 +76,7 @@ def failed_exports(name: str) -> Iterator[str]:
 def run(names: list[str]) -> int:
     """Print the faults of designs, given by their names; return 1 if there are any, else 0."""
     count = 0
-    for name in names or presets_for("export"):
+    for name in names or presets_for("simulate"):
         found = list(faults(name))
         count += len(found)
         print(f"{name}: {'; '.join(found) or 'good'}", flush=True)
