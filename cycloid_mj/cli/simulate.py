@@ -153,7 +153,11 @@ def review_of(log: Path) -> Path:
 def _with_explanations(
     outcome: Outcome, findings: "Findings", ran: "Ran", page: Path | None, chosen: DesignOptions, quiet: bool
 ) -> Outcome:
-    """Replace the headline of an outcome by an explanation of its figures, and add commands to continue with."""
+    """Return the outcome with an explanation of its figures in place of the headline.
+
+    The condition also states the number of steps and the wall time. The summary ends with the files and the commands to
+    continue with; the review page is drawn when the outcome is delivered, without progress lines if `quiet`.
+    """
     from cycloid_mj.analysis import explain
 
     log = ran.log

@@ -197,7 +197,12 @@ def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
 
 
 def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
-    """Return width [arcmin] and work [mJ] of the loop, and its largest shift by weight and friction [arcmin]."""
+    """Return the quantities of the loops that friction causes: width, work, and shift.
+
+    The width [arcmin] is that at half the nominal torque; width and work [mJ], the area inside a loop, are means over
+    the crank angles. The shift [arcmin] is the largest distance of a loop from that of the mechanism without weight
+    and friction.
+    """
     service, width = (data.service, data.service_checks), "width of the loop at half the nominal torque"
     damping_width = float(np.mean([loop.width for loop in data.ideal])) / ARCMINUTE
     width_note = (

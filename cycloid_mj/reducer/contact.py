@@ -192,9 +192,10 @@ class Contact:
 
     @property
     def series(self) -> tuple[float, ...]:
-        """Stiffness on each disc in the simulation (D,) [N/m], elastic elements in series; errors as `curvature_law`.
+        """Stiffness of a contact on each disc in the simulation [N/m], shape (D,).
 
-        Of a massless pin, its seat is in series; of an output pin, its bending in a structure of springs.
+        In series with the contact itself are the seat of a massless pin, and, with ``structure = "springs"``, the
+        bending of an output pin. Raises the errors of `curvature_law`.
         """
         contacts = self._reducer.contacts
         stiffness = contacts.mesh_stiffness if self._is_through_pin else self.stiffness

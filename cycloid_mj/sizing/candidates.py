@@ -299,7 +299,10 @@ def _fails(checks: Iterable[Check]) -> bool:
 
 
 def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, Any]:
-    """Return the tables of the design of a candidate."""
+    """Return the design file of a candidate: its tables by name, with values in SI units by key.
+
+    `sizes` are the candidate's dimensions [m] in the order of `SIZES`, and `torque` is its output torque [N m].
+    """
     size = dict(zip(SIZES, map(float, sizes), strict=True))
     limits, discs = PROCESSES[requirement.process], requirement.discs or 1
     at_pin, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file

@@ -233,7 +233,11 @@ def _pins(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, 
 
 
 def _heat(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> Array:
-    """Limit the losses of teeth, output pins and bearings by the temperature of the housing."""
+    """Estimate the output torque [N m] at which the housing of each candidate reaches its allowed temperature, (n,).
+
+    The losses of teeth, output pins and cams are proportional to the torque; natural convection removes them from the
+    cylinder of the housing.
+    """
     discs = requirement.discs or 1
     plain = design.friction.output * sizes.core / np.maximum(sizes.stud, 1e-6)
     rolls = np.where(sizes.needle_dynamic > 0.0, design.friction.output_rolling, plain)

@@ -145,7 +145,10 @@ def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunErr
 
 
 def _run_figures(kind: str, periods: int, *changes: str) -> StepFigures:
-    """Simulate some mesh periods at rated load; return the figures that must not depend on the time step."""
+    """Simulate a preset (`kind`) for some mesh periods at rated load and 1640 rpm.
+
+    Returns the figures that must not depend on the time step. `changes` are settings as for ``--set``, ``key=value``.
+    """
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)
     cam = run.forces("cam")[:, 0]

@@ -122,7 +122,10 @@ def surface_quality(surface: ConvexSurface) -> Quality:
 
 
 def summarize_quality(heights: Array, parts: int, volume_error: float) -> Quality:
-    """Summarize the heights (k,) [m] at which convex pieces end above (+) or below (-) the true surface."""
+    """Return maximum and RMS of the heights (k,) [m] at which convex pieces end above (+) or below (-) a surface.
+
+    `parts` is the number of convex pieces; `volume_error` is their volume relative to that of the solid, minus 1.
+    """
     over, under = np.maximum(heights, 0.0), np.maximum(-heights, 0.0)
     return Quality(
         parts=parts,

@@ -272,7 +272,10 @@ def _allocate_state(elements: int, number: int) -> _ElastoplasticState:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _ElastoplasticState) -> None:
-    """Set the sliding per unknown at a state; that of a cam depends on the direction of its disc's displacement."""
+    """Overwrite ``state.slip``, the derivatives of the sliding of each contact by the unknowns, at a state.
+
+    They are those of `rubbing`, except for the cams, whose sliding direction depends on the displacement of their disc.
+    """
     for i in range(len(state.slip)):
         copy(rubbing.slip[i], state.slip[i])
     for disc in range(springs.cam_place.shape[1]):
