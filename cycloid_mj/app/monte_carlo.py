@@ -20,7 +20,7 @@ from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)
-class StudySettings:
+class MonteCarloSettings:
     """Size of the study of the tolerances tab."""
 
     samples: int = 4096
@@ -33,7 +33,7 @@ class StudySettings:
     """Largest half width of a tolerance [um]."""
 
 
-STUDY = StudySettings()
+STUDY = MonteCarloSettings()
 
 
 TOLERANCE_KEYS = ("mesh", "cam", "output", "pin_position", "eccentricity")

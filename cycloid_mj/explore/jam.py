@@ -15,7 +15,7 @@ from cycloid_mj.statics.samples import identical_samples
 
 
 @dataclass(frozen=True)
-class JamSettings:
+class JamCriteria:
     """Criteria of a jammed sample, and extent of the search for its cause."""
 
     share: float = 0.01
@@ -30,7 +30,7 @@ class JamSettings:
     """Share of the forces from which a pair counts among those that interfere."""
 
 
-JAM = JamSettings()
+JAM = JamCriteria()
 
 
 PRELOADS = {"preload_n": "tooth_force_n", "output_preload_n": "output_pin_force_n", "cam_preload_n": "cam_force_n"}
