@@ -21,14 +21,14 @@ from cycloid_mj.design.units import choice, list_quantity
 
 
 @dataclass(frozen=True)
-class FileLimits:
+class MeasuredFileLimits:
     """Limits of files of measurements."""
 
     rows: int = 10_000  # as many as a list of the design file may have values
     size: int = 5_000_000  # bytes, ten times those of as many rows
 
 
-LIMITS = FileLimits()
+LIMITS = MeasuredFileLimits()
 
 Angles = tuple[Annotated[float, Field(ge=-100.0, le=100.0, allow_inf_nan=False)], ...]
 Lengths = tuple[Annotated[float, Field(ge=-5.0, le=5.0, allow_inf_nan=False)], ...]

@@ -41,7 +41,7 @@ from cycloid_mj.statics.springs import at_rest
 
 
 @dataclass(frozen=True)
-class CurveSettings:
+class SheetCurveSettings:
     """Points of the curves.
 
     Attributes
@@ -59,7 +59,7 @@ class CurveSettings:
     torsion_shares: tuple[float, ...] = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
 
 
-CURVES = CurveSettings()
+CURVES = SheetCurveSettings()
 
 
 DRIVE_FIGURES = {

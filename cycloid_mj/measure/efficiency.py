@@ -28,7 +28,7 @@ from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)
-class MapSettings:
+class EfficiencyMapSettings:
     """Default operating points of the efficiency map."""
 
     torques: tuple[float, ...] = (0.25, 0.5, 1.0)
@@ -37,7 +37,7 @@ class MapSettings:
     """Crank speeds relative to the design's."""
 
 
-MAP = MapSettings()
+MAP = EfficiencyMapSettings()
 
 NO_FRICTION = "0, as the friction of this pair is 0"
 

@@ -30,7 +30,7 @@ Held = Literal["crank", "output"]
 
 
 @dataclass(frozen=True)
-class FrictionSettings:
+class FrictionPathSettings:
     """Friction elements of surfaces and seals, and rows of a path.
 
     Attributes
@@ -54,7 +54,7 @@ class FrictionSettings:
     max_rows: int = 4
 
 
-_SETTINGS = FrictionSettings()
+_SETTINGS = FrictionPathSettings()
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ CLAIM_HEAD = (
 TALLY = {
     Verdict.AGREES: "agree",
     Verdict.DISAGREES: "disagree",
-    Verdict.DEPENDS: "depend on what the paper leaves open under its condition",
+    Verdict.DEPENDS: "depend on values that the paper omits under its condition",
     Verdict.NOT_DETERMINED: "are not determined",
 }
 ERRATUM_HEAD = ("Eq.", "printed", "right", "compared with", "error as printed", "error corrected")

@@ -124,7 +124,7 @@ def largest_of_halves(force: Array) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class CurveSettings:
+class PeakCurveSettings:
     """Bins of a curve over the crank turn, and what counts as one of its maxima."""
 
     harmonics: int = 6
@@ -132,7 +132,7 @@ class CurveSettings:
     """Highest crank order kept for counting maxima, and the least prominence of a maximum as a share of the range."""
 
 
-CURVE = CurveSettings()
+CURVE = PeakCurveSettings()
 
 
 def maxima(force: npt.ArrayLike) -> tuple[float, ...]:

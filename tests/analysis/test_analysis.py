@@ -463,7 +463,7 @@ def test_a_run_without_design_is_refused():
 def test_a_run_without_a_needed_column_is_refused(missing):
     run = ideal(designed())
     columns = {name: values for name, values in run.columns.items() if name != missing}
-    with pytest.raises(LogError, match=rf"lacks 1 of the 18 columns .*: {missing};"):
+    with pytest.raises(LogError, match=rf"lacks 1 of the 18 columns .*: {missing}\."):
         analyze(replace(run, columns=columns, units=dict.fromkeys(columns, "1"), topics={}))
 
 

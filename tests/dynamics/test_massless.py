@@ -134,7 +134,7 @@ def test_without_load_a_run_warns_and_dynamic_figures_are_refused(capsys):
     light = massless(Reducer(PIN))
     with pytest.warns(CycloidWarning, match="massless pins, which are valid under load only"):
         simulate(light.but(drive={"ramp": 0.0, "hold": 1e-4}, settings={"timestep": 1e-5}).design)
-    with pytest.raises(DesignError, match=r'vibration: set ring.pins = "free"'):
+    with pytest.raises(DesignError, match=r'vibration. Set ring.pins = "free"'):
         require_pin_bodies(light, "vibration")
     require_pin_bodies(Reducer(PIN), "vibration")
     for command in (("measure", "vibration", "--design", "pin"), ("compare", "pin", "nonpin", "--workers", "1")):
@@ -161,7 +161,7 @@ def test_what_a_measure_takes_from_massless_pins_it_says(monkeypatch):
         raise StopIteration
 
     monkeypatch.setattr(efficiency_map, "run_steady", steady_run)
-    monkeypatch.setattr(efficiency_map, "break_away", lambda reducer, solver: SimpleNamespace(locked=True))
+    monkeypatch.setattr(efficiency_map, "break_away", lambda reducer, solver: SimpleNamespace(is_locked=True))
 
     def tried(tasks, progress):
         for key, task in tasks.items():

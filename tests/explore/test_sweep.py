@@ -382,7 +382,7 @@ def test_a_folder_of_another_sweep_is_refused(tmp_path: Path, monkeypatch: pytes
 def test_two_at_once_do_not_share_a_folder(tmp_path: Path) -> None:
     with (
         journal.open_journal(tmp_path, {}),
-        pytest.raises(UsageError, match="another process is working"),
+        pytest.raises(UsageError, match="another process is writing"),
         journal.open_journal(tmp_path, {}),
     ):
         pass
@@ -457,7 +457,7 @@ def test_a_folder_that_cannot_be_is_told(tmp_path: Path, capsys: pytest.CaptureF
     (tmp_path / "file").touch()
     for out in (str(tmp_path / "file"), "/dev/full", str(tmp_path / "file" / "below")):
         assert main(command(Path(out))) == 1
-        assert "choose another" in (told := capsys.readouterr().err) or "it is a file" in told
+        assert "Choose another" in (told := capsys.readouterr().err) or "it is a file" in told
 
 
 @pytest.mark.slow

@@ -343,7 +343,7 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
     """Its variance is that of the samples that go together."""
     words = {"tolerance.cam": "between -4 -0.5", "tolerance.mesh": "uniform 0.01"}
     seen = {}
-    monkeypatch.setattr(tolerances, "shares", lambda zones, sets, values: seen.update(values) or ())
+    monkeypatch.setattr(tolerances, "compute_shares", lambda zones, sets, values: seen.update(values) or ())
     design = override(PIN, words)
     tolerance(design, 64, 0)
     cam = sampling.draw_departures(
@@ -559,7 +559,10 @@ def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monke
     said = capsys.readouterr()
     found = json.loads(said.out)
     assert (found["samples"], found["asked"], found["budget"]) == (16, 50, [])
-    assert said.err.splitlines()[-1] == f"error: stopped by Ctrl-C; 16 of 50 samples are in {tmp_path}"
+    assert said.err.splitlines()[-1] == (
+        f"error: stopped by Ctrl-C; the results of the 16 of 50 samples so far are in {tmp_path}. "
+        "Run the command again for all samples"
+    )
     assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 17
     page = (tmp_path / "pin-tolerance.html").read_text()
     assert "16 of 50 samples" in page

@@ -318,9 +318,9 @@ def test_pins_under_rollers_are_as_thick_in_the_assembly_as_on_the_bill_and_the_
 
 
 def test_a_motor_that_has_no_room_is_refused() -> None:
-    with pytest.raises(DesignError, match="a flange NEMA 34 needs a cover"):
+    with pytest.raises(DesignError, match="the motor flange NEMA 34 does not fit"):
         casing(Reducer(design_of("new")), "nema34")
-    assert casing(Reducer(design_of("new")), "nema17").motor.name == "NEMA 17"
+    assert casing(Reducer(design_of("printed")), "nema17").motor.name == "NEMA 17"
 
 
 @pytest.mark.parametrize("name", cases(NAMES, "new"))

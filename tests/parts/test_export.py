@@ -380,7 +380,7 @@ def test_step_of_a_sleeved_pinwheel_holds_its_pins() -> None:
     content = step_part("housing", part_sections(Reducer(sleeved))["housing"], 37)
     assert content.count(b"MANIFOLD_SOLID_BREP") == 37
     assert read_volume(content) == pytest.approx(mass_properties(parts(Reducer(sleeved))["housing"]).volume, rel=1e-6)
-    with pytest.raises(CycloidError, match="37 solids instead of 1"):
+    with pytest.raises(CycloidError, match="37 separate solids instead of 1"):
         step_part("housing", part_sections(Reducer(sleeved))["housing"])
 
 
