@@ -277,6 +277,7 @@ def test_less_than_a_turn_has_no_balance_but_an_efficiency() -> None:
     assert "raise drive.hold_s" in balance_warnings(half, Reducer(design))[0]
 
 
+@pytest.mark.slow
 def test_a_planar_step_that_did_not_settle_is_counted() -> None:
     """Of MuJoCo's solver a run ends where it does not converge; there it is no doubt, and never comes here."""
     design = override(PRESETS["nonpin"], ["drive.ramp_s=0", "drive.hold_s=0.002"])

@@ -138,6 +138,7 @@ def test_a_design_that_cannot_be_built_is_drawn_with_marks_and_remedies(changes:
     assert all(mended)
 
 
+@pytest.mark.slow
 def test_every_marked_check_exists() -> None:
     names = {one.name for design in DESIGNS.values() for one in check(design)}
     names |= {one.name for one in check(UNDERCUT)}

@@ -311,6 +311,7 @@ def test_what_is_called_identified_is_within_its_interval(contacts: float, off: 
     assert off or identified["drag"] >= 5
 
 
+@pytest.mark.slow
 def test_a_tolerance_of_the_drawing_narrows_a_play() -> None:
     """The loops leave the play open by more than the drawing does: then it is called the drawing's, not the loops'."""
     design = resolve("printed").but(clearance={"pin_gear": 80e-6}, tolerance={"mesh": "normal 4", "output": "normal 3"})
@@ -481,7 +482,8 @@ def test_a_zero_offset_is_chosen_by_the_information_criterion(seed: int, share: 
     assert found.estimates["structure_stiffness"].value == pytest.approx(LOCKED["structure_stiffness"], rel=0.02)
 
 
-@pytest.mark.parametrize("kind", ["pin", pytest.param("nonpin", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
 def test_measured_loops_support_friction_that_grows_with_the_load(kind: str) -> None:
     """The default model misses the loops where they are unloaded; friction in proportion to the torque follows them.
 

@@ -151,7 +151,7 @@ def test_each_check_has_its_numbers():
         {"drive.torque_nm": 1e4},
         {"drive.speed_rpm": 0.0},
         {"drive.speed_rpm": -99999.0, "drive.torque_nm": 1e-3},
-        {"friction.pin_gear": 2.0, "friction.pin_socket": 2.0},
+        pytest.param({"friction.pin_gear": 2.0, "friction.pin_socket": 2.0}, marks=pytest.mark.slow),
         {"material.youngs_modulus_mpa": 600.0, "contact.working_force_n": 1e6},
         {"environment.gravity_y_m_s2": -1000.0, "drive.torque_nm": 1e-4},
     ],

@@ -82,6 +82,7 @@ def test_a_slow_run_finds_what_statics_finds(pins: str) -> None:
     assert apart[1] > 2.0 * apart[0]
 
 
+@pytest.mark.slow
 def test_two_discs_have_the_waves_each_at_its_place() -> None:
     run, statics, forces, expected = compared(waved("twodisc", 0.5))
     assert np.abs(statics).max() > 1.0

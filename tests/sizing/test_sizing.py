@@ -381,6 +381,7 @@ def test_a_backlash_that_is_not_feasible_has_no_largest_torque() -> None:
     )
 
 
+@pytest.mark.slow
 def test_settings_hold_for_every_candidate() -> None:
     found, _ = solve(SMALL.but(torque=3.0, changes=("gear.bore_radius_mm=9",)))
     assert found
@@ -437,6 +438,7 @@ def test_the_file_has_each_reason_beside_its_value(small: Answer) -> None:
     assert all(f"({reason})" in text for reason in drive.reasons.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "asked",
     [
@@ -513,6 +515,7 @@ def test_an_answer_does_not_depend_on_searches_before_it() -> None:
     assert size_drive(SMALL.but(torque=40.0)).most == first
 
 
+@pytest.mark.slow
 def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     search_once = functools.cache(size_drive)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from designs import UNLIKE, unlike
+from designs import UNLIKE, cases, unlike
 
 from cycloid_mj import statics
 from cycloid_mj.base.array import Array
@@ -180,7 +180,7 @@ def test_forces_are_the_descent_of_the_energy_and_stiffness_that_of_the_forces(n
 
 
 @pytest.mark.parametrize("lag", [0.0, 1.0, -1.0])
-@pytest.mark.parametrize(("name", "most"), [("few", 115), ("2", 140)])
+@pytest.mark.parametrize(("name", "most"), [("few", 115), pytest.param("2", 140, marks=pytest.mark.slow)])
 def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str, lag: float, most: int) -> None:
     contacts = springs(name, friction=True)
     u = contacts.slope.shape[2]
@@ -442,7 +442,7 @@ def looped(name: str, held: Held, course: np.ndarray = LOOP) -> Residual:
     return follow_path(found.contacts, rubs, load, np.inf, np.zeros(len(load)), np.zeros_like(load))[0]
 
 
-@pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.parametrize("name", cases(LOOPS, "pin", "printed", "few"))
 def test_a_loop_takes_few_steps(name: str) -> None:
     found = [looped(name, held) for held in HELD]
     for left, most in zip(found, LOOPS[name], strict=True):
