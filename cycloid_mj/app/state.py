@@ -73,9 +73,10 @@ def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
 
 
 def apply_changes(design: Design, changes: Any) -> Design:
-    """Return a design with changes, by the keys of its file, and with the values that follow from them.
+    """Return a design with changes, a mapping from keys of the design file to values, and with the values that follow.
 
-    The page has one torque: load and nominal torque of the drive are set together. Raises as `parse_design`.
+    The hole radius follows from pin radius and eccentricity, unless it is changed itself. The page has a single
+    torque: load and nominal torque are set together, also where the ratio changes. Raises as `parse_design`.
     """
     if not isinstance(changes, Mapping):
         raise UsageError(

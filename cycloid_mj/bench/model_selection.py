@@ -104,9 +104,10 @@ def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]
 def fit_candidates(
     model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition, trials: Trials
 ) -> Iterator[tuple[str, Fitted]]:
-    """Yield key and fit of each of `CANDIDATES` to the loops, one after the other; values are the likeliest.
+    """Yield the key and the fit of each model in `CANDIDATES` to the loops, one after the other.
 
-    `trials` expects the fit of `WRITTEN` with intervals to follow.
+    The fits have the likeliest values without confidence intervals. `bench` is the condition of the loops. The
+    progress in `trials` includes a later fit of the model `WRITTEN` with intervals.
 
     Raises
     ------

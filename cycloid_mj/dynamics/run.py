@@ -315,7 +315,11 @@ def provenance(
 
 
 def run_warnings(compiled: Model, reducer: Reducer, course: DriveCycle | None = None) -> tuple[str, ...]:
-    """Return the warnings of a run that are known before it; those about speed only if the crank starts moving."""
+    """Return the warnings that are known before a run: of the model, of the step at its speed, and of idling.
+
+    `course` is the motion of the crank; None is that of the design. Warnings about the speed are omitted if the crank
+    starts from rest, and the one about idling if there is a `course`.
+    """
     moving = course is None or course.speed != 0.0
     sways = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and moving else ()
     min_steps = STEP_RULES[solver_name(compiled)].min_steps_per_tooth

@@ -78,9 +78,10 @@ def part_figure(reducer: Reducer, kind: str, name: str) -> float:
 
 
 def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
-    """Compute the compliance of each part at the output [rad/(N m)], under the design's own load.
+    """Compute the torsional compliance that each part adds at the output [rad/(N m)], by name of the part.
 
-    Mounts add the seats of a drawing, as in `part_compliance.compute_part_compliance`.
+    The forces on the parts are those of a run without friction under the design's load. Mounts add the seats of a
+    drawing, as in `part_compliance.compute_part_compliance`.
 
     Raises
     ------

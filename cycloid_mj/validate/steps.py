@@ -77,7 +77,10 @@ def rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def light_load_rows(kind: str) -> list[ValidationRow]:
-    """Compare the figures of runs with the automatic and with half the time step under a light load."""
+    """Compare runs of a preset (`kind`) with the automatic and with half the time step under a light load.
+
+    The compared values are those of `StepFigures`, their limits `LIGHT_LOAD_BOUNDS`.
+    """
     load = f"load.torque_nm={LIGHT_LOAD}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
     figures, finer = (_run_figures(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
