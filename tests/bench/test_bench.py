@@ -15,7 +15,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from designs import UNLIKE, cases, design_file, unlike
+from designs import UNLIKE, design_file, unlike
 from scipy.stats import t
 
 from cycloid_mj.base.array import Array
@@ -467,8 +467,9 @@ def with_zero_offset(loops: list[MeasuredLoop], share: float) -> list[MeasuredLo
     return [measured_loop(loop.name, loop.torque + share * loop.most, loop.deflection / DEGREE) for loop in loops]
 
 
-@pytest.mark.parametrize("seed", cases((0, 1, 2, 3), 0))
-@pytest.mark.parametrize("share", [pytest.param(0.0, marks=pytest.mark.slow), 0.04])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("share", [0.0, 0.04])
 def test_a_zero_offset_is_chosen_by_the_information_criterion(seed: int, share: float) -> None:
     """Loops of known values whose zero of torque is off by 4 % have an offset, and those without have none.
 

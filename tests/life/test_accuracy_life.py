@@ -57,7 +57,11 @@ def test_spreading_keeps_the_sum_and_matches_single_strips() -> None:
     assert expected.sum() == pytest.approx(weights.sum())
 
 
-@pytest.mark.parametrize("design", [PIN, NONPIN, PLAIN, PRESETS["twodisc"]], ids=lambda item: item.name)
+@pytest.mark.parametrize(
+    "design",
+    [PIN, NONPIN, PLAIN, pytest.param(PRESETS["twodisc"], marks=pytest.mark.slow)],
+    ids=lambda item: item.name,
+)
 def test_worn_volume_is_k_times_force_times_distance(design: cm.Design) -> None:
     """The dose of all cells times their area is the mean of the sum of F v, on both surfaces of every pair."""
     drive = drive_of(design)

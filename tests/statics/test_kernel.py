@@ -197,7 +197,7 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
 
 
 @pytest.mark.parametrize(("lag", "way"), [(0.0, 0.6), (0.5, 0.6), (0.5, 1.3), (-0.5, 0.6), (-0.5, 1.3)])
-@pytest.mark.parametrize("name", ["pin", "3"])
+@pytest.mark.parametrize("name", ["pin", pytest.param("3", marks=pytest.mark.slow)])
 def test_the_equations_of_a_path_fall_with_its_point(name: str, lag: float, way: float) -> None:
     contacts = springs(name, friction=True)
     u = contacts.slope.shape[2]
@@ -451,7 +451,13 @@ def test_a_loop_takes_few_steps(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "held"), [("pin", "crank"), ("printed", "crank"), ("few", "output"), ("twodisc", "output")]
+    ("name", "held"),
+    [
+        ("pin", "crank"),
+        ("printed", "crank"),
+        ("few", "output"),
+        pytest.param("twodisc", "output", marks=pytest.mark.slow),
+    ],
 )
 def test_forces_after_a_step_with_friction_are_the_descent_of_the_energy(name: str, held: Held) -> None:
     """With friction's limits given; where they follow from the normal forces, there is a stiffness, but no energy."""

@@ -304,7 +304,7 @@ def test_a_design_that_did_not_run_is_refused():
 
 
 def test_a_short_hold_is_refused():
-    with pytest.raises(LogError, match=r"crank turns, but at least one turn is needed.*longer --hold-s"):
+    with pytest.raises(LogError, match=r"crank turns\), but at least one turn is needed.*longer --hold-s"):
         part_loads(made_run(PIN, samples=400), Reducer(PIN), "gear")
 
 
