@@ -152,6 +152,32 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule]:
         Limit("cranks.eccentric_radius", "more than", reducer.design.gear.eccentricity),
         "the eccentric encloses the axis of its crank",
     )
+    yield Rule(
+        "tapered_bearings",
+        Limit("cranks.taper_radius", "more than", reducer.journal_radius),
+        "the tapered bearings enclose the journals of the cranks, of radius cranks.eccentric_radius less eccentricity",
+    )
+    ring = reducer.design.ring
+    room = ring.pin_circle_radius - ring.pin_radius - reducer.flange_wall
+    yield Rule(
+        "flange_in_ring",
+        Limit("cranks.taper_radius", "less than", room - circle),
+        "the flanges, with a wall around the tapered bearings, stay inside the ring pins",
+    )
+    yield Rule(
+        "posts_in_ring",
+        Limit("cranks.post_radius", "less than", room - posts),
+        "the flanges, with a wall around the posts, stay inside the ring pins",
+    )
+    yield Rule(
+        "journal_in_planet",
+        Limit(
+            "cranks.eccentric_radius",
+            "less than",
+            reducer.stage_gears[1].root_radius + reducer.design.gear.eccentricity,
+        ),
+        "the journals of the cranks, in the bores of the planets, stay inside the roots of their teeth",
+    )
     tip = reducer.planet.module * (reducer.planet.planet_teeth / 2.0 + 1.0)
     spacing = circle * math.sin(math.pi / cranks.count)
     yield Rule(

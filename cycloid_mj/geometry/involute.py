@@ -131,6 +131,10 @@ class InvoluteGear:
         """Compute the arc length of the involute from the base circle [m]."""
         return np.asarray(self.base_radius * np.square(roll) / 2.0)
 
+    def flank_curvature(self, roll: npt.ArrayLike) -> Array:
+        """Compute the signed curvature of the involute [1/m], negative as its tangent turns clockwise."""
+        return np.asarray(-1.0 / (self.base_radius * np.asarray(roll, dtype=np.float64)))
+
     def fillet(self, corner: npt.ArrayLike) -> Array:
         """Compute points (n, 2) [m] of the fillet, which the corner of the rack cuts.
 

@@ -32,20 +32,19 @@ FLANGES = names.all_numbered(CARRIER, 2)
 
 
 @dataclass(frozen=True)
-class Heights:
-    """Ends along z [m] of the discs, the flanges on both sides of them, and the planets."""
+class AxialLayout:
+    """Ends along z [m] of the flanges on both sides of the discs, and of the planets."""
 
-    stack: tuple[float, float]
     flanges: tuple[tuple[float, float], tuple[float, float]]
     planets: tuple[float, float]
 
 
-def heights(reducer: RvReducer) -> Heights:
-    """Return the ends of the parts along z, with the axial gap of all drives between turning faces."""
-    half, thickness = reducer.design.gear.stack_width / 2.0, reducer.cranks.flange_thickness
-    near, far = half + AXIAL_GAP, half + AXIAL_GAP + thickness
+def axial_layout(reducer: RvReducer) -> AxialLayout:
+    """Return the ends of flanges and planets along z, with `AXIAL_GAP` between faces that turn against each other."""
+    near = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
+    far = near + reducer.cranks.flange_thickness
     planets = (-far - AXIAL_GAP - reducer.planet.face_width, -far - AXIAL_GAP)
-    return Heights((-half, half), ((-far, -near), (near, far)), planets)
+    return AxialLayout(((-far, -near), (near, far)), planets)
 
 
 def rv_parts(reducer: RvReducer) -> dict[str, Part]:
@@ -62,26 +61,26 @@ def rv_parts(reducer: RvReducer) -> dict[str, Part]:
 def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
     """Return a tapered bearing of the cranks as a ring in the plane z = 0, by its name."""
     half = reducer.cranks.flange_thickness / 2.0
-    bore = (CircleContour(journal_radius(reducer)),)
+    bore = (CircleContour(reducer.journal_radius),)
     ring = Stretch(TAPERED_BEARING, CircleContour(reducer.cranks.taper_radius), bore, -half, half)
     return {TAPERED_BEARING: Part(TAPERED_BEARING, (ring,), reducer.design.material_of("shaft").density)}
 
 
-def journal_radius(reducer: RvReducer) -> float:
-    """Return the radius of a crank's journals [m]: the largest that its bearings can pass the eccentrics with."""
-    return reducer.cranks.eccentric_radius - reducer.design.gear.eccentricity
-
-
 def crank_centres(reducer: RvReducer) -> Array:
     """Return the crank axes in the frame of the carrier (n, 2) [m]."""
-    count = reducer.cranks.count
-    return np.asarray(reducer.crank_radius * profile.unit(2.0 * np.pi * np.arange(count) / count))
+    return reducer.stage.crank_places([0.0])[0]
 
 
 def post_centres(reducer: RvReducer) -> Array:
     """Return the axes of the posts in the frame of the carrier (n, 2) [m]: one between two cranks."""
     count = reducer.cranks.count
     return np.asarray(reducer.post_circle_radius * profile.unit(2.0 * np.pi * (np.arange(count) + 0.5) / count))
+
+
+def _middle_hole(reducer: RvReducer) -> tuple[CircleContour, ...]:
+    """Return the hole in the middle of discs and flanges; none if its radius is 0."""
+    radius = reducer.cranks.middle_hole_radius
+    return (CircleContour(radius),) if radius else ()
 
 
 @once
@@ -98,11 +97,10 @@ def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
 
 def _discs(reducer: RvReducer) -> Iterator[Part]:
     """Yield the discs: valley 1 and crank bore 1 on +y, later discs with their lobes turned by their phase."""
-    design, cranks = reducer.design, reducer.cranks
+    design = reducer.design
     profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
-    middle = (CircleContour(cranks.middle_hole_radius),) if cranks.middle_hole_radius else ()
     holes = (
-        *middle,
+        *_middle_hole(reducer),
         *circles_at(reducer.bore_radius, crank_centres(reducer)),
         *circles_at(reducer.window_radius, post_centres(reducer)),
     )
@@ -114,9 +112,9 @@ def _discs(reducer: RvReducer) -> Iterator[Part]:
 
 def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
     """Yield a crank in the frame of its axis, and planet and sun in frames of their own, a tooth space on +y."""
-    design, along, radius = reducer.design, heights(reducer), journal_radius(reducer)
+    design, along = reducer.design, axial_layout(reducer)
     require_below("gear.eccentricity", design.gear.eccentricity, reducer.cranks.eccentric_radius, "no journal is left")
-    density, journal = design.material_of("shaft").density, CircleContour(radius)
+    density, journal = design.material_of("shaft").density, CircleContour(reducer.journal_radius)
     half, start, stretches = design.gear.face_width / 2.0, along.planets[0], []
     for number, (phase, plane) in enumerate(zip(reducer.phases, design.gear.disc_planes, strict=True), start=1):
         x, y = design.gear.eccentricity * profile.unit(-phase)
@@ -133,18 +131,15 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
                 f"planet.{name}_teeth = {gear.teeth}: with the profile shift {gear.shift:.3g} these teeth are "
                 f"{gear.fault}; use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm to 0"
             )
-    bore = (CircleContour(radius),)
-    require_below("cranks.eccentric_radius", radius, planet.root_radius, "the crank's journal meets the planet's roots")
     half = reducer.planet.face_width / 2.0
-    yield Part(PLANET, (Stretch(PLANET, SpurGearContour(planet), bore, -half, half),), density)
+    yield Part(PLANET, (Stretch(PLANET, SpurGearContour(planet), (journal,), -half, half),), density)
     yield Part(SUN, (Stretch(SUN, SpurGearContour(sun), (), -half, half),), density)
 
 
 def _flanges(reducer: RvReducer) -> Iterator[Part]:
     """Yield both flanges of the carrier, the second with the posts, which reach to the first."""
-    cranks, along = reducer.cranks, heights(reducer)
-    middle = (CircleContour(cranks.middle_hole_radius),) if cranks.middle_hole_radius else ()
-    holes = (*middle, *circles_at(cranks.taper_radius, crank_centres(reducer)))
+    cranks, along = reducer.cranks, axial_layout(reducer)
+    holes = (*_middle_hole(reducer), *circles_at(cranks.taper_radius, crank_centres(reducer)))
     density = reducer.design.material_of("output").density
     posts = [
         Stretch("post", post, (), along.flanges[0][1], along.flanges[1][0])
@@ -153,5 +148,3 @@ def _flanges(reducer: RvReducer) -> Iterator[Part]:
     for name, (z0, z1), own in zip(FLANGES, along.flanges, ((), posts), strict=True):
         flange = Stretch("flange", CircleContour(reducer.flange_radius), holes, z0, z1)
         yield Part(name, (flange, *own), density)
-    room = reducer.design.ring.pin_circle_radius - reducer.design.ring.pin_radius
-    require_below("cranks.taper_radius", reducer.flange_radius, room, "the flanges of the carrier meet the ring pins")

@@ -27,8 +27,7 @@ class SpurGearContour:
         """
         gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
         fillet = SmoothCurve(gear.fillet, gear.fillet_length, gear.fillet_tangents, gear.fillet_curvature)
-        flank = SmoothCurve(gear.flank, gear.flank_length, gear.flank_tangents, lambda roll: -1.0 / (base * roll))
-        base = gear.base_radius
+        flank = SmoothCurve(gear.flank, gear.flank_length, gear.flank_tangents, gear.flank_curvature)
         up = [
             *fit_splines(fillet, 0.0, gear.last_corner, 1),
             *fit_splines(flank, gear.first_roll, gear.last_roll, 1),
@@ -47,9 +46,9 @@ class SpurGearContour:
     def polygon(self, chord_error: float) -> Array:
         """Return its polygon (n, 2) [m] with a chord error [m], vertices on the outline."""
         gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
-        corner = np.linspace(0.0, gear.last_corner, _chords(gear.last_corner, _fillet_turn(gear), chord_error) + 1)
-        rolled = gear.last_roll - gear.first_roll
-        chords = _chords(rolled, gear.base_radius * gear.last_roll, chord_error)
+        chords = _chords(gear.last_corner, _fillet_acceleration(gear), chord_error)
+        corner = np.linspace(0.0, gear.last_corner, chords + 1)
+        chords = _chords(gear.last_roll - gear.first_roll, gear.base_radius * gear.last_roll, chord_error)
         roll = np.linspace(gear.first_roll, gear.last_roll, chords + 1)
         side = np.concatenate([gear.fillet(corner), gear.flank(roll)[1:]])
         root, tip, middle = gear.corner_offset / gear.reference_radius, gear.tip_half_angle, math.pi / 2.0
@@ -60,16 +59,17 @@ class SpurGearContour:
         return np.concatenate([rotate_points(tooth, number * pitch) for number in range(gear.teeth)])
 
 
-def _chords(span: float, turn: float, chord_error: float) -> int:
-    """Return the number of chords, equally spaced in a parameter over a span, whose sagitta is the chord error [m].
+def _chords(span: float, acceleration: float, chord_error: float) -> int:
+    """Return the number of equal steps of a curve's parameter over a span, so that the sagitta is the chord error [m].
 
-    The sagitta of a chord over a step s is s^2/8 times `turn`, the curvature times the squared speed of the curve [m].
+    The sagitta of the chord of a step s is s^2/8 times the normal `acceleration`: the curvature times the squared
+    derivative of the arc length by the parameter.
     """
-    return max(2, math.ceil(span * math.sqrt(turn / (8.0 * chord_error))))
+    return max(2, math.ceil(span * math.sqrt(acceleration / (8.0 * chord_error))))
 
 
-def _fillet_turn(gear: InvoluteGear) -> float:
-    """Return the largest curvature times squared speed of a fillet [1/m], by the position of the rack's corner."""
+def _fillet_acceleration(gear: InvoluteGear) -> float:
+    """Return the largest normal acceleration [1/m] of a fillet by the position of the rack's corner; see `_chords`."""
     corner = np.array([0.0, gear.last_corner])
     turn = 1.0 / gear.reference_radius + gear.corner_depth / (corner**2 + gear.corner_depth**2)
     return float((turn**2 / gear.fillet_curvature(corner)).max())

@@ -120,10 +120,20 @@ class RvReducer(Reducer):
         return self.cranks.window_radius or self.cranks.post_radius + self.design.gear.eccentricity + WINDOW_MARGIN
 
     @property
+    def journal_radius(self) -> float:
+        """Radius of a crank's journals [m]: the largest over which the needle cages reach the eccentrics."""
+        return self.cranks.eccentric_radius - self.design.gear.eccentricity
+
+    @property
+    def flange_wall(self) -> float:
+        """Wall of the flanges outside of the tapered bearings and the posts [m]."""
+        return FLANGE_WALL * self.design.ring.pin_circle_radius
+
+    @property
     def flange_radius(self) -> float:
         """Outer radius of the carrier's flanges [m]: bearings and posts, and a wall around them."""
         inner = max(self.crank_radius + self.cranks.taper_radius, self.post_circle_radius + self.cranks.post_radius)
-        return inner + FLANGE_WALL * self.design.ring.pin_circle_radius
+        return inner + self.flange_wall
 
     @property
     def bearing_stiffness(self) -> float:

@@ -7,10 +7,11 @@ import pytest
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.checks import soundness
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.parts import mass_properties, mesh
 from cycloid_mj.parts.export import assembly_step, export, read_volume
-from cycloid_mj.parts.export.rv_assembly import rv_assembly_parts, rv_mass, rv_places
+from cycloid_mj.parts.export.rv_assembly import place_rv_parts, rv_assembly_parts, rv_mass
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.parts.rv import rv_parts
 from cycloid_mj.reducer import RvReducer
@@ -35,7 +36,7 @@ def _sections(design: Design, crank: float, shown: set[str]) -> dict[str, manifo
                 for loop in loops(place.part)
             ]
         )
-        for place in rv_places(reducer, crank)
+        for place in place_rv_parts(reducer, crank)
         if names.family(place.part) in shown
     }
 
@@ -92,6 +93,25 @@ def test_exports_have_every_part_and_the_clearances_of_the_design() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "check"),
+    [
+        ("cranks.taper_radius_mm", 28.0, "flange_in_ring"),
+        ("cranks.taper_radius_mm", 10.0, "tapered_bearings"),
+        ("planet.planet_teeth", 11, "planet_teeth"),
+    ],
+)
+def test_a_check_reports_parts_that_do_not_fit(key: str, value: float, check: str) -> None:
+    """`design check` prints the mass of the parts, so whatever the parts refuse has to be a failed check before."""
+    checks = soundness(RvReducer(override(RV80E, {key: value})))
+    assert check in [item.name for item in checks if not item.passed]
+
+
+def test_an_assembly_of_sleeved_pins_has_all_its_parts() -> None:
+    reducer = RvReducer(RV80E.but(ring={"pins": "sleeved"}))
+    assert {place.part for place in place_rv_parts(reducer)} == rv_assembly_parts(reducer).keys()
+
+
 def test_undercut_planets_are_refused_with_the_key() -> None:
     with pytest.raises(DesignError, match=r"planet\.planet_teeth = 11.*undercut.*use more teeth"):
         rv_parts(RvReducer(RV80E.but(planet={"planet_teeth": 11}, cranks={"radius": 0.0184})))
@@ -110,5 +130,5 @@ def test_the_assembly_has_the_volume_of_its_parts() -> None:
     reducer = RvReducer(RV80E)
     parts = rv_assembly_parts(reducer)
     volumes = {name: mass_properties(part.solid(1e-6)).volume for name, part in parts.items()}
-    total = sum(volumes[place.part] for place in rv_places(reducer))
+    total = sum(volumes[place.part] for place in place_rv_parts(reducer))
     assert read_volume(assembly_step(reducer)) == pytest.approx(total, rel=1e-3)

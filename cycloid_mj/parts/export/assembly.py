@@ -5,8 +5,6 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.array import Array
-from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Part, PartSection, attached_parts, output_centres
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import cam_radius, cam_seat, pin_pieces
@@ -35,9 +33,10 @@ from cycloid_mj.parts.export.casing_rules import (
 from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
+from cycloid_mj.parts.export.placement import place_discs, place_ring_pins, place_rotated, ring_pin_centres
 from cycloid_mj.parts.export.printing import STEEL, part_material, separate_parts
 from cycloid_mj.parts.export.round_part import cut_holes, tube
-from cycloid_mj.parts.export.rv_assembly import RV_COLOURS, rv_assembly_parts, rv_places
+from cycloid_mj.parts.export.rv_assembly import RV_COLOURS, place_rv_parts, rv_assembly_parts
 from cycloid_mj.parts.export.step import SPLINES, PlacedPart, step_assembly
 from cycloid_mj.parts.parts import Colour, roller_positions, tint
 from cycloid_mj.reducer import Reducer, RvReducer
@@ -86,29 +85,28 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
     ring_angle, carrier_angle = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
     turned = {names.HOUSING: ring_angle, names.SHAFT: crank, names.OUTPUT: carrier_angle}
     for body, angle in turned.items():
-        yield _place_rotated(body, body, origin, angle, body)
+        yield place_rotated(body, body, origin, angle, body)
     rollers = roller_positions(reducer) if design.output.rollers else {}
     for body, attached in ((names.SHAFT, attached_parts(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
         for name, (part, position) in attached.items():
-            yield _place_rotated(name, part, position, turned[body], names.ROLLER if part == names.ROLLER else body)
+            yield place_rotated(name, part, position, turned[body], names.ROLLER if part == names.ROLLER else body)
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
-            yield _place_rotated(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier_angle, names.OUTPUT)
+            yield place_rotated(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier_angle, names.OUTPUT)
         for number, centre in enumerate(output_centres(reducer), start=1):
             position = np.array([*centre, 0.0])
-            yield _place_rotated(
+            yield place_rotated(
                 names.numbered_name(OUTPUT_PIN, number), OUTPUT_PIN, position, carrier_angle, names.OUTPUT
             )
-    discs = zip(reducer.gears, reducer.phases, design.gear.disc_planes, strict=True)
-    for gear, phase, plane in discs:
-        x, y = design.gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
-        yield PlacedPart(gear, gear, (float(x), float(y), plane), carrier_angle, gear)
+    for disc in place_discs(reducer, crank, carrier_angle):
+        yield disc
         if cam_seat(reducer) < design.gear.bore_radius:
-            yield from _place_cam_bearings(reducer, gear, (float(x), float(y), plane), carrier_angle)
+            yield from _place_cam_bearings(reducer, disc.name, disc.origin, carrier_angle)
     if design.ring.kind == "pin":
-        yield from _place_ring_pins(reducer, ring_angle, pin_pieces(reducer) if sizes else (1, 0.0))
+        yield from place_ring_pins(reducer, ring_angle, pin_pieces(reducer) if sizes else (1, 0.0))
+        yield from _place_pressed_pins(reducer, ring_angle)
     for item in place_casing(reducer, sizes) if sizes else ():
-        yield _place_rotated(item.name, item.part, np.array(item.origin), turned[item.body], item.body)
+        yield place_rotated(item.name, item.part, np.array(item.origin), turned[item.body], item.body)
 
 
 def _place_cam_bearings(
@@ -127,26 +125,11 @@ def _place_cam_bearings(
         yield PlacedPart(numbered, CAM_BEARING, origin, angle, gear)
 
 
-def _place_ring_pins(reducer: Reducer, ring_angle: float, pieces: tuple[int, float]) -> Iterator[PlacedPart]:
-    """Yield the positions of ring pins or sleeves, and of the pins inside sleeves, in a ring at an angle [rad].
-
-    `pieces` are how many pieces in line form a pin, and the length [m] of each.
-    """
-    ring, (in_line, length) = reducer.design.ring, pieces
-    angles = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth - ring_angle
-    centres = (ring.pin_circle_radius * unit(angles)).tolist()
-    heights = length * (np.arange(in_line) - 0.5 * (in_line - 1))
-    body = names.PIN if reducer.design.seat_pair else names.HOUSING
-    for number, (z, (x, y)) in enumerate(((z, centre) for z in heights.tolist() for centre in centres), start=1):
-        yield PlacedPart(names.pin(number), names.PIN, (x, y, z), ring_angle, body)
-    for number, (x, y) in enumerate(centres if ring.has_sleeves else (), start=1):
-        yield PlacedPart(f"{PRESSED_PIN}_{number}", PRESSED_PIN, (x, y, 0.0), ring_angle, names.HOUSING)
-
-
-def _place_rotated(name: str, part: str, origin: Array, angle: float, body: str) -> PlacedPart:
-    cos, sin = np.cos(angle), np.sin(angle)
-    x, y, z = origin
-    return PlacedPart(name, part, (float(cos * x - sin * y), float(sin * x + cos * y), float(z)), angle, body)
+def _place_pressed_pins(reducer: Reducer, ring_angle: float) -> Iterator[PlacedPart]:
+    """Yield the positions of the pins inside sleeves, which the housing holds, in a ring at an angle [rad]."""
+    if reducer.design.ring.has_sleeves:
+        for number, (x, y) in enumerate(ring_pin_centres(reducer, ring_angle), start=1):
+            yield PlacedPart(f"{PRESSED_PIN}_{number}", PRESSED_PIN, (x, y, 0.0), ring_angle, names.HOUSING)
 
 
 def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> bytes:
@@ -162,7 +145,7 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     if isinstance(reducer, RvReducer):
         sections = {name: part.sections(SPLINES) for name, part in rv_assembly_parts(reducer).items()}
         colours = {name: tint(RV_COLOURS[names.family(name)], name) for name in sections}
-        return step_assembly(reducer.design.name, sections, colours, tuple(rv_places(reducer, crank)))
+        return step_assembly(reducer.design.name, sections, colours, tuple(place_rv_parts(reducer, crank)))
     parts = assembly_parts(reducer, sizes)
     sections = {name: part.sections(SPLINES) for name, part in parts.items()}
     colours = {name: tint(COLOURS[names.family(name)], name) for name in parts}

@@ -1,4 +1,4 @@
-"""The assembled RV reducer: the places of its parts at a crank angle, and its colours."""
+"""The assembled RV reducer: the positions of its parts at a crank angle, and its colours."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -8,6 +8,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
+from cycloid_mj.parts.export.placement import place_discs, place_ring_pins
 from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.parts.inertia import mass_properties
 from cycloid_mj.parts.part import Part
@@ -20,8 +21,7 @@ from cycloid_mj.parts.rv import (
     PLANET,
     SUN,
     TAPERED_BEARING,
-    crank_centres,
-    heights,
+    axial_layout,
     rv_bearings,
     rv_parts,
 )
@@ -46,56 +46,43 @@ def rv_assembly_parts(reducer: RvReducer) -> dict[str, Part]:
 
 def rv_mass(reducer: RvReducer) -> float:
     """Compute the mass of all parts of `rv_assembly_parts` in their numbers [kg]; raises the same errors."""
-    counts = Counter(place.part for place in rv_places(reducer))
+    counts = Counter(place.part for place in place_rv_parts(reducer))
     parts = rv_assembly_parts(reducer)
     return sum(count * mass_properties(parts[name].solid(EXPORT_CHORD_ERROR)).mass for name, count in counts.items())
 
 
-def rv_places(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPart]:
-    """Yield the places of all parts at a crank angle [rad] against the ring, which is drawn at rest.
+def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPart]:
+    """Yield all parts with their positions at a crank angle [rad] against the ring, which is drawn at rest.
 
     All clearances are centred, so nothing touches.
     """
-    kinematics = reducer.kinematics
-    carrier = crank / float(kinematics.crank_per_carrier)
-    sun = crank / float(kinematics.crank_per_sun)
-    along = heights(reducer)
+    kinematics, along, origin = reducer.kinematics, axial_layout(reducer), (0.0, 0.0, 0.0)
+    carrier_angle = crank / float(kinematics.crank_per_carrier)
+    sun_angle = crank / float(kinematics.crank_per_sun)
     middle = sum(along.planets) / 2.0
-    yield PlacedPart(names.HOUSING, names.HOUSING, (0.0, 0.0, 0.0), 0.0, names.HOUSING)
+    yield PlacedPart(names.HOUSING, names.HOUSING, origin, 0.0, names.HOUSING)
     for flange in FLANGES:
-        yield PlacedPart(flange, flange, (0.0, 0.0, 0.0), carrier, CARRIER)
-    yield PlacedPart(SUN, SUN, (0.0, 0.0, middle), sun, SUN)
-    yield from _discs(reducer, crank, carrier)
-    cos, sin = np.cos(carrier), np.sin(carrier)
-    planet_teeth = reducer.planet.planet_teeth
-    # at the crank angle 0 a tooth of planet 1 points to the sun's tooth space on +y
-    first_tooth = np.pi - np.pi / planet_teeth
-    for number, (x, y) in enumerate(crank_centres(reducer).tolist(), start=1):
-        at = float(cos * x - sin * y), float(sin * x + cos * y)
+        yield PlacedPart(flange, flange, origin, carrier_angle, CARRIER)
+    yield PlacedPart(SUN, SUN, (0.0, 0.0, middle), sun_angle, SUN)
+    yield from place_discs(reducer, crank, carrier_angle)
+    # at the crank angle 0, a tooth of planet 1 points at the sun's tooth space on +y
+    first_tooth = np.pi - np.pi / reducer.planet.planet_teeth
+    for number, (x, y) in enumerate(reducer.stage.crank_places([crank])[0].tolist(), start=1):
         own = names.numbered_name(CRANK, number)
-        yield PlacedPart(own, CRANK, (*at, 0.0), crank, own)
-        yield PlacedPart(names.numbered_name(PLANET, number), PLANET, (*at, middle), crank + first_tooth, own)
-        for side, ends in zip((1, 2), along.flanges, strict=True):
-            name = f"{TAPERED_BEARING}_{2 * (number - 1) + side}"
-            yield PlacedPart(name, TAPERED_BEARING, (*at, sum(ends) / 2.0), carrier, CARRIER)
-        yield from _needles(reducer, number, at, crank)
-    ring = reducer.design.ring
-    if ring.kind == "pin":
-        angles = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth
-        for number, (x, y) in enumerate((ring.pin_circle_radius * unit(angles)).tolist(), start=1):
-            yield PlacedPart(names.pin(number), names.PIN, (x, y, 0.0), 0.0, names.PIN)
+        yield PlacedPart(own, CRANK, (x, y, 0.0), crank, own)
+        yield PlacedPart(names.numbered_name(PLANET, number), PLANET, (x, y, middle), crank + first_tooth, own)
+        for bearing, ends in enumerate(along.flanges, start=2 * number - 1):
+            name = names.numbered_name(TAPERED_BEARING, bearing)
+            yield PlacedPart(name, TAPERED_BEARING, (x, y, sum(ends) / 2.0), carrier_angle, CARRIER)
+        yield from _place_needles(reducer, number, (x, y), crank)
+    if reducer.design.ring.kind == "pin":
+        yield from place_ring_pins(reducer, 0.0)
 
 
-def _discs(reducer: RvReducer, crank: float, carrier: float) -> Iterator[PlacedPart]:
-    """Yield the places of the discs, which turn with the carrier on the eccentrics."""
-    gear = reducer.design.gear
-    for name, phase, plane in zip(reducer.gears, reducer.phases, gear.disc_planes, strict=True):
-        x, y = gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
-        yield PlacedPart(name, name, (float(x), float(y), plane), carrier, name)
-
-
-def _needles(reducer: RvReducer, crank_number: int, axis: tuple[float, float], crank: float) -> Iterator[PlacedPart]:
-    """Yield the places of the needles of a crank, evenly spaced around each of its eccentrics."""
+def _place_needles(
+    reducer: RvReducer, crank_number: int, axis: tuple[float, float], crank: float
+) -> Iterator[PlacedPart]:
+    """Yield the positions of the needles of a crank, evenly spaced around each of its eccentrics."""
     gear, cranks = reducer.design.gear, reducer.cranks
     pitch_radius = cranks.eccentric_radius + cranks.needle_radius
     around = pitch_radius * unit(2.0 * np.pi * np.arange(cranks.needles) / cranks.needles - crank)
