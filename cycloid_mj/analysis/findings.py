@@ -151,7 +151,7 @@ class Findings(Presented):
     All results except those of the `ramp` are for the `window`, under the `condition`. `transmission_error` is that of
     the output, and so is `output_transmission_error`. `warnings` limit the validity of the results. With several discs,
     the results of the disc and of q are those of the first; `discs` has all of them, and is empty for a single disc.
-    `timestep_for` names the results that the time step was chosen for.
+    `timestep_for` states how accurate the results are at the time step.
     """
 
     design: str

@@ -155,7 +155,7 @@ class Jobs:
             There is no such job, or its results are no longer kept.
         """
         if number not in self._jobs:
-            raise UsageError("this job does not exist, or its result is no longer stored: start the job again")
+            raise UsageError(f"job {number} does not exist, or its result is no longer stored: start the job again")
         return self._jobs[number]
 
     def stop(self, number: int) -> Job:

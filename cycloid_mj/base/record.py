@@ -201,10 +201,8 @@ class Run(Presented):
     def of_topic(self, topic: str) -> "Run":
         """Return the run with the columns of one topic alone; raise LogError if there is no such topic."""
         if topic not in self.topics:
-            raise LogError(
-                f"{self.label} has no topic {topic!r}: choose one of "
-                f"{', '.join(self.topics) or 'none (the run has no topics)'}"
-            )
+            remedy = f"choose one of {', '.join(self.topics)}" if self.topics else "simulate the design again"
+            raise LogError(f"{self.label} has no {'' if self.topics else 'columns, and no '}topic {topic!r}: {remedy}")
         names = self.topics[topic]
         columns = {name: self.columns[name] for name in names}
         return replace(self, columns=columns, units={name: self.units[name] for name in names}, topics={topic: names})

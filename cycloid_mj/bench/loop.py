@@ -166,20 +166,24 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     try:
         lines = note_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"cannot read {path}: {reason(error)}; {requirement}") from error
+        raise UsageError(f"cannot read {path}: {reason(error)}. Give a CSV file: {requirement}") from error
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
     header = next((row for row, (_, line) in enumerate(numbered) if names[0] in line), None)
     columns = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "no line: the file is empty"
     if header is None:
         raise UsageError(
-            f"{path}: no header line with the column names was found; the file has {columns[:80]}; {requirement}"
+            f"{path}: no header line with the column names was found; the file has {columns[:80]}. Add the header: "
+            f"{requirement}"
         )
     keys = [key.strip() for key in numbered[header][1].lstrip("# ").split(",")]
     if absent := [name for name in names if name not in keys]:
-        raise UsageError(f"{path}: the column {absent[0]} is missing; the file has {', '.join(keys)}; {requirement}")
+        raise UsageError(
+            f"{path}: the column {absent[0]} is missing; the file has {', '.join(keys)}. Add or rename the column: "
+            f"{requirement}"
+        )
     rows = [(number, row) for number, row in numbered[header + 1 :] if not row.lstrip().startswith("#")]
     if not rows:
-        raise UsageError(f"{path}: there are no rows below the header; {requirement}, with one row per measured point")
+        raise UsageError(f"{path}: there are no rows below the header. Add one per measured point: {requirement}")
     values: dict[str, list[float]] = {name: [] for name in names}
     for number, line in rows:
         cells = next(csv.reader([line]))

@@ -60,7 +60,7 @@ def outcome_of(findings: "Findings") -> Outcome:
     rows = [row for heading, part in zip(headings, parts, strict=True) for row in (heading, *part.rows)]
     notes = [f"log: {findings.log}"]
     if findings.timestep_for:
-        notes.append(f"time step {findings.timestep}, for {findings.timestep_for}")
+        notes.append(f"time step {findings.timestep}; accuracy of the results: {findings.timestep_for}")
     if findings.wall_s is not None:
         step = f"{findings.steps} time steps of {findings.timestep_s * 1e6:g} us"
         notes.append(f"{step} in {findings.wall_s:.1f} s of wall time")

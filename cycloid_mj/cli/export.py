@@ -428,7 +428,7 @@ def _clearance_table(outlines: "Export", offset: float) -> Table:
         )
         for clearance in outlines.clearances
     )
-    return Table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)
+    return Table("clearance in the outlines [um]", ("pair", "requested", "offset", "least", "most"), rows)
 
 
 @dataclass(frozen=True)

@@ -345,7 +345,7 @@ def _deliver_drives(stem: str, answer: "Answer", destination: Destination, deliv
     heading = f"{answer.drives[0].figures['ratio']:.0f}:1, {answer.requirement.torque:g} N m"
     table = Table(heading, ("drive", *COLUMNS.values()), tuple(map(_tabulate_drive, answer.drives)))
     reasons_for_choice = [
-        f"  {drive.title}{'' if index else ' (to be taken)'}: {drive.why}" for index, drive in enumerate(answer.drives)
+        f"  {drive.title}{'' if index else ' (default)'}: {drive.why}" for index, drive in enumerate(answer.drives)
     ]
     return _write_designs(files, descriptions, destination, delivery, [table], reasons_for_choice)
 

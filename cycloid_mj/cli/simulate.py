@@ -340,7 +340,7 @@ def run_into_log(
     _require_held_samples(design, plan)
     identity = provenance(reducer, contact, plan.timestep, solver)
     open_log = _log_opener(compiled, reducer, identity | {"steps": str(plan.steps)}, force, viewable)
-    progress.tell(f"time step {identity['timestep']}, for {identity['timestep_for']}")
+    progress.tell(f"time step {identity['timestep']}; accuracy of the results: {identity['timestep_for']}")
     start = time.perf_counter()
     with _open_unused_log(design.name, names, open_log) as log:
         note = "; ".join(_record_samples(blocks(compiled, reducer), log, progress))

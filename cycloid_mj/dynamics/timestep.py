@@ -117,12 +117,14 @@ class StepRule:
 
 
 def describe_accuracy(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> str:
-    """Return a sentence on which results are accurate at the time step of a design, and how accurate."""
+    """Return in words which results are accurate at the time step of a design, and how accurate."""
     design = reducer.design
     if design.settings.timestep:
-        return "given by the design; compare the results with those at half the step"
+        return "not known, as the design sets the step: compare the results with those at half the step"
     if not design.load.torque:
-        return "ranges over independent starts only: without load, the motion within the clearances is chaotic"
+        return (
+            "only ranges over independent starts are valid: without load, the motion within the clearances is chaotic"
+        )
     if design.ring.has_pin_bodies:
         return accuracy.moving
     return accuracy.massless if design.ring.has_massless_pins else accuracy.others

@@ -254,7 +254,16 @@ class _PointEvaluator:
         missing = [index for index in range(first, self._count) if not self._is_known(index, points[index - first])]
         engine = self._engine if self._slow else Engine(1)
         remaining = [points[index - first] for index in missing]
-        for position, row in engine.stream(partial(evaluate_point, self._task), remaining, _raise_lost):
+
+        def raise_lost(position: int, why: str) -> PointResult:
+            pairs = zip(self._task.keys, remaining[position], strict=True)
+            values = ", ".join(f"{key} = {value}" for key, value in pairs)
+            raise RunError(
+                f"point {missing[position] + 1} of the search ({values}) could not be evaluated: {why}. Run the same "
+                "command again with fewer processes, such as --workers 1, to resume"
+            )
+
+        for position, row in engine.stream(partial(evaluate_point, self._task), remaining, raise_lost):
             self._rows.add(missing[position], row)
             if len(self._rows.by_index) <= self._total:  # the last generation may go beyond
                 self._progress(len(self._rows.by_index), self._total)
@@ -279,13 +288,6 @@ class _PointEvaluator:
                 "with --out"
             )
         return True
-
-
-def _raise_lost(_: int, why: str) -> PointResult:
-    raise RunError(
-        f"a point of the search could not be evaluated: {why}. Run the same command again with a lower --workers to "
-        "resume"
-    )
 
 
 class _Rows:

@@ -122,7 +122,7 @@ def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
     steps = f", {item.findings.steps:,} steps" if item.findings.steps else ""
     yield "time step", f"{MICROSECOND.from_si(item.findings.timestep_s):g} µs{steps}"
     if item.findings.timestep_for:
-        yield "reason for the time step", item.findings.timestep_for
+        yield "accuracy at this time step", item.findings.timestep_for
     window = item.findings.window
     evaluated = f"{window.phase}, {window.start_s:.4g} to {window.end_s:.4g} s, {window.crank_turns:.2f} crank turns"
     yield "evaluated", evaluated

@@ -370,8 +370,8 @@ class ReducedJoint(Presented):
         }
 
     @classmethod
-    def from_json(cls, content: Mapping[str, Any]) -> Self:
-        """Create a joint from the output of `as_json`, without its `quantities`.
+    def from_json(cls, content: Mapping[str, Any], origin: str = "the reducer") -> Self:
+        """Create a joint from the output of `as_json`, without its `quantities`; `origin` is its name in messages.
 
         Raises
         ------
@@ -393,16 +393,21 @@ class ReducedJoint(Presented):
             values["ripple"] = Ripple.from_json(values["ripple"])
             joint = cls(**values)
         except (KeyError, TypeError, ValueError) as problem:
-            reason = f"{type(problem).__name__}: {problem}"
             raise UsageError(
-                f"the file does not describe a reducer ({reason}): use a reducer.json written by `cycloid-mj reduce`"
+                f"{origin} does not describe a joint ({type(problem).__name__}: {problem}): use a reducer.json written "
+                "by `cycloid-mj reduce`"
             ) from None
-        numbers_valid = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
-        if joint.level not in LEVELS or joint.way not in (-1, 1) or not numbers_valid or not joint.springs:
-            raise UsageError(
-                "the reducer file is not valid, because the value of level, way, springs or a numeric key is not "
-                "allowed: use a reducer.json written by `cycloid-mj reduce`"
-            )
+        for key, valid, allowed in (
+            ("level", joint.level in LEVELS, f"one of {', '.join(LEVELS)}"),
+            ("way", joint.way in (-1, 1), "1 (the output turns as the crank) or -1 (opposite)"),
+            ("springs", bool(joint.springs), "a list of at least one spring"),
+            *((key, 0.0 < values[key] < math.inf, "finite and greater than 0") for key in NUMBERS),
+        ):
+            if not valid:
+                raise UsageError(
+                    f"{origin}: the value of {JOINT}.{key} must be {allowed}, but is {content[JOINT][key]!r:.60}: use "
+                    "a reducer.json written by `cycloid-mj reduce`"
+                )
         return joint
 
     @classmethod
@@ -422,7 +427,7 @@ class ReducedJoint(Presented):
             raise CycloidError(
                 f"cannot read {path}: {reason(problem)}. Use a reducer.json written by `cycloid-mj reduce`"
             ) from None
-        return cls.from_json(content if isinstance(content, dict) else {})
+        return cls.from_json(content if isinstance(content, dict) else {}, str(path))
 
     def _efficiency_map(self, driving: bool) -> dict[str, Any]:
         """Return the efficiency [%] over torque and speed as JSON values, for a driving crank or a driving output."""

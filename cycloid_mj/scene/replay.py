@@ -51,9 +51,10 @@ def replay_model(run: Run) -> Any:
         spec.add_texture(name="sky", type=sky, builtin=gradient, **_SKY)
         model = spec.compile()
     except (ValueError, UnicodeDecodeError) as problem:
+        version = run.provenance.get("mujoco", mujoco.__version__)
+        install = "" if version == mujoco.__version__ else f"install MuJoCo {version}, which simulated the run, or "
         raise LogError(
-            f"MuJoCo {mujoco.__version__} cannot load the {MODEL_FILE} attached to {run.label} ({problem}), because it "
-            f"was written for MuJoCo {run.provenance.get('mujoco', 'of another version')}: install that version, or "
+            f"MuJoCo {mujoco.__version__} cannot load the {MODEL_FILE} attached to {run.label} ({problem}): {install}"
             "simulate the design again"
         ) from problem
     model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.3, 0.4

@@ -1,6 +1,5 @@
 """Reasons for the values of a new drive, for the comments of its file."""
 
-import math
 from collections.abc import Iterator
 
 from cycloid_mj.design import Design, stock
@@ -83,8 +82,8 @@ def _process_reasons(requirement: Requirement, design: Design) -> Iterator[tuple
     clearance = reasons.pop("clearance.pin_gear")
     if requirement.tightened:
         clearance = (
-            "the finest of the process, as the usual ones leave less torque"
-            if requirement.backlash == math.inf
+            "the finest of the process, as larger ones leave too little torque or too much backlash"
+            if requirement.clearance == PROCESSES[requirement.process].finest
             else "the largest found that the backlash allows"
         )
     elif requirement.clearance:

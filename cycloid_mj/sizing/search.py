@@ -39,6 +39,9 @@ class SearchSettings:
         Standard deviations of a child about its parent and along the line to another elite, as recommended.
     calibrations, ratings
         Elites that are rated first, and the most ratings of a search: 0.1 s of CPU each.
+    calibration_share
+        Torque of the first ratings over the estimates. These are for perfect parts: within their tolerances, drives are
+        rated for about half.
     margin, reach
         Error of an estimate at this distance in the cube from the nearest rated candidate, and beyond: candidates that
         could be better by it are rated (confidence bounds, Srinivas et al., arXiv:0912.3995).
@@ -54,6 +57,7 @@ class SearchSettings:
     scatter: float = 0.02
     line: float = 0.2
     calibrations: int = 6
+    calibration_share: float = 0.5
     ratings: int = 24
     margin: float = 0.08
     reach: float = 0.1
@@ -64,9 +68,6 @@ SETTINGS = SearchSettings()
 
 NO_LIMIT, UNSOUND = 1e9, 0.3
 """Torque limit of what has none [N m], and the factor of estimates next to a candidate that cannot be built."""
-
-CALIBRATION = 0.5
-"""Torque of the first ratings over the estimates, which are for perfect parts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -389,14 +390,13 @@ def _calibrate(kind: Requirement, sizes: Sizes, guess: Estimate) -> tuple[dict[s
     The second item is the number of the sample that is rated, the critical one of the middle candidate.
     """
     torque = capacity(guess)
+    loads = SETTINGS.calibration_share * torque
     order = np.argsort(torque)[len(torque) // 4 :]
     rows = order[np.linspace(0, len(order) - 1, SETTINGS.calibrations).astype(int)].tolist()
     middle = rows[len(rows) // 2]
-    reducer = build_drive(kind, sizes[middle], CALIBRATION * float(torque[middle]))
+    reducer = build_drive(kind, sizes[middle], float(loads[middle]))
     sample = find_critical_sample(reducer) if reducer else 0
-    rated = {
-        row: rate_candidate(kind, sizes[row], CALIBRATION * float(torque[row]), tuple(guess), sample) for row in rows
-    }
+    rated = {row: rate_candidate(kind, sizes[row], float(loads[row]), tuple(guess), sample) for row in rows}
     known = {row: one for row, one in rated.items() if one}
     factors = {
         key: float(np.exp(np.median([_log_ratio(one.figure(key), values[row]) for row, one in known.items()])))

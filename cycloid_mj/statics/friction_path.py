@@ -126,9 +126,12 @@ def follow_torque_path(
     with announce_compilation():
         residual, rows = follow_path(springs.contacts, rubbing, path, max_rotation * radius, positions, displacements)
     if residual.force:
+        failed_step = int(positions[rows - 1]) + 1 if rows else 0
+        shaft = "output" if locked == "crank" else "crank times the ratio"
         raise RunError(
-            f"no static equilibrium along the torque loop: the residual is {residual.force:.3g} of the load, but at "
-            f"most {PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at more points, or reduce its torque"
+            f"no static equilibrium at {torque[failed_step]:.4g} N m on the {shaft}, step {failed_step + 1} of "
+            f"{len(torque)} of the torque loop: the residual is {residual.force:.3g} of the largest load, but at most "
+            f"{PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at more points, or reduce its torque"
         )
     torsion = wind_up(reducer) * np.interp(positions[:rows], np.arange(len(torque)), torque)
     return positions[:rows], displacements[:rows, -1] / radius + torsion

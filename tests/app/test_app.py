@@ -687,7 +687,7 @@ def test_jobs_report_progress_and_result() -> None:
     assert waiting(first, "done").as_json()["result"] == {"found": 1}
     assert first.progress == {"share": 0.5}
     assert waiting(second, "done").as_json()["files"] == ["a.txt"]
-    with pytest.raises(UsageError):
+    with pytest.raises(UsageError, match="job 99 does not exist"):
         jobs.get(99)
 
 

@@ -112,6 +112,8 @@ def test_a_topic_has_its_own_columns_alone():
     assert run.of_topic("/forces")["pin_force"] is run["pin_force"]
     with pytest.raises(LogError, match="choose one of /reducer, /forces"):
         run.of_topic("/pins")
+    with pytest.raises(LogError, match="has no columns, and no topic '/pins': simulate the design again"):
+        Run(np.arange(3.0), {}, {}).of_topic("/pins")
 
 
 @pytest.mark.parametrize("travel", [copy.deepcopy, lambda run: pickle.loads(pickle.dumps(run))])

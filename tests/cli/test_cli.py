@@ -201,8 +201,8 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert (judging, drawing) == ("evaluating the run", "drawing the page of the run")
     assert wrote == "wrote runs/pin-review.html"
     assert step == (
-        "time step 6.66667 us (automatic: stiffness of pin_socket), "
-        "for ranges over independent starts only: without load, the motion within the clearances is chaotic"
+        "time step 6.66667 us (automatic: stiffness of pin_socket); accuracy of the results: "
+        "only ranges over independent starts are valid: without load, the motion within the clearances is chaotic"
     )
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
     assert last.startswith("warning: pin: only 0.13 crank turns")

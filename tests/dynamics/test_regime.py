@@ -261,14 +261,14 @@ def test_no_friction_at_all_is_no_sliding_friction_given() -> None:
     assert told("pin", *(f"friction.{kind}=0" for kind in ("cam", "output", "pin_gear", "pin_socket"))) == ()
 
 
-def test_a_run_says_for_which_figures_its_step_was_chosen() -> None:
+def test_a_run_reports_the_accuracy_at_its_time_step() -> None:
     loaded = PRESETS["pin"].but(load={"torque": 36.0})
     assert "rms speeds within 15 %" in describe_accuracy(Reducer(loaded))
     assert "rms speeds within 2 %" in describe_accuracy(Reducer(loaded.but(ring={"pins": "fixed"})))
     assert "rms speeds are not valid" in describe_accuracy(Reducer(loaded.but(ring={"pins": "massless"})))
     assert "starts" in describe_accuracy(Reducer(PRESETS["pin"]))
     given = loaded.but(settings={"timestep": 2e-6})
-    assert describe_accuracy(Reducer(given)).startswith("given")
+    assert describe_accuracy(Reducer(given)).startswith("not known, as the design sets the step")
     found = analyze(simulate(given.but(drive={"ramp": 0.0, "hold": 0.001})))
     assert found.timestep_for == describe_accuracy(Reducer(given))
 

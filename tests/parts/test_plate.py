@@ -304,7 +304,7 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
     assert main([*arguments, "--out", str(out), "--force", "--all"]) == 0
     shown = capsys.readouterr().out
     for words in (
-        "asked for",
+        "requested",
         "offset",
         "80.0000",
         "bill of materials",

@@ -56,9 +56,7 @@ def worst(design: Design, z: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(("turn", "order"), [(1.0, 3), (0.0, 4)])
 @pytest.mark.parametrize("name", ["pin", *UNLIKE])
-def test_gap_series_error_is_third_order_in_rotations_and_fourth_in_displacements(
-    name: str, turn: float, order: int
-) -> None:
+def test_gap_error_is_third_order_in_rotations_and_fourth_in_displacements(name: str, turn: float, order: int) -> None:
     """A tenth of the departure leaves a thousandth of the error, or a ten-thousandth, or rounding."""
     design = design_of(name)
     way = 3e-3 * design.gear.eccentricity * np.array([0.7, -0.4, 0.5 * turn, -0.6 * turn])

@@ -816,27 +816,31 @@ def test_a_model_that_does_not_compile_is_told(few: ReducedJoint) -> None:
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("change", "told"),
     [
-        {"ratio": "x"},
-        {"ratio": -6.0},
-        {"damping": float("nan")},
-        {"springs": []},
-        {"springs": [1]},
-        {"level": "soft"},
-        {"way": 0},
-        {"friction": None},
-        {"ripple": {}},
-        {"more": 1},
+        ({"ratio": "x"}, "does not describe a joint (ValueError: could not convert"),
+        ({"ratio": -6.0}, "the value of joint.ratio must be finite and greater than 0, but is -6.0"),
+        ({"damping": float("nan")}, "the value of joint.damping must be finite and greater than 0, but is nan"),
+        ({"springs": []}, "the value of joint.springs must be a list of at least one spring, but is []"),
+        ({"springs": [1]}, "does not describe a joint (TypeError"),
+        ({"level": "soft"}, "the value of joint.level must be one of rigid, backlash, full, but is 'soft'"),
+        ({"way": 0}, "the value of joint.way must be 1 (the output turns as the crank) or -1 (opposite), but is 0"),
+        ({"friction": None}, "does not describe a joint (TypeError"),
+        ({"ripple": {}}, "does not describe a joint (KeyError"),
+        ({"more": 1}, "does not describe a joint (TypeError"),
     ],
     ids=str,
 )
-def test_a_spoiled_reducer_is_refused(few: ReducedJoint, change: dict) -> None:
+def test_a_spoiled_reducer_is_refused(few: ReducedJoint, change: dict, told: str, tmp_path: Path) -> None:
     given = few.as_json()
     ReducedJoint.from_json(given)
     given["joint"] = given["joint"] | change
-    with pytest.raises(UsageError, match=r"the file does not describe a|the reducer file is not valid"):
-        ReducedJoint.from_json(given)
+    path = tmp_path / "reducer.json"
+    path.write_text(json.dumps(given))
+    with pytest.raises(UsageError) as refused:
+        ReducedJoint.read(path)
+    assert str(refused.value).startswith(str(path))
+    assert told in str(refused.value)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"joint": {}}', '{"joint": {"name": "x", "springs": [1]}}'])

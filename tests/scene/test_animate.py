@@ -1,6 +1,7 @@
 """Drawings show each gap to scale, films have the frames that were asked for, and MuJoCo's picture shows the poses."""
 
 import sys
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -344,8 +345,13 @@ def test_runs_that_cannot_be_replayed(pin_run, modelled):
     with pytest.raises(LogError, match=r"lacks the attached file model\.xml"):
         replay_model(pin_run)
     for content in (b"<mujoco><nonsense/></mujoco>", b"\xff\xfe"):
-        with pytest.raises(LogError, match=r"cannot load the model\.xml attached to"):
+        with pytest.raises(LogError, match=r"cannot load the model\.xml attached to .*\): simulate the design again"):
             replay_model(made_run(PIN, 2, attachments={"model.xml": content}))
+    old = replace(made_run(PIN, 2, attachments={"model.xml": b"\xff\xfe"}), provenance={"mujoco": "2.3.0"})
+    with pytest.raises(
+        LogError, match=r"install MuJoCo 2\.3\.0, which simulated the run, or simulate the design again"
+    ):
+        replay_model(old)
     other = made_run(PIN, 2, attachments={"model.xml": b"<mujoco><worldbody/></mujoco>"})
     model = replay_model(other)
     with pytest.raises(LogError, match="joint positions of its model"):
