@@ -77,7 +77,7 @@ def _part_function(kind: str, name: str) -> Compute:
 
 
 def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple[Figure, ...]:
-    """Return a figure for the parts of each kind, by finite elements; texts have {} in the of the part."""
+    """Return a figure for the parts of each kind, by finite elements; texts have {} in place of the part."""
     return tuple(
         Figure(
             key=f"{kind}_{key}",

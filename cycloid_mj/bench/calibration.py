@@ -314,28 +314,26 @@ class Calibration(Presented):
             },
             "residual_rms_deg": self.rms / DEGREE,
             **{key: figures[key].value for key in ("play_deg", "width_deg", "stiffness_nm_per_rad", "coulomb_nm")},
-            "measured": {
-                key: {"value": first.value, "ci95": [first.low, first.high]} for key, first in figures.items()
-            },
-            "model": {key: {"value": first.value} for key, first in self.modelled.in_units().items()},
+            "measured": {key: {"value": item.value, "ci95": [item.low, item.high]} for key, item in figures.items()},
+            "model": {key: {"value": item.value} for key, item in self.modelled.in_units().items()},
             "definitions": DEFINITIONS | {"residual_rms_deg": RESIDUAL},
             "measure_next": list(self.measure_next),
             "loops": [_loop_json(self.fitted, number) for number in range(len(self.fitted.loops))],
             "torque_offset": {"fitted": self.fitted.torque_offset, "bic_gain": self.fitted.offset_gain},
-            "models": [_variant_json(first) for first in self.candidates],
+            "models": [_variant_json(item) for item in self.candidates],
             "preferred_model": self.preferred.key if self.preferred else None,
             "misses": [
                 {
-                    "loop": first.loop,
-                    "stretch": first.stretch,
-                    "torque_nm": [first.first, first.last],
-                    "mean_deg": first.mean / DEGREE,
-                    "rms_deg": first.rms / DEGREE,
-                    "rms_share": first.share,
+                    "loop": item.loop,
+                    "stretch": item.stretch,
+                    "torque_nm": [item.first, item.last],
+                    "mean_deg": item.mean / DEGREE,
+                    "rms_deg": item.rms / DEGREE,
+                    "rms_share": item.share,
                 }
-                for first in self.stretches
+                for item in self.stretches
             ],
-            "losses": [_variant_json(first) for first in self.variants],
+            "losses": [_variant_json(item) for item in self.variants],
             "unexplained": list(UNEXPLAINED),
             "notes": list(self.notes),
         }

@@ -298,8 +298,8 @@ def evaluate_fit(problem: FitProblem, scaled: Array) -> Fitted:
     by_loop = np.split(slopes, np.cumsum([len(part) for part in loop_residuals])[:-1])
     weighted = [part / np.sqrt(len(part)) for part in loop_residuals]
     free = estimate_uncertainty(by_loop, weighted, ~at_bound, prior)
-    bounded = estimate_uncertainty(by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
-    estimates = (bounded if bound else free for bound in at_bound.tolist())
+    all_free = estimate_uncertainty(by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
+    estimates = (all_free if bound else free for bound in at_bound.tolist())
     half_width = np.array(
         [
             item.half_widths[index] + MODEL_ERROR * item.inverse[index, index] ** 0.5

@@ -40,6 +40,7 @@ CHEAP = frozenset({Need.GEOMETRY, Need.STATICS})
 
 COMPUTED = frozenset({*CHEAP, Need.LIFE})
 """Needs without finite elements and runs."""
+
 NEED_NAMES = {
     Need.GEOMETRY: "dimensions only",
     Need.STATICS: "statics",

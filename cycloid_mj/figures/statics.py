@@ -114,17 +114,17 @@ def _creeping(reducer: Reducer) -> Reducer:
 
 
 def _make_torque_figure(
-    key: str, name: str, function: Compute, compute_spread: Callable[[Reducer], Spread], definition: str
+    key: str, name: str, function: Compute, spread_function: Callable[[Reducer], Spread], definition: str
 ) -> Figure:
     """Return the row of the catalogue for a torque [N m] that is not in the sheet.
 
-    `function` computes it, `compute_spread` its interval under the law ``film``.
+    `function` computes it, `spread_function` its interval under the law ``film``.
     """
 
     def interval(reducer: Reducer) -> Quantity:
         if not reducer.design.has_film:
             return Quantity(key, name, math.nan, "N m")
-        torque_spread = compute_spread(reducer)
+        torque_spread = spread_function(reducer)
         return Quantity(
             key,
             name,

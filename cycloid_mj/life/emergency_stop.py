@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.checks.cam_rollers import cam_pressure_limit, has_bare_rollers
 from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.item import RatedItem, torque_item
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.reducer import Reducer
@@ -62,9 +62,9 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         "4 M/(pi r^3) against Y",
         "nominal stress: a notch yields without failing; forces in proportion to the torque",
     )
-    jump = _torque_item(
+    jump = torque_item(
         "peak_jump",
-        "skipped tooth",
+        "emergency stop: skipped tooth",
         peak_torque,
         torque / (design.lobes * worst.wind_up) if worst.wind_up else math.inf,
         "T = k/z: maximum of a sine with the pitch of one of z lobes and the initial stiffness k of the disc",
@@ -82,7 +82,7 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         if limits:
             smallest = peak_torque * min(item.margin(0.0) for item in items)
             torque_limit, note = _torque_at_limits(worst, limits, smallest)
-            items.append(_torque_item(key, consequence, peak_torque, torque_limit, source, note))
+            items.append(torque_item(key, f"emergency stop: {consequence}", peak_torque, torque_limit, source, note))
     yield from items
 
 
@@ -103,20 +103,3 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: 
     except RunError:
         return abs(guess), f"in {kind}; no equilibrium was found there: {by_root}"
     return abs(limit_torque), f"in {kind}, by the equilibrium at that torque"
-
-
-def _torque_item(
-    key: str, consequence: str, peak_torque: float, torque_limit: float, source: str, note: str
-) -> RatedItem:
-    """Return the item of a peak torque against a torque limit, both [N m], for a consequence in words."""
-    return RatedItem(
-        key,
-        f"emergency stop: {consequence}",
-        peak_torque,
-        torque_limit,
-        "N m",
-        torque_limit / peak_torque,
-        None,
-        source,
-        note,
-    )

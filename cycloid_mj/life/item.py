@@ -132,6 +132,13 @@ class RatedItem:
         return self.life is not None and self.life > MAX_LIFE
 
 
+def torque_item(key: str, name: str, torque: float, torque_limit: float, source: str, note: str) -> RatedItem:
+    """Return the rated item of a torque against its limit, both [N m]."""
+    return RatedItem(
+        key, name, torque, torque_limit, "N m", torque_limit / torque if torque else math.inf, None, source, note
+    )
+
+
 @dataclass(frozen=True, repr=False)
 class Rating(Presented):
     """The rating of a design for a duty cycle.

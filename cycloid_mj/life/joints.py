@@ -13,7 +13,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.design import Material, fits, stock
-from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.item import RatedItem, torque_item
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.parts import joint_strength as strength
@@ -75,7 +75,7 @@ class ScrewLimit:
     """The torque [N m] of a screwed joint at the preload of each screw [N] that one of its parts withstands."""
 
     mechanism: str
-    what: str
+    description: str
     preload: float
     torque: float
     source: str
@@ -167,9 +167,9 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
         shared = f"; tighten with {screwed_joint.tightening_torque:.3g} N m"
         shared += f"; dowels transmit {positive:.3g} N m without friction" if positive else ""
         for limit in screwed_joint.limits:
-            yield _torque_item(
+            yield torque_item(
                 f"{_slug(screwed_joint.joint)}_{limit.mechanism}",
-                f"{screwed_joint.joint.name}, {limit.what}",
+                f"{screwed_joint.joint.name}, {limit.description}",
                 torques.torque_between(parts),
                 max(limit.torque, positive),
                 limit.source,
@@ -182,7 +182,7 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
         ]
         clamped = max(friction_torques, default=on_ring if names.HOUSING in joint.parts else 0.0)
         friction = f"; screws transmit {clamped:.3g} N m by friction" if clamped else ""
-        yield _torque_item(
+        yield torque_item(
             _slug(joint),
             joint.name,
             torques.torque_between(joint.parts),
@@ -204,7 +204,7 @@ def _rate_clamped_ring(
     """
     slip_torque = _ring_slip_torque(reducer, cover_screws)
     dowels = f"; dowels transmit {dowel_torque:.3g} N m" if dowel_torque else ""
-    return _torque_item(
+    return torque_item(
         "joint_ring",
         "ring between the covers, slip",
         ring_torque,
@@ -311,16 +311,16 @@ def _thread_limit(
     )
     if insert:
         force = strength.pull_out_force(insert.hole, insert.length, shear)
-        mechanism, source = "pull-out of the inserts", "F = pi D l tau around an insert"
+        description, source = "pull-out of the inserts", "F = pi D l tau around an insert"
         note = f"inserts {insert.designation} in {part}, solid around them (assumed)"
     else:
         force = screwed.thread.stripping_force(engaged_length, shear)
-        mechanism, source = "stripping of the threads", "F = pi d m (0.5 + (d - d2)/(P sqrt 3)) tau (VDI 2230, 5.5.5)"
+        description, source = "stripping of the threads", "F = pi d m (0.5 + (d - d2)/(P sqrt 3)) tau (VDI 2230, 5.5.5)"
         note = f"threads in {part}, {1e3 * engaged_length:.3g} mm engaged"
     preload = _permanent_share(material) * force
     return ScrewLimit(
         "threads",
-        mechanism,
+        description,
         preload,
         strength.friction_torque(screwed.count, preload, screwed.radius),
         f"{source}, T = n F mu r",
@@ -371,10 +371,8 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
 def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, length: float) -> RatedItem:
     """Rate a glued cylindrical joint of a diameter and length [m] against a torque [N m]."""
     slip_torque = 0.5 * diameter * strength.glued_force(diameter, length)
-    note = (
-        f"assumed: retaining compound on {2e3 * 0.5 * diameter:.4g} x {1e3 * length:.4g} mm; no key or clamp is drawn"
-    )
-    return _torque_item(key, name, torque, slip_torque, GLUE_SOURCE, note)
+    note = f"assumed: retaining compound on {1e3 * diameter:.4g} x {1e3 * length:.4g} mm; no key or clamp is drawn"
+    return torque_item(key, name, torque, slip_torque, GLUE_SOURCE, note)
 
 
 def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: float) -> RatedItem:
@@ -383,7 +381,7 @@ def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: flo
     sizes = dict(part.dimensions)
     key = strength.ParallelKey(sizes["height"], sizes["depth"], sizes["length"])
     softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
-    return _torque_item(
+    return torque_item(
         _slug(joint),
         joint.name,
         torque,
@@ -454,7 +452,7 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
         return
     friction_torque = design.friction_of("pin_gear") * force * ring.pin_radius
     half = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length) * ring.pin_radius
-    yield _torque_item(
+    yield torque_item(
         "joint_ring_pin_glue",
         "fixed ring pin in its half-open socket, glued against turning",
         friction_torque,
@@ -494,7 +492,7 @@ def _rate_press_fit(
     strongest = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
     at_middle, at_loose, at_tight = (min(fit.pressure(value), strongest) for value in (middle, *ends))
     key, name = key_and_name
-    return _torque_item(
+    return torque_item(
         key,
         name,
         turning_torque,
@@ -520,10 +518,3 @@ def _material(reducer: Reducer, part: str) -> Material:
 def _slug(joint: Joint) -> str:
     """Return the beginning of the keys of a joint's items."""
     return "joint_" + joint.name.replace(" ", "_")
-
-
-def _torque_item(key: str, name: str, torque: float, torque_limit: float, source: str, note: str) -> RatedItem:
-    """Return the rated item of a torque on a joint against its limit, both [N m]."""
-    return RatedItem(
-        key, name, torque, torque_limit, "N m", torque_limit / torque if torque else math.inf, None, source, note
-    )

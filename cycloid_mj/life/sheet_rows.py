@@ -33,7 +33,7 @@ class RowSettings:
 
     cold: float = 20.0
     warm: float = 60.0
-    """Temperatures of the torque without load [°C]: a workshop, and the case temperature that makers allow."""
+    """Temperatures of the torque without load [°C]: a workshop, and the case temperature that manufacturers allow."""
     loop_end: float = 0.01
     """Torque at which the ends of the hysteresis loop are read, over the nominal: at 0 weight moves loose parts."""
     loop_angles: int = 4
@@ -53,9 +53,10 @@ RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30),
 
 
 def hysteresis(reducer: Reducer) -> Quantity:
-    """Compute the width of the torque-rotation loop at zero torque, after the plus and minus nominal torque [arcmin].
+    """Compute the width of the torque-rotation loop near zero torque, after plus and minus the nominal torque [arcmin].
 
-    The crank is locked; the rotation is that of the output, mean over `loop_angles` crank angles.
+    The crank is locked; the rotation is that of the output, mean over `loop_angles` crank angles. The width is that
+    between the torques of plus and minus `loop_end`.
     """
     torque = reducer.design.rated_torque
     widths = []

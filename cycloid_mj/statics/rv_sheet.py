@@ -107,8 +107,8 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     lost = np.abs(rotation(LOST_MOTION_SHARE) - rotation(-LOST_MOTION_SHARE))
     yield sheet_quantity("lost_motion_ideal", float(lost.mean()) / ARCMINUTE)
     low, high = STRAIGHT
-    range = np.abs(rotation(high) - rotation(low)) + np.abs(rotation(-high) - rotation(-low))
-    stiffness = 2.0 * (high - low) * load / range * ARCMINUTE
+    rise = np.abs(rotation(high) - rotation(low)) + np.abs(rotation(-high) - rotation(-low))
+    stiffness = 2.0 * (high - low) * load / rise * ARCMINUTE
     yield sheet_quantity("stiffness_ideal", float(stiffness.mean()))
 
 

@@ -294,7 +294,7 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
 
 def _own_disc_gradients(contacts: kernel.KernelSprings, slopes: Array) -> Array:
     """Select the gradients of contacts by position and rotation of their own disc, shape (k, n, 3), from all."""
-    return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
+    return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + axis] for axis in range(3)], axis=-1)
 
 
 def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:

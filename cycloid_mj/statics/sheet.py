@@ -309,9 +309,9 @@ def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
         yield sheet_quantity(f"compliance_{part}", item)
 
 
-def _stiffness(solve_windups: Sequence[Windup]) -> float:
+def _stiffness(windups: Sequence[Windup]) -> float:
     """Compute the mean stiffness [N m/arcmin]."""
-    return float(np.mean([ARCMINUTE / windup.compliance(windup.turn) for windup in solve_windups]))
+    return float(np.mean([ARCMINUTE / windup.compliance(windup.turn) for windup in windups]))
 
 
 def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
@@ -403,14 +403,14 @@ def disc_shares(shares: Array) -> Iterator[Quantity]:
         yield sheet_quantity(f"disc_{number}_share", value, note=note)
 
 
-def reaction_quantities(compute_reactions: Reactions) -> Iterator[Quantity]:
+def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
     """Yield the largest forces and tilting moments on shaft, output, ring and bearings over the crank angle."""
     for member in ("shaft", "output", "ring"):
-        disc_forces: Planes = getattr(compute_reactions, member)
+        disc_forces: Planes = getattr(reactions, member)
         yield sheet_quantity(f"{member}_net_force", float(np.hypot(*disc_forces.net.T).max()))
         yield sheet_quantity(f"{member}_tilting_moment", float(np.hypot(*disc_forces.moment.T).max()))
     for key in BEARINGS:
-        forces = getattr(compute_reactions, key.replace("_bearing", ""))
+        forces = getattr(reactions, key.replace("_bearing", ""))
         if forces is not None:
             yield sheet_quantity(f"{key}_force", float(np.hypot(*forces.T).max()))
 

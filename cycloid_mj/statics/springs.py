@@ -147,7 +147,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
 def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions: Array) -> kernel.KernelSprings:
     """Return the springs of gaps and cams for the compiled kernel, without friction.
 
-    `teeth` is the number of contact lines with the ring, `cams` the position of each cam [m], shape (m, D, 2).
+    `teeth` is the number of contact lines with the ring, `cam_positions` that of each cam [m], shape (m, D, 2).
     """
     design, bending = reducer.design, _pin_deflections(reducer)
     pin_stiffness = np.repeat(np.array(reducer.contacts["output"].series), design.output.pins)

@@ -99,8 +99,8 @@ def solve_windups(
 ) -> list[Windup]:
     """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m], without friction.
 
-    Returns a wind-up for each crank angle. `warm_start` is that of `loads`: smoothly varying angles take half of the
-    time.
+    Returns a wind-up for each crank angle. `warm_start` is `follow` of `loads`: angles that vary smoothly take half of
+    the time.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def solve_windups(
     centre_leads = {share: leads(contact_loads.departures).tolist() for share, contact_loads in by_torque.items()}
 
     def select_angle(index: int, values: dict[float, list[float]]) -> dict[float, float]:
-        return {share: contact_loads[index] for share, contact_loads in values.items()}
+        return {share: rotations[index] for share, rotations in values.items()}
 
     return [
         Windup(
@@ -137,7 +137,7 @@ def solve_windups(
             select_angle(index, turns),
             select_angle(index, gear_turns),
             select_angle(index, centre_leads),
-            {spring: contact_loads[index] for spring, contact_loads in work.items()},
+            {spring: works[index] for spring, works in work.items()},
         )
         for index in range(len(cranks))
     ]

@@ -1,7 +1,7 @@
 """Distance at which contact stress ends and bulk stress begins: the plateau of the largest stress over the distance.
 
 Near a narrow patch stress falls as 1/distance (Flamant), so the largest stress beyond a fixed distance from the patches
-would depend on that distance. The stress of the part itself is a plateau of that maximum over a ladder of distances.
+would depend on that distance. The stress of the part itself is a plateau of that maximum over increasing distances.
 Conformal patches, over which stress is distributed, belong to the bulk; sharp inner corners do not.
 """
 
@@ -15,11 +15,11 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.stress.case import LoadCase
 from cycloid_mj.stress.grid import Grid
 
-RUNGS_PER_OCTAVE = 2
-"""Rungs of the ladder of distances to twice a distance."""
+DISTANCES_PER_OCTAVE = 2
+"""Number of search distances from a distance to twice that distance."""
 
 MAX_PLATEAU_DROP = 0.05
-"""Relative drop of the largest stress to the next rung below which it is on a plateau."""
+"""Relative drop of the largest stress to the next distance below which it is on a plateau."""
 
 
 @dataclass(frozen=True)
@@ -84,12 +84,12 @@ def search_distances(distances: Distances, start: float) -> Array:
     They begin at half of `start` [m], grow by sqrt(2), and end where no node is left at some angle. If even that
     farthest distance is below `start`, it is the last.
     """
-    rungs = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
-    rungs_with_nodes = rungs[rungs <= distances.farthest()]
+    steps = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
+    with_nodes = steps[steps <= distances.farthest()]
     return (
-        rungs_with_nodes
-        if len(rungs_with_nodes) > RUNGS_PER_OCTAVE
-        else np.append(rungs_with_nodes, distances.farthest() * (1.0 - 1e-9))
+        with_nodes
+        if len(with_nodes) > DISTANCES_PER_OCTAVE
+        else np.append(with_nodes, distances.farthest() * (1.0 - 1e-9))
     )
 
 
@@ -131,5 +131,9 @@ def find_plateau(stress_by_distance: Array, first_index: int) -> int:
 
 def relative_drop(stress_by_distance: Array, index: int) -> float:
     """Compute the relative drop of the largest stress from a distance to twice that; 1 if no node is left."""
-    beyond = stress_by_distance[index + RUNGS_PER_OCTAVE] if index + RUNGS_PER_OCTAVE < len(stress_by_distance) else 0.0
+    beyond = (
+        stress_by_distance[index + DISTANCES_PER_OCTAVE]
+        if index + DISTANCES_PER_OCTAVE < len(stress_by_distance)
+        else 0.0
+    )
     return float(1.0 - beyond / stress_by_distance[index]) if stress_by_distance[index] > 0.0 else 0.0

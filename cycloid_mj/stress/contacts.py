@@ -288,47 +288,47 @@ def _ring_contacts(turn: Turn) -> list[PartContact]:
 def _output_contacts(turn: Turn) -> list[PartContact]:
     """List the contacts of the output's pins with the discs, or of their cores with the bores of rollers."""
     output, frame = turn.reducer.design.output, part_frame(turn, "output")
-    list_contacts = []
+    contacts = []
     for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
         name = numbered_name(OUTPUT_PIN, number)
         action = _in(frame, _on_gear(turn, name, disc).reaction())
         widest = np.full_like(action.size, MAX_HALF_ANGLE * output.root_radius)
         width = widest if output.rollers else _round_width(turn, "output", action)
         position = action.on_disc(centre, output.root_radius, width)
-        list_contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, position, width))
-    return list_contacts
+        contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, position, width))
+    return contacts
 
 
 def _shaft_contacts(turn: Turn) -> list[PartContact]:
     """List the contacts of the shaft: its cams in the bores of the discs."""
     gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
-    list_contacts = []
+    contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
         action = _in(frame, _on_gear(turn, CAM, disc).reaction())
         width = _round_width(turn, "cam", action)
         centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
         position = action.on_disc(centre, gear.bore_radius, width)
-        list_contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", action, position, width))
-    return list_contacts
+        contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", action, position, width))
+    return contacts
 
 
 def _pin_contacts(turn: Turn) -> list[PartContact]:
     """List the contacts of ring pin 1: each disc, and its socket (a single contact if the pin is free)."""
     gear, frame, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
-    list_contacts, sockets = [], []
+    contacts, sockets = [], []
     for disc, name in enumerate(turn.reducer.gears):
         action = _in(frame, _on_gear(turn, "pin_1", disc).reaction())
         curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
         position = action.on_disc(centre, gear.pin_radius, width)
-        list_contacts.append(_contact(turn, name, "pin_gear", action, position, width, curvature))
+        contacts.append(_contact(turn, name, "pin_gear", action, position, width, curvature))
         sockets.append(_in(frame, _socket_force(turn, 0, disc)))
     for disc, action in enumerate(sockets[:1] if _has_free_pins(turn) else sockets):
         width = _round_width(turn, "pin_socket", action)
         name = SOCKET if _has_free_pins(turn) else _pair_name(turn, SOCKET, disc)
         position = action.on_disc(centre, gear.pin_radius, width)
-        list_contacts.append(_contact(turn, name, "pin_socket", action, position, width))
-    return list_contacts
+        contacts.append(_contact(turn, name, "pin_socket", action, position, width))
+    return contacts
 
 
 def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
@@ -340,7 +340,7 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
     tooth_frame, frame, phase = _tooth_frame(turn, disc), part_frame(turn, part), reducer.phases[disc]
     lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
     rotation_error = tooth_frame.angle + (turn["crank_angle"] + phase) / gear.lobes
-    list_contacts = []
+    contacts = []
     for lobe in range(gear.ring_teeth):
         name = numbered_name(LOBE, lobe + 1)
         action = _on_gear(turn, name, disc)
@@ -359,8 +359,8 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
             position, action = position + tooth_frame.origin, action.reaction()
         width = half_width(reducer, "tooth", action.size, curvature, gear.pin_radius)
         name = _pair_name(turn, name, disc)
-        list_contacts.append(_contact(turn, name, "tooth", _in(frame, action), position, width, curvature))
-    return list_contacts
+        contacts.append(_contact(turn, name, "tooth", _in(frame, action), position, width, curvature))
+    return contacts
 
 
 def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
@@ -433,10 +433,10 @@ def _round_width(turn: Turn, kind: str, action: Action) -> Array:
     return half_width(turn.reducer, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
 
 
-def total(list_contacts: Sequence[PartContact]) -> Action:
+def total(contacts: Sequence[PartContact]) -> Action:
     """Sum the actions of contacts."""
-    force = np.sum([contact.action.force for contact in list_contacts], axis=0)
-    return Action(force, np.sum([contact.action.moment for contact in list_contacts], axis=0))
+    force = np.sum([contact.action.force for contact in contacts], axis=0)
+    return Action(force, np.sum([contact.action.moment for contact in contacts], axis=0))
 
 
 def mean_cosine(half_angle: Array) -> Array:

@@ -78,10 +78,10 @@ def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
 def add_costs(costs: Iterable[Cost]) -> Cost:
     """Add the times of parts that are studied in turn, and find the peak of memory."""
     seconds, memory, retained = 0.0, COST.base_memory, 0.0
-    for estimate_cost in costs:
+    for cost in costs:
         seconds, memory, retained = (
-            seconds + estimate_cost.seconds,
-            max(memory, retained + estimate_cost.memory),
-            retained + estimate_cost.retained,
+            seconds + cost.seconds,
+            max(memory, retained + cost.memory),
+            retained + cost.retained,
         )
     return Cost(seconds, memory, retained)

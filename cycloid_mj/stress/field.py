@@ -12,7 +12,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.bulk import (
-    RUNGS_PER_OCTAVE,
+    DISTANCES_PER_OCTAVE,
     Distances,
     find_plateau,
     largest_beyond,
@@ -208,7 +208,7 @@ def _collect_maxima(
     Without a `distance` [m] at which bulk begins, it is that of the plateau of the turn's largest stress.
     """
     search_steps = search_distances(distances, grid.bulk_distance) if distance is None else np.array([distance])
-    solve_maxima: list[tuple[Array, ...]] = []
+    maxima: list[tuple[Array, ...]] = []
     counter = count()
     for response in responses:
         stress, chosen = components(response.moved), []
@@ -218,9 +218,9 @@ def _collect_maxima(
             on_state(index := next(counter), state)
             chosen.append(largest_beyond(distances, search_steps, index, stress_size))
         largest_stresses, nodes = map(np.array, zip(*chosen, strict=True))
-        solve_maxima.append((largest_stresses, nodes, response.reaction, response.imbalance, response.moments))
-    largest_stresses, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*solve_maxima, strict=True))
-    plateau_index = find_plateau(largest_stresses.max(axis=0), RUNGS_PER_OCTAVE) if distance is None else 0
+        maxima.append((largest_stresses, nodes, response.reaction, response.imbalance, response.moments))
+    largest_stresses, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))
+    plateau_index = find_plateau(largest_stresses.max(axis=0), DISTANCES_PER_OCTAVE) if distance is None else 0
     return PartStress(
         part=grid.part,
         angle=np.array(loads.angle),

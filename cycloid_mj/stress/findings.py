@@ -32,12 +32,12 @@ ASSUMPTIONS = (
     "the housing is fixed at the circles that its bolts clamp, or all around its outside (housing.support); the "
     "output disc at a hub with the radius of the shaft; the shaft in two bearings that transmit pressure only "
     "(shaft.mounting)",
-    "fillets are not meshed: their stress is the nominal stress of beam theory times the notch factor of a shoulder"
-    " by DIN 743-2; output rollers distribute their force on the core pins over 60 deg to each side",
+    "fillets are not meshed: their stress is the nominal stress of beam theory times the notch factor of a shoulder "
+    "by DIN 743-2; output rollers distribute their force on the core pins over 60 deg to each side",
     "bulk stress is the largest von Mises stress beyond a distance d from all narrow contacts and sharp inner "
     "corners, where it is on a plateau: the smallest d from which it falls by less than 5 % to the next distance, "
-    "1.41 d. Contact stress is the largest stress below a narrow contact by Hertz theory of a long strip; conformal"
-    " contacts belong to the bulk",
+    "1.41 d. Contact stress is the largest stress below a narrow contact by Hertz theory of a long strip; conformal "
+    "contacts belong to the bulk",
 )
 
 

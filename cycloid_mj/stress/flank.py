@@ -64,7 +64,7 @@ def lobe_contact_point(
     rows, chosen = np.arange(len(start_values)), np.argmin(distances, axis=1)
     start = np.where(np.isfinite(distances[rows, chosen]), start_values[rows, chosen], np.nan)
     t = start
-    half_lobe = math.pi / gear.lobes  # half a lobe
+    half_lobe = math.pi / gear.lobes
     for _ in range(30):
         tangent = profile.arc_rate(gear, t, offset)[:, np.newaxis] * _ahead(gear, t)
         slope = cross(tangent, direction)

@@ -117,39 +117,39 @@ def of_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
     return replace(loads, force=np.where(chosen[:, np.newaxis], loads.force, 0.0))
 
 
-def _motion_loads(select_turn: Turn, part: str, contact_sum: Action) -> dict[str, Array]:
+def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array]:
     """Compute gravity, inertia and the moment that is carried elsewhere, as fields of `PartLoads` by name.
 
     `contact_sum` is the sum of the contacts' forces, which accelerate a part that is free to move.
     """
-    zeros = np.zeros_like(select_turn.angle)
-    environment = select_turn.reducer.design.environment
-    world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (select_turn.angle.size, 2))
+    zeros = np.zeros_like(turn.angle)
+    environment = turn.reducer.design.environment
+    world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
     # all is seen from the ring, where the world turns back
-    world, frame_speed = rotate_vectors(world, -select_turn.ring_angle), -select_turn.ring_speed
+    world, frame_speed = rotate_vectors(world, -turn.ring_angle), -turn.ring_speed
     result = {
-        "body_force": rotate_vectors(world, -part_frame(select_turn, part).angle),
+        "body_force": rotate_vectors(world, -part_frame(turn, part).angle),
         "spin": zeros,
         "spin_rate": zeros,
         "torque": zeros,
     }
     if part == "ring":
         return result
-    body = mass_properties(body_solids(select_turn.reducer)[{"pin_1": "pin"}.get(part, part)])
+    body = mass_properties(body_solids(turn.reducer)[{"pin_1": "pin"}.get(part, part)])
     if part == "pin_1" or family(part) == GEAR:  # their centroid is the origin of their frame
-        moves = part != "pin_1" or select_turn.reducer.design.ring.has_pin_bodies
-        spin = select_turn[f"{part}_speed"] - frame_speed * (part != "pin_1") if moves else zeros
+        moves = part != "pin_1" or turn.reducer.design.ring.has_pin_bodies
+        spin = turn[f"{part}_speed"] - frame_speed * (part != "pin_1") if moves else zeros
         spin_rate = contact_sum.moment / float(body.inertia[2, 2])
         return result | {"body_force": -contact_sum.force / body.mass, "spin": spin, "spin_rate": spin_rate}
     if part == "shaft":
-        rotor = select_turn.reducer.design.drive.rotor_inertia
-        spin_rate = (contact_sum.moment + select_turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
-        torque = select_turn["crank_torque"] - rotor * spin_rate
-        return result | {"spin": select_turn["crank_speed"] - frame_speed, "spin_rate": spin_rate, "torque": torque}
-    if not select_turn.reducer.mechanism.body(part).joints:  # it is fixed
+        rotor = turn.reducer.design.drive.rotor_inertia
+        spin_rate = (contact_sum.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
+        torque = turn["crank_torque"] - rotor * spin_rate
+        return result | {"spin": turn["crank_speed"] - frame_speed, "spin_rate": spin_rate, "torque": torque}
+    if not turn.reducer.mechanism.body(part).joints:  # it is fixed
         return result | {"torque": -contact_sum.moment}
-    spin_rate = (contact_sum.moment + select_turn["load_torque"]) / _inertia_about_axis(body)
-    return result | {"spin": select_turn["output_speed"], "spin_rate": spin_rate, "torque": select_turn["load_torque"]}
+    spin_rate = (contact_sum.moment + turn["load_torque"]) / _inertia_about_axis(body)
+    return result | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
 
 
 def _inertia_about_axis(body: MassProperties) -> float:

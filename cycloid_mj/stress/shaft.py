@@ -267,15 +267,15 @@ def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array
 def section_moment_weights(points: Array, positions: Array) -> Array:
     """Return the weights (3 n, s, 3) [m] by which nodal forces contribute to the moments in sections.
 
+    The moments about x, y, z, with the origin on the axis in each section, are those of the forces on the nodes before
+    the section.
+
     Parameters
     ----------
     points
         Nodes (n, 3) [m].
     positions
         z of the sections (s,) [m].
-
-    The moments about x, y, z, with the origin on the axis in each section, are those of the forces on the nodes before
-    the section.
     """
     before = points[:, 2, np.newaxis] < positions - 1e-6
     turns = [elastic.rigid_motions(points - (0.0, 0.0, height))[:, 3:] for height in positions]

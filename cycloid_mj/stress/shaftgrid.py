@@ -78,7 +78,7 @@ def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
         ]
         if shaft.straddles:
             sections.append(_cylinder(occ, middle, shaft.radius, shaft.cams[-1][1], shaft.far_end))
-        solids, _ = occ.fuse([(3, journal)], [(3, before) for before in sections])
+        solids, _ = occ.fuse([(3, journal)], [(3, section) for section in sections])
         occ.synchronize()
         if len(solids) != 1:
             raise CycloidError(

@@ -109,11 +109,11 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     moduli = mounts.material.modulus if mounts and mounts.material else ()
     limits = tuple(wind_up_by_part(with_modulus(reducer, modulus), mounts) for modulus in moduli)
     without_springs = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
-    turns = [
+    compliances = [
         sum(item.series(without_springs).values())
         for item in solve_windups(without_springs, turn_evenly(without_springs), without_springs.design.rated_torque)
     ]
-    contacts = float(np.mean(turns)) - wind_up(without_springs)
+    contacts = float(np.mean(compliances)) - wind_up(without_springs)
     twisting, stiffness = twisting_compliance(without_springs), twisting_stiffness(without_springs)
     compliance = {"carrier": twisting["carrier"], "shaft": twisting["shaft"], "housing": 0.0}
     for part, item in parts.items():

@@ -79,7 +79,7 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
         first, second = np.where(is_larger, instant, first), np.where(is_larger, farthest, second)
     positions = np.arange(len(chosen))
     middle = 0.5 * (histories[first, :, positions] + histories[second, :, positions]).T
-    # a node that is in the bulk at one instant, or never moves, stands still at what it has
+    # a node with a single state, or whose stress is constant, has its mean state
     mean_state = np.nan_to_num(histories[0]) if len(histories) == 1 else np.nanmean(histories, axis=0)
     middle = np.where(largest_range > 0.0, middle, mean_state)
     trace = middle[: 2 if len(middle) == 3 else 3].sum(axis=0)

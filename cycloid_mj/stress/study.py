@@ -19,7 +19,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.bulk import RUNGS_PER_OCTAVE, find_plateau, relative_drop
+from cycloid_mj.stress.bulk import DISTANCES_PER_OCTAVE, find_plateau, relative_drop
 from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import (
     PartStress,
@@ -43,8 +43,8 @@ OnProgress = Callable[[str, int, int], None]
 EXTRA_REFINEMENT = {"pin_1": 3.0}
 """Additional refinement of small parts, which cost little."""
 
-SENSITIVITY = {0.5: 0, 2.0: 2 * RUNGS_PER_OCTAVE}
-"""Multiples of the start distance of the search for the bulk -> rung of the ladder."""
+SENSITIVITY = {0.5: 0, 2.0: 2 * DISTANCES_PER_OCTAVE}
+"""Multiples of the start distance of the search for the bulk -> index of the search distance."""
 
 SUPPORTS = {"shaft": ("shaft.mounting", ("overhang", "straddle")), "ring": ("housing.support", ("bolts", "rim"))}
 """Keys of the design for the support of a part, and their choices: the stress with the others is reported as well."""
@@ -369,7 +369,7 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
     """Return other start distances [m] of the search for the bulk, and the bulk stress [Pa] of each."""
     sizes = stress.stress_by_distance.max(axis=1)
     return tuple(
-        (factor * grid.bulk_distance, float(sizes[find_plateau(sizes, rung)])) for factor, rung in SENSITIVITY.items()
+        (factor * grid.bulk_distance, float(sizes[find_plateau(sizes, index)])) for factor, index in SENSITIVITY.items()
     )
 
 

@@ -137,8 +137,8 @@ class _Pose(NamedTuple):
     psi: float
 
 
-class _Apart(NamedTuple):
-    """Distance of two curves at their ideal contact [m]: q along its normal, and p along its tangent.
+class _CurveOffset(NamedTuple):
+    """Offset of two curves at their ideal contact [m]: q along its normal, and p along its tangent.
 
     `arm_q` and `arm_p` [m] are those of the part that rotates with the disc: of a profile, without the second order of
     the rotation; of the centre of a round hole, its nominal position.
@@ -217,7 +217,7 @@ def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
+def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveOffset:
     """Compute the offset of two curves at their ideal contact, with finite rotations to the second order.
 
     In the frame of a profile that rotates with its disc by phi, its mate rotates the other way, q + i p as e^(i phi);
@@ -232,14 +232,18 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
     moved_p = springs.shift_slope[k, i, x] * pose.x + springs.shift_slope[k, i, y] * pose.y
     if rotates:
         all_q, all_p = q + moved_q + rotated_q, p + moved_p + rotated_p
-        return _Apart(all_q - phi * (all_p - 0.5 * rotated_p), all_p + phi * (all_q - 0.5 * rotated_q), all_q, all_p)
+        return _CurveOffset(
+            all_q - phi * (all_p - 0.5 * rotated_p), all_p + phi * (all_q - 0.5 * rotated_q), all_q, all_p
+        )
     second_q = phi * (p + 0.5 * rotated_p) + 0.5 * psi * output_p
     second_p = phi * (q + 0.5 * rotated_q) + 0.5 * psi * output_q
-    return _Apart(q + moved_q + rotated_q + output_q + second_q, p + moved_p + rotated_p + output_p - second_p, q, p)
+    return _CurveOffset(
+        q + moved_q + rotated_q + output_q + second_q, p + moved_p + rotated_p + output_p - second_p, q, p
+    )
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
-def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _Apart, use_foot_point: bool) -> Gap:
+def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOffset, use_foot_point: bool) -> Gap:
     """Compute the gap of contact `i` at crank angle `k`, and its gradients, from the result of `curve_offset`.
 
     The profile is expanded to the third order, unless `use_foot_point` or the expansion is not accurate.
@@ -286,23 +290,19 @@ def _curve_distance(
     point on the trochoid is used; if there is none nearby, as for parts that are far apart, the profile is approximated
     by its circle of curvature.
     """
-    along, across, is_accurate = (
-        1.0 + curvature * q,
-        curvature * p,
-        _is_expansion_valid(trochoid, curvature, curvature_rate, p),
-    )
+    along, across = 1.0 + curvature * q, curvature * p
+    is_accurate = _is_expansion_valid(trochoid, curvature, curvature_rate, p)
     if rotates and (use_foot_point or not is_accurate):
         has_foot, distance, cosine, sine, rate = _find_foot_point(trochoid, phase, q, p, along)
         if has_foot:
             return distance, cosine, sine, rate
         curvature_rate = 0.0
     distance_ratio = math.sqrt(along * along + across * across)
-    if not distance_ratio > 0.0 or (
-        rotates and along <= 0.0
-    ):  # a hole is a full circle, a valley is open beyond its centre
+    # a hole is a full circle, a valley is open beyond its centre
+    if not distance_ratio > 0.0 or (rotates and along <= 0.0):
         return q, 1.0, 0.0, 0.0
     inverse = 1.0 / distance_ratio
-    # (reach - 1) / bend without cancellation, and the third-order term
+    # (distance_ratio - 1) / curvature without cancellation, and the third-order term
     radial = q + across * p / (distance_ratio + along) if along > 0.0 else (distance_ratio - 1.0) / curvature
     width = radial + curvature_rate * p * p * p / 6.0
     return (
@@ -393,7 +393,7 @@ def _find_foot_point(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def bound_width(springs: KernelSprings, k: int, i: int, offset: _Apart, use_foot_point: bool) -> float:
+def bound_width(springs: KernelSprings, k: int, i: int, offset: _CurveOffset, use_foot_point: bool) -> float:
     """Compute a lower bound of the width of a gap [m] from the result of `curve_offset`; 0 if it may be closed.
 
     It needs no square root for most gaps, which are open.

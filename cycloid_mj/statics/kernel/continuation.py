@@ -93,7 +93,7 @@ def solve_by_arclength(
     forces grow until friction wedges the parts. It is followed by its arc length, since it turns back where parts snap
     over. Where a contact opens or closes it has a corner, beyond which it continues in the direction that preserves the
     sign of its determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12). For `order` see
-    `_PARAMETER_ORDERS`.
+    `search._PARAMETER_ORDERS`.
 
     Returns
     -------

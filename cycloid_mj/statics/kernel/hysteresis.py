@@ -118,7 +118,7 @@ class _ElastoplasticState(NamedTuple):
     slip: Array
 
 
-class _Step(NamedTuple):
+class _Increment(NamedTuple):
     """A step of a path: `load` [N], `residual`, `tangent` and Newton step, and workspace.
 
     `side` and `normal` (s,) are the fixed limits of friction and material in a Tresca iteration; otherwise the limits
@@ -240,9 +240,9 @@ def assemble_after(
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _allocate_increment(elements: int, number: int) -> _Step:
+def _allocate_increment(elements: int, number: int) -> _Increment:
     """Allocate a step of friction elements with a number of unknowns."""
-    return _Step(
+    return _Increment(
         np.zeros(number),
         np.zeros(number),
         np.zeros((number, number)),
@@ -289,7 +289,7 @@ def _solve_newton(
     springs: KernelSprings,
     rubbing: Rubbing,
     tolerance: float,
-    increment: _Step,
+    increment: _Increment,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
@@ -316,7 +316,7 @@ def _solve_tresca(
     springs: KernelSprings,
     rubbing: Rubbing,
     tolerance: float,
-    increment: _Step,
+    increment: _Increment,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
@@ -365,7 +365,7 @@ def _solve_pseudo_transient(
     springs: KernelSprings,
     rubbing: Rubbing,
     tolerance: float,
-    increment: _Step,
+    increment: _Increment,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
@@ -407,7 +407,7 @@ def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> Non
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _update_limits(rubbing: Rubbing, increment: _Step, state: _ElastoplasticState, share: float) -> None:
+def _update_limits(rubbing: Rubbing, increment: _Increment, state: _ElastoplasticState, share: float) -> None:
     """Move the fixed friction limits by a share towards those of the normal forces at a state."""
     for i in range(increment.side.size):
         spring = state.pressed[i]
@@ -420,7 +420,7 @@ def _assemble_step(
     springs: KernelSprings,
     rubbing: Rubbing,
     fixed_limits: bool,
-    increment: _Step,
+    increment: _Increment,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[float, float]:
@@ -467,8 +467,8 @@ def _add_geometric_stiffness(
 ) -> None:
     """Add the geometric stiffness of a contact under a `force` [N] to the tangent (u, u) [N/m].
 
-    It is that of the rotation of the normal and of the parts, as in `system.assemble`. The unknowns of the disc begin
-    at `x`; `rotates` is whether the profile rotates with the disc.
+    It is that of the rotation of the normal and of the parts, as in `system._add_contact`. The disc's unknowns begin at
+    `x`; `rotates` is whether the profile rotates with the disc.
     """
     y, t, o = x + 1, x + 2, len(tangent) - 1
     (bx, by, bt, bo), turning = gap.tangential, -force * gap.rate
@@ -496,7 +496,7 @@ def _add_cam(
     rubbing: Rubbing,
     fixed_limits: bool,
     disc: int,
-    increment: _Step,
+    increment: _Increment,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
@@ -524,7 +524,7 @@ def _add_contact(
     i: int,
     stiffness: float,
     depth: float,
-    increment: _Step,
+    increment: _Increment,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
@@ -558,7 +558,7 @@ def _add_friction(
     i: int,
     limit: float,
     rate: float,
-    increment: _Step,
+    increment: _Increment,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:

@@ -42,21 +42,21 @@ class State(NamedTuple):
 
 
 class _PinSystem(NamedTuple):
-    """Arrays for an output pin that bends under D discs: gap `width` [m] and force `pressed` [N] of each disc.
+    """Arrays for an output pin that bends under D discs: gap `width` [m] and contact `forces` [N] of each disc.
 
-    `normal`, `tangential` (D, 4) [1] and `rate` (D,) [1/m] are as in ``contacts.Gap``; `carries` and `held` (D,),
-    `flexible` [m/N] and `stiff` [N/m] (D, D) as in `_solve_pin`.
+    `normal`, `tangential` (D, 4) [1] and `rate` (D,) [1/m] are as in ``contacts.Gap``; `is_active` and `kept_closed`
+    (D,), `flexibility` [m/N] and `stiffness` [N/m] (D, D) as in `_solve_pin`.
     """
 
     width: Array
-    pressed: Array
+    forces: Array
     normal: Array
     tangential: Array
     rate: Array
-    carries: Mask
-    held: Mask
-    flexible: Array
-    stiff: Array
+    is_active: Mask
+    kept_closed: Mask
+    flexibility: Array
+    stiffness: Array
 
 
 class System(NamedTuple):
@@ -402,7 +402,7 @@ def _add_bent_pins(
     if bending is None:
         return 0.0
     discs, energy, first = bending.shape[0], 0.0, _independent_contacts(springs)
-    width, pressed, normal, tangential, rate, carries, held, flexible, stiff = system.pin
+    width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
     for pin in range(springs.pins):
         if not _may_touch_pin(springs, k, pin, z, rebuild_list, system):
             continue
@@ -410,16 +410,16 @@ def _add_bent_pins(
             i = first + d * springs.pins + pin
             pose = disc_pose(springs, d, z)
             gap = gap_at(springs, k, i, pose, curve_offset(springs, k, i, pose), FALSE)
-            width[d], rate[d], held[d] = gap.width, gap.rate, system.warm[i]
+            width[d], rate[d], kept_closed[d] = gap.width, gap.rate, system.warm[i]
             for j in range(4):
                 normal[d, j], tangential[d, j] = gap.normal[j], gap.tangential[j]
             for e in range(discs):
-                flexible[d, e] = bending[d, e] / stiffness_factor
-            flexible[d, d] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
-        _solve_pin(flexible, width, held, carries, pressed, stiff)
+                flexibility[d, e] = bending[d, e] / stiffness_factor
+            flexibility[d, d] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
+        _solve_pin(flexibility, width, kept_closed, is_active, forces, stiffness)
         for d in range(discs):
-            system.pressed[first + d * springs.pins + pin] = pressed[d]
-            energy -= 0.5 * pressed[d] * width[d]
+            system.pressed[first + d * springs.pins + pin] = forces[d]
+            energy -= 0.5 * forces[d] * width[d]
         _add_pin_forces(springs, k, pin, friction, system)
     return energy
 
@@ -444,14 +444,14 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
     """Add the solved forces on a pin, in `system.pin`, and their tangent stiffness and friction to the system."""
     discs, first, o = springs.cam_place.shape[1], _independent_contacts(springs), system.residual.size - 1
     has_friction = springs.rubbing.shape[0] > 0 and friction > 0.0
-    _, pressed, normal, tangential, rate, carries, _, _, stiff = system.pin
+    _, forces, normal, tangential, rate, is_active, _, _, stiffness = system.pin
     for d in range(discs):
         i = first + d * springs.pins + pin
-        if not carries[d]:
+        if not is_active[d]:
             continue
-        force, system.row[i, RATE] = pressed[d], 0.0
+        force, system.row[i, RATE] = forces[d], 0.0
         for e in range(discs):
-            system.row[i, RATE] += stiff[d, e]  # the clearances of all discs on a pin grow together
+            system.row[i, RATE] += stiffness[d, e]  # the clearances of all discs on a pin grow together
         turning, alone = -force * rate[d], -force / springs.radius
         for a in range(4):
             system.row[i, a] = normal[d, a]
@@ -461,11 +461,11 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
             for b in range(4):
                 system.tangent[row, 3 * d + b if b < 3 else o] += turning * tangential[d, a] * tangential[d, b]
             for e in range(discs):
-                if not carries[e]:
+                if not is_active[e]:
                     continue
                 for b in range(4):
                     column = 3 * e + b if b < 3 else o
-                    system.tangent[row, column] += stiff[d, e] * (normal[d, a] + rubs) * normal[e, b]
+                    system.tangent[row, column] += stiffness[d, e] * (normal[d, a] + rubs) * normal[e, b]
         # geometric stiffness of the rotations of disc and output, as in `_add_contact`
         system.tangent[3 * d + 2, 3 * d + 2] += alone * tangential[d, 2]
         system.tangent[o, o] += alone * tangential[d, 3]
