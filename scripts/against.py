@@ -245,11 +245,11 @@ def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Finished], lis
         for number in range(passes):
             ours.append(run_trial(ROOT, trial, trial.ours, out / f"ours{number}"))
             theirs.append(run_trial(other, trial, (), out / f"other{number}"))
-        figures = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
+        figures_by_run = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
         if trial.reference:
             for name, tree in (("this tree, fine", ROOT), ("other, fine", other)):
-                figures[name] = trial.figures(run_trial(tree, trial, trial.reference, out / name))
-    return ours, theirs, figures
+                figures_by_run[name] = trial.figures(run_trial(tree, trial, trial.reference, out / name))
+    return ours, theirs, figures_by_run
 
 
 def loops(other: Path, passes: int) -> dict[str, tuple[list[float], list[float]]]:

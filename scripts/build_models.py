@@ -184,13 +184,13 @@ def render(folder: Path) -> None:
     Image.fromarray(np.hstack(views)).save(folder / "picture.png", optimize=True)
 
 
-def write_model(name: str, files: dict[str, bytes]) -> Path:
+def write_model(name: str, contents: dict[str, bytes]) -> Path:
     """Write the files of a model into its folder, whose previous content is removed; return the folder."""
     folder = MODELS / name
     folder.mkdir(exist_ok=True)
-    for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(files):
+    for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(contents):
         (folder / stale).unlink()
-    write_folder(files, folder)
+    write_folder(contents, folder)
     return folder
 
 

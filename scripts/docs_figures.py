@@ -242,13 +242,9 @@ def look_of_the_animation() -> dict[str, Value]:
 
     from cycloid_mj.plots.animation import draw_frames, select_samples
 
-    frame = (
-        np.asarray(next(iter(draw_frames(select_samples(short_run("massless"), 200.0, 1), 520))), dtype=float).mean(
-            axis=2
-        )
-        / 255.0
-    )
-    rows = [np.array_split(band, BLOCKS, axis=1) for band in np.array_split(frame, BLOCKS)]
+    frame = next(draw_frames(select_samples(short_run("massless"), 200.0, 1), 520))
+    brightness = np.asarray(frame, dtype=float).mean(axis=2) / 255.0
+    rows = [np.array_split(band, BLOCKS, axis=1) for band in np.array_split(brightness, BLOCKS)]
     return {f"block {i}, {j}": float(block.mean()) for i, band in enumerate(rows) for j, block in enumerate(band)}
 
 

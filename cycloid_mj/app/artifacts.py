@@ -151,16 +151,15 @@ def simulate_run(on_progress: Progress, values: Any) -> Download:
         )
     started = design.but(drive={"ramp": 0.0})
     settled, crank_turn = settling_time(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
-    shortened = started.steady(
-        settled, max(MIN_CRANK_TURNS, settled / crank_turn)
-    )  # at most half of a hold is not judged
+    # at most half of a hold is not judged
+    shortened = started.steady(settled, max(MIN_CRANK_TURNS, settled / crank_turn))
 
     def report_progress(done: int, total: int) -> None:
         on_progress({"doing": "simulating in MuJoCo", "share": done / total})
 
     on_progress({"doing": "building the model", "share": 0.0})
-    simulate_run = simulate(shortened, progress=report_progress)
-    return Download(page=report({design.name: simulate_run}, settle=settled))
+    run = simulate(shortened, progress=report_progress)
+    return Download(page=report({design.name: run}, settle=settled))
 
 
 def _zip(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:

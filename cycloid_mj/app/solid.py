@@ -93,10 +93,10 @@ def _component_json(component: PlacedPart, phases: Mapping[str, float], step: in
     }
 
 
-def _parts_of_moves(assembly_moves: Sequence[Move]) -> Iterator[tuple[str, list[str]]]:
+def _parts_of_moves(moves: Sequence[Move]) -> Iterator[tuple[str, list[str]]]:
     """Yield group and new parts of each move of the assembly; complete groups without new parts are skipped."""
     added_before, groups = set[str](), set[str]()
-    for move in assembly_moves:
+    for move in moves:
         new_parts = [name for name in move.parts if name not in added_before | groups]
         groups.add(move.group)
         added_before.update(move.parts)
@@ -104,18 +104,14 @@ def _parts_of_moves(assembly_moves: Sequence[Move]) -> Iterator[tuple[str, list[
             yield move.group, new_parts
 
 
-def _number_steps(assembly_moves: Sequence[Move]) -> dict[str, int]:
+def _number_steps(moves: Sequence[Move]) -> dict[str, int]:
     """Return the step of each part, from 1, by its name."""
-    return {
-        name: number
-        for number, (_, new_parts) in enumerate(_parts_of_moves(assembly_moves), start=1)
-        for name in new_parts
-    }
+    return {name: number for number, (_, new_parts) in enumerate(_parts_of_moves(moves), start=1) for name in new_parts}
 
 
-def _describe_steps(assembly_moves: Sequence[Move]) -> Iterator[str]:
+def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
     """Yield each step of the assembly in words: families of its parts with numbers, and the group they join."""
-    for group_name, new_parts in _parts_of_moves(assembly_moves):
+    for group_name, new_parts in _parts_of_moves(moves):
         counts = Counter(names.family(name).replace("_", " ") for name in new_parts)
         listed = ", ".join(f"{count} x {family}" if count > 1 else family for family, count in counts.items())
         if len(new_parts) == 1:

@@ -60,9 +60,8 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     slope, radius = springs.contacts.slope, springs.contacts.radius
     discs, lobes, departures = design.gear.discs, design.lobes, result.departures
     poses = departures[:, :-1].reshape(len(crank), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
-    columns_of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(
-        2
-    )  # columns of x and y of the disc of each contact
+    # columns of x and y of the disc of each contact
+    columns_of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)
     direction = np.take_along_axis(
         slope, np.broadcast_to(columns_of_disc, (len(crank), *columns_of_disc.shape)), axis=2
     )

@@ -53,8 +53,6 @@ class RatedLoad:
         """Compute the output torque [N m] at which the contacts of a kind reach a peak pressure [Pa]; NaN if none does.
 
         There is none if inertia forces alone exceed the pressure.
-
-        NaN if there is none, as where inertia forces alone exceed the pressure.
         """
         try:
             with np.errstate(invalid="ignore"):  # shares of the torque where it vanishes

@@ -45,7 +45,7 @@ RateFlag = Annotated[
         metavar="N",
         converter=whole,
         validator=within(*ANIMATION.rates),
-        help=f"Frames per second, 1 to 50. Default: {ANIMATION.rate}.",
+        help=f"Frames per second, {ANIMATION.rates[0]} to {ANIMATION.rates[1]}. Default: {ANIMATION.rate}.",
     ),
 ]
 DiscFlag = Annotated[
@@ -64,7 +64,7 @@ WidthFlag = Annotated[
         metavar="N",
         converter=whole,
         validator=within(*ANIMATION.widths),
-        help=f"Width [pixels], 200 to 4000. Default: {ANIMATION.width}.",
+        help=f"Width [pixels], {ANIMATION.widths[0]} to {ANIMATION.widths[1]}. Default: {ANIMATION.width}.",
     ),
 ]
 

@@ -153,8 +153,7 @@ def calibrate(
         write(_calibration_outcome(stop.calibration, destination), destination, silent)
         raise RunError(
             f"stopped by {signal_name(stop)}; the values fitted so far are in {destination.folder}. Run the command "
-            "again "
-            "for the complete calibration"
+            "again for the complete calibration"
         ) from stop
     if losses:
         write(_calibration_outcome(calibration, destination), destination, silent)

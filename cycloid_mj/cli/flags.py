@@ -380,8 +380,7 @@ def require_distinct_names(designs: Iterable[Design]) -> None:
     if repeated := next((name for name in names if names.count(name) > 1), None):
         raise UsageError(
             f"two designs have the name {repeated!r}, so they would overwrite each other's files: change the key "
-            "`name` "
-            "in one of the design files"
+            "`name` in one of the design files"
         )
 
 

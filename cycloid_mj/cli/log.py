@@ -212,9 +212,9 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
     Import it once: the default 3-D view of these programs starts 20 m away and hides everything nearer than 0.5 m.
     """
     from cycloid_mj.analysis.series import design_of
-    from cycloid_mj.scene.layout import viewer_layout as arranged
+    from cycloid_mj.scene.layout import viewer_layout
 
-    arrangement = arranged(Reducer(design_of(_read(log))))
+    arrangement = viewer_layout(Reducer(design_of(_read(log))))
     destination = claim_destination(delivery, f"{Path(log).stem}-layout")
     text = json.dumps(arrangement, indent=2).splitlines()
     return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), destination, delivery)

@@ -205,8 +205,7 @@ class SizeFlags:
         if self.missing or self.diameter_mm is None or self.torque_nm is None:
             raise UsageError(
                 f"{' and '.join(self.missing)} {'are' if len(self.missing) > 1 else 'is'} missing: to size a new "
-                "drive, "
-                "give --ratio, --diameter-mm and --torque-nm together"
+                "drive, give --ratio, --diameter-mm and --torque-nm together"
             )
         if self.ratio is not None and self.ratio_range:
             raise UsageError(

@@ -163,8 +163,7 @@ def optimize(
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {signal_name(stop)}; the points evaluated so far are in {directory}. Run the same command "
-            "again to "
-            "resume"
+            "again to resume"
         ) from stop
     return deliver(_outcome(optimum, directory / BEST), destination, delivery)
 

@@ -155,8 +155,7 @@ def sweep(
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {signal_name(stop)}; the points evaluated so far are in {directory}. Run the same command "
-            "again to "
-            "resume"
+            "again to resume"
         ) from stop
     quantities = select_quantities(swept, tuple(name for name in show_.split(",") if name))
     code = deliver(_outcome(swept, quantities, destination), destination, delivery)

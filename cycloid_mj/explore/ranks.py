@@ -94,13 +94,13 @@ def tabulate_quantities(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Tabl
         values = _finite(numbers[name])
         low, middle, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
         rows.append((name, low, middle, high, str(values.size)))
-    tabulate_quantities = [Table("quantities", ("quantity", "minimum", "median", "maximum", "points"), tuple(rows))]
+    tables = [Table("quantities", ("quantity", "minimum", "median", "maximum", "points"), tuple(rows))]
     if len(number_inputs(sweep)) > 1 and quantities:
         correlations = rank_correlations(sweep, quantities)
         cells = (["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in correlations.rho.tolist())
         lines = tuple((name, *row) for name, row in zip(quantities, cells, strict=True))
-        tabulate_quantities.append(Table("rank correlations (Spearman)", ("quantity", *correlations.inputs), lines))
-    return tuple(tabulate_quantities)
+        tables.append(Table("rank correlations (Spearman)", ("quantity", *correlations.inputs), lines))
+    return tuple(tables)
 
 
 def _finite(values: Array) -> Array:

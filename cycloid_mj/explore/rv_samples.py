@@ -143,18 +143,23 @@ def _transmission_errors(nominal: Array, responses: Array, departures: Array) ->
 def _compute_responses(reducer: RvReducer, field: str, nominal: Array) -> dict[str, Array]:
     """Compute the change of the output angle over a turn by a unit of each error of a field [rad/m], shape (m,) each.
 
-    `nominal` is the output angle without additional errors [rad], shape (m,). Keys are names of columns: the field,
-    with a number from 1 for the entries of a list.
+    `nominal` is the output angle without additional errors [rad], shape (m,). Keys are those of
+    `_columns_of_field`.
     """
     length, micrometre = _list_length(reducer, field), 1.0 / MICROMETRES
-    names = [f"{field}_{position + 1}" for position in range(length)] if length else [field]
     responses = {}
-    for position, name in enumerate(names):
+    for position, name in enumerate(_columns_of_field(reducer, field)):
         values = np.array(_errors_of_field(reducer, field))
         values[position] += micrometre
         perturbed = reducer.but(crank_errors={field: tuple(values.tolist()) if length else float(values[0])})
         responses[name] = (closed_rotation(perturbed) - nominal) / micrometre
     return responses
+
+
+def _columns_of_field(reducer: RvReducer, field: str) -> list[str]:
+    """Return the names of a field's columns: the field, with a number from 1 for the entries of a list."""
+    length = _list_length(reducer, field)
+    return [f"{field}_{number}" for number in range(1, length + 1)] if length else [field]
 
 
 def _list_length(reducer: RvReducer, field: str) -> int:
@@ -177,12 +182,11 @@ def _design_of_sample(reducer: RvReducer, departures: Mapping[str, Array], row: 
     """Return a sample as a design with its errors; `row` is its index in `departures` [m], `rank` numbers the name."""
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):
-        length = _list_length(reducer, field)
-        names = [f"{field}_{number + 1}" for number in range(length)] if length else [field]
+        names = _columns_of_field(reducer, field)
         if names[0] in departures:
             values = [
                 nominal + float(departures[name][row])
                 for nominal, name in zip(_errors_of_field(reducer, field), names, strict=True)
             ]
-            changes[field] = tuple(values) if length else values[0]
+            changes[field] = tuple(values) if _list_length(reducer, field) else values[0]
     return reducer.design.but(name=f"{reducer.design.name}-worst-{rank}", crank_errors=changes)

@@ -74,7 +74,7 @@ def _ticks(axes: Axes, ends: tuple[float, float], level: float, size: float, upr
 
 
 def _xy(
-    draw_dimension: tuple[float, float], across: tuple[float, float], upright: bool
+    along: tuple[float, float], across: tuple[float, float], upright: bool
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return coordinates along and across a dimension as x and y."""
-    return (across, draw_dimension) if upright else (draw_dimension, across)
+    return (across, along) if upright else (along, across)

@@ -216,10 +216,8 @@ def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
         create_trial_scene(reduced, inertia, COMPARISON.phase_step / expected, "implicitfast"), inertia
     )
     nominal_frequency = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
-    frequency, name = (
-        nominal_frequency * (1.0 + frequency_error) / (2.0 * np.pi),
-        f"resonance with {inertia:.3g} kg m2, crank locked",
-    )
+    frequency = nominal_frequency * (1.0 + frequency_error) / (2.0 * np.pi)
+    name = f"resonance with {inertia:.3g} kg m2, crank locked"
     yield Quantity("resonance_hz", name, frequency, "Hz", None, expected / (2.0 * np.pi))
 
 

@@ -344,10 +344,8 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     yield Quantity("wind_up_arcmin", name, *_convert_with_error(wind_up, ARCMINUTE, "arcmin"))
     name = f"largest relative error of the stiffness as a polynomial, up to {rated:.4g} N m"
     yield Quantity("polynomial_error", name, *_convert_with_error(value_and_error(Play.polynomial_error), 1.0, "1"))
-    name, stiffness = (
-        "torsional stiffness, 50 to 100 % of the nominal torque",
-        value_and_error(lambda item: item.stiffness),
-    )
+    name = "torsional stiffness, 50 to 100 % of the nominal torque"
+    stiffness = value_and_error(lambda item: item.stiffness)
     yield Quantity("stiffness_nm_per_arcmin", name, *_convert_with_error(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
     efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
     error, spread_note = 100.0 * _efficiency_error(reducer, 1.0), _efficiency_spread(reducer)

@@ -136,14 +136,14 @@ def widest_gap(reducer: Reducer, gaps: Separations) -> float:
     )
 
 
-def fitting_magnification(reducer: Reducer, widest_gap: float, choices: Sequence[float]) -> float:
+def fitting_magnification(reducer: Reducer, max_gap: float, choices: Sequence[float]) -> float:
     """Return the largest of `choices` at which the widest gap [m] is at most `DRAWING.max_gap_share` of any radius.
 
     Beyond that, pins appear outside their holes. If all choices are too large, the smallest is returned.
     """
     design = reducer.design
     min_radius = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
-    max_magnification = min(largest_magnification(reducer), DRAWING.max_gap_share * min_radius / widest_gap)
+    max_magnification = min(largest_magnification(reducer), DRAWING.max_gap_share * min_radius / max_gap)
     return max((magnification for magnification in choices if magnification <= max_magnification), default=min(choices))
 
 
@@ -183,8 +183,8 @@ def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
     """Compute the gaps between a disc and its mates at n times, from log columns of shape (n,) in SI units."""
     design = reducer.design
     poses_by_part, crank, phase = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
-    profile, gear = reducer.tooth_profile, poses_by_part[gears(design.gear.discs)[disc]]
-    ideal = np.column_stack([gear_centre(profile, crank + phase), gear_rotation(profile, crank)])
+    tooth_profile, gear = reducer.tooth_profile, poses_by_part[gears(design.gear.discs)[disc]]
+    ideal = np.column_stack([gear_centre(tooth_profile, crank + phase), gear_rotation(tooth_profile, crank)])
     nominal = ring_places(reducer)
     pins = np.zeros((crank.size, len(nominal), 3))
     if pin(1) in poses_by_part:
@@ -195,7 +195,7 @@ def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
         gear=ideal,
         deviation=gear - ideal,
         crank_angle=crank,
-        opening=_trochoid_distance(profile, gear - [0.0, 0.0, phase / design.lobes], nominal + pins[..., :2]),
+        opening=_trochoid_distance(tooth_profile, gear - [0.0, 0.0, phase / design.lobes], nominal + pins[..., :2]),
         away=pins[..., :2],
         pin_angle=pins[..., 2],
         output_away=_output_gaps(reducer, gear, poses_by_part[OUTPUT]),

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.units import HOUR
 from cycloid_mj.design import Design, stock
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus
@@ -148,7 +149,7 @@ def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Lo
             allowed, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / requirement.life**SET_POWER, f"{kind}_set"
         else:
             factor, power = AGMA_2001.factor, AGMA_2001.power
-            cycles = requirement.speed / (2.0 * math.pi) * 3600.0 * requirement.life
+            cycles = requirement.speed / (2.0 * math.pi) * HOUR * requirement.life
             allowed = factor * min(pitting_limit(part)[0] for part in partners) / cycles**power
             key = f"{kind}_pitting"
         limits[key] = loads.torque * (allowed / np.maximum(pressure, 1.0)) ** 2
@@ -161,7 +162,7 @@ def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Lo
 def _bearings(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str, Array]:
     """Limit the loads of the bearings of cams, shaft, output and rollers by their lives and static ratings."""
     discs, stack = requirement.discs or 1, _stack(requirement, sizes)
-    hours = 3600.0 * requirement.life * requirement.speed / (2.0 * math.pi) / 1e6
+    hours = HOUR * requirement.life * requirement.speed / (2.0 * math.pi) / 1e6
     near, far = stack / 2.0 + 1.5 * sizes.disc + sizes.bearing, stack / 2.0 + sizes.disc + sizes.bearing / 2.0
     shaft, far_end = loads.cam * far / (near + far), loads.cam * near / (near + far)
     if discs > 1:

@@ -321,8 +321,7 @@ def _cover_material(reducer: Reducer, requested: str) -> str:
     if name not in metals or ring.is_plastic:
         raise DesignError(
             f"covers of {requested!r} are not possible: covers and ring may differ in material only if both are "
-            f"metals. Choose one of {', '.join(metals)}, or omit the "
-            "cover material"
+            f"metals. Choose one of {', '.join(metals)}, or omit the cover material"
         )
     return name
 

@@ -212,10 +212,8 @@ def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimens
             f"⌀{_mm(2.0 * design.output.pin_circle_radius)}, position ⌀{2.0 * profile:.4f} to A"
         )
     if name == names.HOUSING:
-        tooth_name, circle = (
-            "sockets" if design.ring.kind == "pin" else "teeth",
-            _mm(2.0 * design.ring.pin_circle_radius),
-        )
+        tooth_name = "sockets" if design.ring.kind == "pin" else "teeth"
+        circle = _mm(2.0 * design.ring.pin_circle_radius)
         yield f"{design.ring.teeth} {tooth_name} on ⌀{circle}, profile {profile:.4f} to A"
     if name == names.OUTPUT:
         circle = _mm(2.0 * design.output.pin_circle_radius)
