@@ -949,8 +949,8 @@ def rows(path: Path) -> list[str]:
         ),
         (
             lambda lines: [lines[0], *(f"{float(t) * 1000},{d}" for t, d in (row.split(",") for row in lines[1:]))],
-            "times the rated torque of the design, 10.4 N m; at most 30 times is allowed. If the column torque_output_Nm "
-            "is in N mm, divide it by 1000",
+            "times the rated torque of the design, 10.4 N m; at most 30 times is allowed. If the column "
+            "torque_output_Nm is in N mm, divide it by 1000",
         ),
     ],
 )
