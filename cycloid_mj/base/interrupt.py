@@ -53,8 +53,6 @@ def preserve_handlers() -> Iterator[None]:
     """Restore the signal handlers of `STOPPING` after the block: gmsh resets them when it starts.
 
     Works in any thread, unlike Python's own `signal.signal`.
-
-    In any thread, which Python's own `signal.signal` does not allow.
     """
     if sys.platform == "win32":
         yield

@@ -91,6 +91,14 @@ def _substitute(sign: str) -> str:
     return SUBSTITUTES.get(sign) or (base_letter if base_letter.isascii() else ascii(sign)[1:-1])
 
 
+def find_stop(error: BaseException) -> KeyboardInterrupt | None:
+    """Return the interruption that caused an error, directly or through other errors; None if there is none."""
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, KeyboardInterrupt):
+        cause = cause.__cause__ or cause.__context__
+    return cause
+
+
 def run() -> None:
     """Run the command of ``sys.argv``, and end the process with its exit code; errors are printed on stderr."""
     # a stream that was closed before the start is None
@@ -117,10 +125,11 @@ def run() -> None:
         sys.stderr.write(f"error: stopped by {signal_name(stop)}\n")
     except ImportError as error:
         # a module in C that is stopped while it is loaded ends in an error of its own
-        if not isinstance(error.__cause__, KeyboardInterrupt):
+        cause = find_stop(error)
+        if cause is None:
             raise
-        code = exit_code(error.__cause__)
-        sys.stderr.write(f"error: stopped by {signal_name(error.__cause__)}\n")
+        code = exit_code(cause)
+        sys.stderr.write(f"error: stopped by {signal_name(cause)}\n")
     except OSError:
         # the pipe is closed: what is left must not be flushed again, and complained about, when Python ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

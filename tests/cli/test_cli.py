@@ -1018,7 +1018,10 @@ def test_matrices_are_multiplied_by_one_thread_unless_others_are_asked_for(own: 
 STOPPED_IN_AN_IMPORT = """
 from cycloid_mj.cli import process
 def main():
-    raise ImportError("initialization failed") from KeyboardInterrupt()
+    try:
+        raise ImportError("initialization failed") from KeyboardInterrupt()
+    except ImportError as inner:
+        raise ImportError("a module that loads the first one") from inner
 process.main = main
 process.run()
 """
