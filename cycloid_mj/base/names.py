@@ -24,6 +24,8 @@ KINDS = {
     "sleeve": "pin_sleeve",
     "cam": "cam",
     "output_pin": "output",
+    "crank": "crank_bearing",
+    "planet": "planet_mesh",
 }
 """What a mating pair is named by, before its number -> its kind."""
 
@@ -32,6 +34,9 @@ SOLVERS = {"planar": "by the planar solver", "mujoco": "by MuJoCo"}
 
 SHAFT, GEAR, OUTPUT, HOUSING, PIN = "shaft", "gear", "output", "housing", "pin"
 """Bodies, and the parts that they are."""
+
+SUN, CRANK, PLANET = "sun", "crank", "planet"
+"""Bodies and parts of an RV reducer; a crank carries a planet."""
 
 CRANK_JOINT, OUTPUT_JOINT = "crank", "output"
 DRIVE, LOAD = "drive", "load"
@@ -43,6 +48,7 @@ ROLLER = "output_roller"
 """What turns on an output pin in a disc's hole, a part of the output."""
 
 TEETH, BORE, CAM, HOLE, OUTPUT_PIN = "teeth", "bore", "cam", "hole", "output_pin"
+ECCENTRIC = "eccentric"
 LOBE, SOCKET, SLEEVE, CORE = "lobe", "socket", "sleeve", "core"
 """Surfaces, with those of ``PIN``; a mating pair is named after one of its two."""
 

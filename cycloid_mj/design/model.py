@@ -1170,7 +1170,7 @@ class Design(Section, Presented):
 
     def lines(self, pair: str) -> int:
         """Count the lines that a kind of mating pair has across a disc: those on a ring in two halves have two."""
-        return 1 if pair in ("cam", "output") else self.ring.halves
+        return self.ring.halves if pair in (self.tooth_pair, self.seat_pair) else 1
 
     @property
     def seat_pair(self) -> str:
@@ -1202,8 +1202,11 @@ class Design(Section, Presented):
     def friction_of(self, pair: str) -> float:
         """Return the friction coefficient [1] of a kind of mating pair, reduced where rollers turn in between.
 
-        With the law ``film`` it is the upper limit, that of boundary lubrication, where parts slide.
+        With the law ``film`` it is the upper limit, that of boundary lubrication, where parts slide. In an RV reducer
+        needles and tapered bearing of a crank both carry the force of a disc.
         """
+        if self.planet is not None and pair in ("crank_bearing", "planet_mesh"):
+            return self.planet.friction if pair == "planet_mesh" else 2.0 * self.friction.cam_rolling
         output = self.output
         rolling = {"cam": self.gear.bearing == "rolling", "output": output.has_needles}
         if self.has_film and not rolling.get(pair):

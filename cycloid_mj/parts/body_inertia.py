@@ -33,7 +33,7 @@ def output_inertia(reducer: Reducer) -> float:
 def turning_inertia(reducer: Reducer) -> float:
     """Compute the inertia that rotates with the output at a locked crank [kg m2]: carrier and discs, or the ring.
 
-    Pins or sleeves of a ring that are bodies are included as if they were fixed in it.
+    Pins or sleeves of a ring, and cranks of a carrier, that are bodies are included as if they were fixed in it.
     """
     return _turning_inertia(reducer.shape)
 
@@ -43,8 +43,8 @@ def _turning_inertia(reducer: Reducer) -> float:
     masses, mechanism = moving_masses(reducer), reducer.mechanism
     along = [masses[body.part] for body in mechanism.turning_along]
     own = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *along))
-    carried = sum(masses[pin.part].mass for pin in mechanism.pins if pin.carrier)
-    return own + carried * reducer.design.ring.pin_circle_radius**2
+    carried = [body for body in mechanism.bodies if body.carrier == mechanism.turning]
+    return own + sum(masses[body.part].mass * float(body.place @ body.place) for body in carried)
 
 
 def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:

@@ -12,8 +12,9 @@ from cycloid_mj.parts.housing import housing_part, pin_part
 from cycloid_mj.parts.output import output_centres, output_part, roller_part
 from cycloid_mj.parts.part import Part, PartSection, Stretch
 from cycloid_mj.parts.prism import Prism, Solid
+from cycloid_mj.parts.rv import rv_body_parts
 from cycloid_mj.parts.shaft import crank_part, crank_parts, shaft_solid, stretches
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once
 
 TINT = 0.25
 """Step towards white from one disc to the next."""
@@ -70,8 +71,11 @@ def lay_out_parts(reducer: Reducer, chord_error: float | None = None) -> dict[st
 def body_solids(reducer: Reducer) -> dict[str, Solid]:
     """Return one solid per moving body, named by its main part: `parts` with those that move together joined.
 
-    The shaft is then the entire crank, and the output has its rollers, after its own prisms.
+    The shaft is then the entire crank, and the output has its rollers, after its own prisms; see `rv_body_parts` for
+    the bodies of an RV reducer.
     """
+    if isinstance(reducer, RvReducer):
+        return rv_solids(reducer)
     joined_solids = {
         body: make(reducer.shape)
         for body, make in ((names.SHAFT, _crank_solid), (names.OUTPUT, _output_with_rollers))
@@ -79,6 +83,12 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
     }
     joined_parts = {part for body in joined_solids for part, _ in attached_parts(reducer, body).values()}
     return {name: joined_solids.get(name, solid) for name, solid in parts(reducer).items() if name not in joined_parts}
+
+
+def rv_solids(reducer: RvReducer, chord_error: float | None = None) -> dict[str, Solid]:
+    """Return one solid per body of an RV reducer, named by its part; `chord_error` [m] as in `parts`."""
+    fine = drawing_error(reducer, chord_error)
+    return {name: part.solid(fine) for name, part in rv_body_parts(reducer).items()}
 
 
 def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:

@@ -5,7 +5,7 @@ posts are numbered clockwise. Not drawn: splines, screws, main bearings, and the
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from cycloid_mj.parts.spur_gear import SpurGearContour
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
-CRANK, PLANET, SUN, CARRIER = "crank", "planet", "sun", "carrier"
+CRANK, PLANET, SUN, CARRIER = names.CRANK, names.PLANET, names.SUN, "carrier"
 """Parts of an RV reducer, besides housing, pin and discs; the flanges are ``carrier_1`` and ``carrier_2``."""
 
 NEEDLE, TAPERED_BEARING = "needle", "tapered_bearing"
@@ -64,6 +64,39 @@ def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
     bore = (CircleContour(reducer.journal_radius),)
     ring = Stretch(TAPERED_BEARING, CircleContour(reducer.cranks.taper_radius), bore, -half, half)
     return {TAPERED_BEARING: Part(TAPERED_BEARING, (ring,), reducer.design.material_of("shaft").density)}
+
+
+def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
+    """Return one part per body of a simulation, in the frame of the body, by the part of the body.
+
+    A crank includes its planet, the carrier both flanges and the tapered bearings, with its own density. Needles are
+    left out. Raises the errors of `rv_parts`.
+    """
+    parts, along = rv_parts(reducer), axial_layout(reducer)
+    sun, planet = (_along_planets(reducer, parts[name]) for name in (SUN, PLANET))
+    # at the crank angle 0, a tooth of each planet points at a tooth space of the sun
+    first_tooth = np.pi - np.pi / reducer.planet.planet_teeth
+    planet_stretches = [replace(item, outline=TurnedContour(item.outline, first_tooth)) for item in planet]
+    flanges = [parts[name] for name in FLANGES]
+    tapers = [
+        Stretch(TAPERED_BEARING, outer, (CircleContour(reducer.journal_radius, outer.centre),), z0, z1)
+        for z0, z1 in along.flanges
+        for outer in circles_at(reducer.cranks.taper_radius, crank_centres(reducer))
+    ]
+    moved = {names.HOUSING, *reducer.gears, names.PIN} & parts.keys()
+    return {name: parts[name] for name in parts if name in moved} | {
+        SUN: parts[SUN].of(sun),
+        CRANK: parts[CRANK].of([*parts[CRANK].stretches, *planet_stretches]),
+        names.OUTPUT: flanges[0].of(
+            [*(item for flange in flanges for item in flange.stretches), *tapers], names.OUTPUT
+        ),
+    }
+
+
+def _along_planets(reducer: RvReducer, part: Part) -> list[Stretch]:
+    """Return the stretches of a gear that is centred on z = 0, at the planets along z."""
+    middle = sum(axial_layout(reducer).planets) / 2.0
+    return [replace(item, z0=item.z0 + middle, z1=item.z1 + middle) for item in part.stretches]
 
 
 def crank_centres(reducer: RvReducer) -> Array:

@@ -31,6 +31,9 @@ class Role(IntEnum):
     INNER = 0x63796D03
     OUTER = 0x63796D04
     LOBE = 0x63796D05
+    SUN = 0x63796D06
+    PLANET = 0x63796D07
+    ECCENTRIC = 0x63796D08
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +47,7 @@ class Body:
     part
         Its solid, a key of ``parts.body_solids``.
     joints
-        Its degrees of freedom by name: none, its turn about the reducer's axis, or x, y and turn in the plane.
+        Its degrees of freedom by name: none, its turn about the axis of its frame, or x, y and turn in the plane.
     place
         Position of its frame at the crank angle 0 [m], shape (2,).
     origin
@@ -52,7 +55,8 @@ class Body:
     plane
         Position of its frame along z [m]: the middle of a disc; 0 is the middle of all discs.
     carrier
-        Name of the body that its joints are relative to: the housing for the pins of a ring that rotates; empty: none.
+        Name of the body that its joints are relative to: the housing for the pins of a ring that rotates, the carrier
+        for the cranks of an RV reducer; empty: none.
     """
 
     name: str
@@ -110,13 +114,13 @@ class Pair:
         Name, and the stem of its columns in the log.
     kind
         ``pin_gear``, ``pin_socket``, ``pin_sleeve``, ``tooth``, ``cam`` or ``output``: the key of its clearance,
-        friction, stiffness, damping and working force.
+        friction, stiffness, damping and working force; of an RV reducer also ``crank_bearing`` and ``planet_mesh``.
     on
-        Surface whose body feels the logged force: the gear, the pin in its socket, or the sleeve on its pin.
+        Surface whose body feels the logged force: the gear, the pin in its socket, the sleeve on its pin, or the sun.
     by
         Surface that exerts it.
     owner
-        Index of the pin, lobe or output pin, 0 on +y, clockwise.
+        Index of the pin, lobe, output pin, crank or planet, 0 on +y, clockwise.
     disc
         Index of the disc; 0 where none takes part.
     """
@@ -242,16 +246,16 @@ def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
 def build_mechanism(design: Design) -> Mechanism:
     """Build the mechanism of a design: its bodies, and the pairs of surfaces that mate."""
     errors, discs = deviations(design), range(design.gear.discs)
-    pins, seats = _ring_surfaces(design, errors)
+    pins, seats = ring_surfaces(design, errors)
     output = design.output
     pin_names = names.all_numbered(names.OUTPUT_PIN, output.pins)
-    output_pins = _surfaces_on_circle(pin_names, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
+    output_pins = surfaces_on_circle(pin_names, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
     return Mechanism(
         design=design,
         phases=phases(design),
         bodies=tuple(_bodies(design, errors)),
         matings=(
-            *(_tooth_mating(design, disc, pins) for disc in discs),
+            *(tooth_mating(design, disc, pins) for disc in discs),
             *seats,
             *(_cam_mating(design, errors, disc) for disc in discs),
             *(_hole_mating(design, errors, disc, output_pins) for disc in discs),
@@ -261,7 +265,7 @@ def build_mechanism(design: Design) -> Mechanism:
 
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     """Yield the bodies with their positions and joints: fixed member, crank, discs, output and moving pins."""
-    axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
+    axis, gear = np.zeros(2), tooth_profile(design)
     output_body, fixed_body = member_of(design).turning_and_held
     # the ring is the housing's: where that turns it takes its pins along
     carrier = names.HOUSING if output_body == names.HOUSING else ""
@@ -271,14 +275,21 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
         name, centre = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
         yield Body(name, name, names.planar_joints(name), centre, centre, design.gear.disc_planes[disc])
     yield Body(output_body, output_body, (names.OUTPUT_JOINT,), axis, axis)
-    if ring.has_pin_bodies:
-        positions = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_departures(ring, errors)
-        planes = np.repeat(ring_planes(ring, design.gear.stack_width), ring.teeth).tolist()
-        for name, centre, plane in zip(names.all_numbered(names.PIN, ring.mates), positions, planes, strict=True):
-            yield Body(name, names.PIN, names.planar_joints(name), centre, axis, plane, carrier=carrier)
+    yield from pin_bodies(design, errors, carrier)
 
 
-def _ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
+def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterator[Body]:
+    """Yield the bodies of moving pins or sleeves, if any; their joints are relative to the body `carrier`."""
+    ring = design.ring
+    if not ring.has_pin_bodies:
+        return
+    positions = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_departures(ring, errors)
+    planes = np.repeat(ring_planes(ring, design.gear.stack_width), ring.teeth).tolist()
+    for name, centre, plane in zip(names.all_numbered(names.PIN, ring.mates), positions, planes, strict=True):
+        yield Body(name, names.PIN, names.planar_joints(name), centre, np.zeros(2), plane, carrier=carrier)
+
+
+def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
     """Return the ring's surfaces that mate with the teeth, pins or lobes, and the matings of moving pins and seats."""
     ring, clearance = design.ring, design.clearance
     radius_errors = np.tile(errors.pin_radius, ring.halves)
@@ -287,15 +298,13 @@ def _ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[M
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
         numbered = names.all_numbered(stem, ring.mates)
-        return _surfaces_on_circle(
+        return surfaces_on_circle(
             numbered, names.HOUSING, role, ring.pin_circle_radius, radius, departures, angles, play
         )
 
     def on_pins(stem: str, role: Role, radius: float | Array) -> Surfaces:
         numbered = names.all_numbered(stem, ring.mates)
-        return _surfaces_on_circle(
-            numbered, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles
-        )
+        return surfaces_on_circle(numbered, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles)
 
     if not ring.has_pin_bodies:
         stem, role = (names.LOBE, Role.LOBE) if ring.kind == "nonpin" else (names.PIN, Role.PIN)
@@ -313,7 +322,7 @@ def _ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[M
     return pins, [Mating("pin_sleeve", bores.names, bores, cores)]
 
 
-def _tooth_mating(design: Design, disc: int, ring: Surfaces) -> Mating:
+def tooth_mating(design: Design, disc: int, ring: Surfaces) -> Mating:
     """Return the mating of a disc's teeth with the ring; the teeth are rotated by the disc's phase on the crank."""
     teeth = Surfaces(
         names=(_of_disc(design, names.TEETH, disc),),
@@ -337,8 +346,8 @@ def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
     return Mating(
         "cam",
         (cam,),
-        _surfaces_on_circle((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
-        _surfaces_on_circle(
+        surfaces_on_circle((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
+        surfaces_on_circle(
             (cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], np.array([-phase]), disc=disc
         ),
         disc,
@@ -350,7 +359,7 @@ def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) 
     output = design.output
     numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
-    holes = _surfaces_on_circle(
+    holes = surfaces_on_circle(
         numbered, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_place[disc], disc=disc
     )
     return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
@@ -360,7 +369,7 @@ def _of_disc(design: Design, name: str, disc: int) -> str:
     return names.of_disc(name, disc, design.gear.discs)
 
 
-def _surfaces_on_circle(
+def surfaces_on_circle(
     numbered: tuple[str, ...],
     body: str | tuple[str, ...],
     role: Role,

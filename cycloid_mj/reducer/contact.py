@@ -388,10 +388,16 @@ class Contacts:
         gear, ring, output = design.gear, design.ring, design.output
         squares = (ring.pin_circle_radius - ring.pin_radius) ** 2 - gear.bore_radius**2
         area = math.pi * (squares - output.pins * output.hole_radius**2)
+        return self._weight_torque(area) * design.reduction
+
+    def _weight_torque(self, area: float) -> float:
+        """Compute the torque [N m] on the eccentrics by weight and inertia of discs with a cross-section [m2]."""
+        design = self._reducer.design
+        gear = design.gear
         weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
-        centrifugal = gear.eccentricity * design.drive.speed**2
+        centrifugal = gear.eccentricity * self._reducer.orbit_speed**2
         force = design.material_of("gear").density * gear.face_width * area * (weight + centrifugal)
-        return gear.discs * force * gear.eccentricity * design.reduction
+        return gear.discs * force * gear.eccentricity
 
     @property
     def creep_speed(self) -> float:
@@ -403,7 +409,7 @@ class Contacts:
         design = self._reducer.design
         return (
             design.contact.creep_speed
-            or CONTACT.creep_share * design.gear.eccentricity * abs(design.drive.speed)
+            or CONTACT.creep_share * design.gear.eccentricity * abs(self._reducer.orbit_speed)
             or CONTACT.slow_creep
         )
 

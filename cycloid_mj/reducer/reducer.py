@@ -58,6 +58,12 @@ class Reducer:
 
     LAYOUT: Layout = "central"
 
+    INPUT = names.CRANK
+    """Stem of the log's columns of the driven shaft: ``crank_angle``, ``crank_speed``, ``crank_torque``."""
+
+    INPUT_JOINT = names.CRANK_JOINT
+    """Joint of the driven shaft."""
+
     def __init__(self, design: Design, worn: "WornGaps | None" = None) -> None:
         """Store a design at its temperatures, with the wear of its surfaces if any; equal designs share their cache."""
         if design.layout != self.LAYOUT:
@@ -207,6 +213,11 @@ class Reducer:
         from cycloid_mj.reducer.bodies import build_mechanism
 
         return self.kept("mechanism", lambda: build_mechanism(self.design))
+
+    @property
+    def orbit_speed(self) -> float:
+        """Speed of the crank [rad/s], with which the discs orbit, at the speed of the drive."""
+        return self.design.drive.speed
 
     @property
     def contacts(self) -> "Contacts":

@@ -3,6 +3,7 @@
 import math
 from typing import TYPE_CHECKING, NoReturn, TypeVar
 
+from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design
 from cycloid_mj.design.layouts import Layout, unsupported_layout
@@ -14,7 +15,9 @@ if TYPE_CHECKING:
     from cycloid_mj.geometry.rv import RvKinematics
     from cycloid_mj.geometry.rv_loads import RvStage
     from cycloid_mj.reducer.bodies import Mechanism
-    from cycloid_mj.reducer.member import Member
+    from cycloid_mj.reducer.rv_bodies import PlanetMesh
+    from cycloid_mj.reducer.rv_contact import RvContacts
+    from cycloid_mj.reducer.rv_member import RvMember
 
 Table = TypeVar("Table")
 
@@ -29,10 +32,12 @@ FLANGE_WALL = 0.05
 class RvReducer(Reducer):
     """The reducer of a `design` with ``layout = "rv"``.
 
-    It has the discs and the ring of a `Reducer`; its bodies are not those of a central crank (`mechanism`, `member`).
+    It has the discs and the ring of a `Reducer`; its bodies are not those of a central crank (`rv_bodies`).
     """
 
     LAYOUT: Layout = "rv"
+    INPUT = names.SUN
+    INPUT_JOINT = names.planar_joints(names.SUN)[-1]
 
     @property
     def planet(self) -> Planet:
@@ -185,13 +190,38 @@ class RvReducer(Reducer):
 
     @property
     def mechanism(self) -> "Mechanism":
-        """Not available: `Mechanism` has a central crank."""
-        self._refuse()
+        """Bodies, surfaces and mating pairs."""
+        from cycloid_mj.reducer.rv_bodies import build_rv_mechanism
+
+        return self.kept("mechanism", lambda: build_rv_mechanism(self))
 
     @property
-    def member(self) -> "Member":
-        """Not available: see `kinematics`."""
-        self._refuse()
+    def planet_mesh(self) -> "PlanetMesh":
+        """Mesh of the sun with the planets."""
+        from cycloid_mj.reducer.rv_bodies import compute_planet_mesh
+
+        return self.kept("planet_mesh", lambda: compute_planet_mesh(self))
+
+    @property
+    def contacts(self) -> "RvContacts":
+        """Working force, stiffness and pressure of the contacts, by kind of pair."""
+        from cycloid_mj.reducer.rv_contact import RvContacts
+
+        return RvContacts(self)
+
+    @property
+    def member(self) -> "RvMember":
+        """Output member and the kinematics of all members, in terms of the sun."""
+        from cycloid_mj.reducer.rv_member import RvMember
+
+        design = self.design
+        return RvMember(design.output.turns_ring, design.ring.teeth, design.lobes, self.kinematics)
+
+    @property
+    def orbit_speed(self) -> float:
+        """Speed of the cranks against the ground [rad/s], with which discs orbit, at the speed of the drive."""
+        speed = self.design.drive.speed
+        return float(self.member.against_ring(speed) + self.member.ring_angle(speed))
 
     @property
     def play(self) -> float:

@@ -21,6 +21,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
+from cycloid_mj.reducer.rv_bodies import listed
 from cycloid_mj.statics.springs import tooth_stiffness
 
 
@@ -175,10 +176,10 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
     carrier_angle = -crank / reducer.design.lobes
     directions = reducer.stage.eccentrics(crank)[:, :, np.newaxis]
     radial, tangential = (
-        _listed(values, shape)[..., np.newaxis] for values in (errors.eccentric_radial, errors.eccentric_tangential)
+        listed(values, shape)[..., np.newaxis] for values in (errors.eccentric_radial, errors.eccentric_tangential)
     )
-    bores = np.stack([_listed(errors.bore_x, shape), _listed(errors.bore_y, shape)], axis=-1)
-    holes = np.stack([_listed(errors.carrier_x, shape[1:]), _listed(errors.carrier_y, shape[1:])], axis=-1)
+    bores = np.stack([listed(errors.bore_x, shape), listed(errors.bore_y, shape)], axis=-1)
+    holes = np.stack([listed(errors.carrier_x, shape[1:]), listed(errors.carrier_y, shape[1:])], axis=-1)
     axis = np.array([errors.axis_x, errors.axis_y])
     return radial * directions + tangential * _quarter_turned(directions) + _rotate(holes - bores, carrier_angle) + axis
 
@@ -186,7 +187,7 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
 def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
     """Compute the displacement of the teeth of each planet from its crank by run-out [m], shape (m, n, 2)."""
     errors, shape = reducer.crank_errors, (reducer.cranks.count,)
-    return _rotate(np.stack([_listed(errors.planet_x, shape), _listed(errors.planet_y, shape)], axis=-1), crank)
+    return _rotate(np.stack([listed(errors.planet_x, shape), listed(errors.planet_y, shape)], axis=-1), crank)
 
 
 def phase_errors(reducer: RvReducer, crank: Array) -> Array:
@@ -347,11 +348,6 @@ def _assemble(springs: RvSprings, load: Array, displacements: Array, needs_tange
     )
     tangent += np.swapaxes(gradients, 1, 2) @ weighted
     return energy, residual, tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(count)
-
-
-def _listed(values: tuple[float, ...], shape: tuple[int, ...]) -> Array:
-    """Return a list of errors with a shape; an empty list has zeros."""
-    return np.array(values).reshape(shape) if values else np.zeros(shape)
 
 
 def _quarter_turned(vectors: Array) -> Array:

@@ -98,14 +98,14 @@ def test_a_disc_on_the_wrong_phase_is_in_the_ring(monkeypatch: pytest.MonkeyPatc
     design = three_discs(PRESETS["pin"])
     turned = build_mechanism(design).mating("pin_gear", 1).on.angle[0]
     assert turned == pytest.approx(2.0 * math.pi / 3.0 / design.lobes)
-    original = bodies._tooth_mating
+    original = bodies.tooth_mating
 
     def spoiled(*args: object) -> bodies.Mating:
         mating = original(*args)  # type: ignore[arg-type]
         teeth = bodies.Surfaces(**(vars(mating.on) | {"angle": -mating.on.angle}))
         return bodies.Mating(mating.kind, mating.names, teeth, mating.by, mating.disc)
 
-    monkeypatch.setattr(bodies, "_tooth_mating", spoiled)
+    monkeypatch.setattr(bodies, "tooth_mating", spoiled)
     monkeypatch.setattr(reducer, "_cache_of", lambda design: {})  # nothing is kept of the reducer as it is
     _, touching = contacts(design, 0.7)
     assert touching > 0

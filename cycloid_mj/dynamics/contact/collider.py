@@ -19,7 +19,13 @@ from cycloid_mj.base.errors import ContactError
 from cycloid_mj.dynamics.contact import selftest
 from cycloid_mj.dynamics.contact.layout import Layout, discover, discover_steps
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, callback, collision_table, set_callback
-from cycloid_mj.dynamics.contact.mating import write_lobe_contacts, write_pin_contact, write_round_contacts
+from cycloid_mj.dynamics.contact.mating import (
+    write_bearing_contacts,
+    write_lobe_contacts,
+    write_pin_contact,
+    write_planet_contacts,
+    write_round_contacts,
+)
 from cycloid_mj.dynamics.contact.memory import read_address, read_int
 from cycloid_mj.dynamics.contact.reference_correction import compile_control_callback
 from cycloid_mj.dynamics.contact.shared import Shared
@@ -33,11 +39,11 @@ _original = types.ExternalFunction(_ORIGINAL, _SIGNATURE)
 _pins = types.ExternalFunction(_PINS, _SIGNATURE)
 
 
-_PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
+_PIN, _TEETH, _INNER, _OUTER, _LOBE, _SUN, _PLANET, _ECCENTRIC = (int(role) for role in Role)
 
 
 def _compile_pins(layout: Layout) -> Any:
-    """Compile or load the collider of pins, sockets, cam and holes; other pairs go to the original collider."""
+    """Compile or load the collider of all surfaces but lobes; other pairs go to the original collider."""
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
@@ -55,6 +61,14 @@ def _compile_pins(layout: Layout) -> Any:
             return write_round_contacts(layout, model, data, contacts, geom1, geom2, 1.0, margin)
         if role1 == _OUTER and role2 in (_INNER, _PIN):
             return write_round_contacts(layout, model, data, contacts, geom2, geom1, -1.0, margin)
+        if role1 == _ECCENTRIC and role2 == _OUTER:
+            return write_bearing_contacts(layout, model, data, contacts, geom1, geom2, 1.0, margin)
+        if role1 == _OUTER and role2 == _ECCENTRIC:
+            return write_bearing_contacts(layout, model, data, contacts, geom2, geom1, -1.0, margin)
+        if role1 == _SUN and role2 == _PLANET:
+            return write_planet_contacts(layout, model, data, contacts, geom1, geom2, 1.0, margin)
+        if role1 == _PLANET and role2 == _SUN:
+            return write_planet_contacts(layout, model, data, contacts, geom2, geom1, -1.0, margin)
         return _original(model, data, contacts, geom1, geom2, margin)
 
     return collide

@@ -17,7 +17,8 @@ from cycloid_mj.dynamics.contact.contact_search import (
     pin_touch,
     read_touch,
 )
-from cycloid_mj.dynamics.contact.gap import PartialCircle, Pose
+from cycloid_mj.dynamics.contact.crank_train import planet_flanks, read_mesh
+from cycloid_mj.dynamics.contact.gap import PartialCircle, Pose, circle_in_circle
 from cycloid_mj.dynamics.contact.layout import Layout
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.teeth import Teeth, read_teeth
@@ -133,4 +134,44 @@ def write_round_contacts(
     count = inner_touches(contacts, x - outer_x, y - outer_y, x, y, _radius(model, layout, inner), outer_arc, margin)
     for address in range(contacts, contacts + STRIDE * count, STRIDE):
         _write_touch(address, read_touch(address), z, sign)
+    return count
+
+
+@compiling.njit(inner=True)
+def write_bearing_contacts(
+    layout: Layout, model: int, data: int, contacts: int, eccentric: int, bore: int, sign: float, margin: float
+) -> int:
+    """Write the contacts of an eccentric in its bore at an address, and return their number.
+
+    With a preload, the radius of the bore is the smaller one, and needles on the far side carry until they open.
+    """
+    (x, y, _), (bore_x, bore_y, z) = _position(data, layout, eccentric), _position(data, layout, bore)
+    inner, outer = _radius(model, layout, eccentric), _radius(model, layout, bore)
+    gap, nx, ny = circle_in_circle(x - bore_x, y - bore_y, inner, outer)
+    count = 0
+    for side, opening in ((1.0, gap), (-1.0, 2.0 * (outer - inner) - gap)):
+        if opening < margin and (side > 0.0 or outer < inner):
+            px, py = x + side * inner * nx, y + side * inner * ny
+            push = sign * side
+            write_contact(contacts + STRIDE * count, opening, px, py, z, push * nx, push * ny)
+            count += 1
+    return count
+
+
+@compiling.njit(inner=True)
+def write_planet_contacts(
+    layout: Layout, model: int, data: int, contacts: int, sun: int, planet: int, sign: float, margin: float
+) -> int:
+    """Write the contacts of the flanks of sun and planet at an address, and return their number."""
+    mesh, sun_pose = read_mesh(_user(model, layout, planet)), _pose(data, layout, sun)
+    flanks, z = planet_flanks(mesh, sun_pose, _pose(data, layout, planet)), _position(data, layout, planet)[2]
+    pitch_x, pitch_y = sun_pose.x + flanks.pitch_radius * flanks.x, sun_pose.y + flanks.pitch_radius * flanks.y
+    count = 0
+    for side, gap in ((1.0, flanks.gap), (-1.0, flanks.opposite)):
+        if gap < margin:
+            forward = side * flanks.cosine
+            nx, ny = flanks.sine * flanks.x - forward * flanks.y, flanks.sine * flanks.y + forward * flanks.x
+            px, py = pitch_x + mesh.arm * nx, pitch_y + mesh.arm * ny
+            write_contact(contacts + STRIDE * count, gap, px, py, z, sign * nx, sign * ny)
+            count += 1
     return count

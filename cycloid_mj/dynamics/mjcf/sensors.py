@@ -53,12 +53,18 @@ def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:
 
 
 def _sensors(reducer: Reducer) -> Iterator[_Sensor]:
-    """Yield the sensors of all bodies that move: positions and speeds of joints, torques of actuators."""
+    """Yield the sensors of all bodies that move: positions and speeds of joints, torques of actuators.
+
+    The driven shaft may also move sideways. A crank of an RV reducer only turns; its angle is that against the carrier.
+    """
     for body in reducer.mechanism.bodies:
-        if body.part == names.SHAFT:
-            yield from _shaft_sensors("crank", names.CRANK_JOINT, "crank_torque", names.DRIVE)
+        if reducer.INPUT_JOINT in body.joints:
+            yield from _shaft_sensors(reducer.INPUT, reducer.INPUT_JOINT, f"{reducer.INPUT}_torque", names.DRIVE)
+            yield from _planar_sensors(body, slice(0, len(body.joints) - 1))
         elif names.OUTPUT_JOINT in body.joints:
             yield from _shaft_sensors("output", names.OUTPUT_JOINT, "load_torque", names.LOAD)
+        elif body.part == names.CRANK:
+            yield from _planar_sensors(body, slice(2, 3))
         elif body.joints:
             yield from _planar_sensors(body)
 
@@ -69,11 +75,16 @@ def _shaft_sensors(stem: str, joint: str, torque: str, actuator: str) -> Iterato
     yield _Sensor(REDUCER, torque, "N m", "torque", actuator)
 
 
-def _planar_sensors(body: Body) -> Iterator[_Sensor]:
-    """Yield the sensors of a disc, or those of a pin, which has no speed columns but its spin."""
+def _planar_sensors(body: Body, selected: slice = slice(0, 3)) -> Iterator[_Sensor]:
+    """Yield the sensors of a body in the plane along `selected` ones of x, y and rotation, named after the body.
+
+    Of the speeds of a pin there is only its spin.
+    """
     topic, first = (PINS, 2) if body.part == names.PIN else (REDUCER, 0)
-    for joint, unit in zip(body.joints, ("m", "m", "rad"), strict=True):
+    units, speed_units = ("m", "m", "rad")[selected], ("m/s", "m/s", "rad/s")[selected]
+    joints = names.planar_joints(body.name)[selected]
+    for joint, unit in zip(joints, units, strict=True):
         yield _Sensor(topic, joint, unit, "position", joint)
-    speeds = zip(body.joints, names.planar_speeds(body.name), ("m/s", "m/s", "rad/s"), strict=True)
+    speeds = zip(joints, names.planar_speeds(body.name)[selected], speed_units, strict=True)
     for joint, column, unit in list(speeds)[first:]:
         yield _Sensor(topic, column, unit, "speed", joint)

@@ -1,0 +1,103 @@
+"""Contacts that only an RV reducer has: eccentrics in their bores, and planets on the sun."""
+
+import math
+from typing import NamedTuple
+
+from numba import njit
+
+from cycloid_mj.dynamics.contact.gap import Pose
+from cycloid_mj.dynamics.contact.memory import read_float
+from cycloid_mj.reducer.rv_bodies import PlanetMesh
+
+
+class Flanks(NamedTuple):
+    """Gaps of both flanks of a planet on the sun, for the formulas of ``rv_bodies.PlanetMesh``.
+
+    Attributes
+    ----------
+    gap, opposite
+        Gap [m] of the flank that carries a counter-clockwise torque on the sun, and of the other.
+    x, y
+        Unit vector from sun to planet.
+    cosine, sine
+        Of the pressure angle; the normals from sun to planet are at it to the circle of planets.
+    pitch_radius
+        Distance of the pitch point from the centre of the sun [m].
+    """
+
+    gap: float
+    opposite: float
+    x: float
+    y: float
+    cosine: float
+    sine: float
+    pitch_radius: float
+
+
+class MeshNumbers(NamedTuple):
+    """A `PlanetMesh` as seen by one planet, in the format of ``geom user``."""
+
+    sun_base: float
+    planet_base: float
+    involute: float
+    half_backlash: float
+    middle: float
+    base_pitch: float
+    error: float
+    planet_teeth: float
+    phase: float
+    arm: float
+
+
+def mesh_numbers(mesh: PlanetMesh, planet: int) -> MeshNumbers:
+    """Return the numbers of a mesh for a planet, by its index.
+
+    `involute` is the involute function of the pressure angle at home; `error` is the transmission error along the line
+    of action [m].
+    """
+    return MeshNumbers(
+        mesh.sun_base,
+        mesh.planet_base,
+        math.tan(mesh.pressure_angle) - mesh.pressure_angle,
+        mesh.half_backlash,
+        float(mesh.middle[planet]),
+        mesh.base_pitch,
+        mesh.amplitude * math.cos(mesh.pressure_angle),
+        float(mesh.planet_teeth),
+        float(mesh.phase[planet]),
+        mesh.arm,
+    )
+
+
+@njit(inline="always")
+def read_mesh(address: int) -> MeshNumbers:
+    """Read the numbers of a mesh at an address."""
+    return MeshNumbers(
+        read_float(address),
+        read_float(address + 8),
+        read_float(address + 16),
+        read_float(address + 24),
+        read_float(address + 32),
+        read_float(address + 40),
+        read_float(address + 48),
+        read_float(address + 56),
+        read_float(address + 64),
+        read_float(address + 72),
+    )
+
+
+@njit(inline="always")
+def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
+    """Compute the gaps of both flanks of a planet on the sun at their poses."""
+    dx, dy = planet.x - sun.x, planet.y - sun.y
+    distance, direction = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)
+    bases = mesh.sun_base + mesh.planet_base
+    cosine = bases / distance
+    sine = math.sqrt(max(1.0 - cosine * cosine, 0.0))
+    opening = bases * (sine / cosine - math.acos(min(cosine, 1.0)) - mesh.involute)
+    planet_angle = math.atan2(planet.sine, planet.cosine) - direction
+    advance = mesh.sun_base * (math.atan2(sun.sine, sun.cosine) - direction) + mesh.planet_base * planet_angle
+    advance -= mesh.middle + mesh.error * math.sin(mesh.planet_teeth * planet_angle + mesh.phase)
+    advance -= mesh.base_pitch * round(advance / mesh.base_pitch)
+    gap = mesh.half_backlash + opening
+    return Flanks(gap - advance, gap + advance, dx / distance, dy / distance, cosine, sine, mesh.sun_base / cosine)

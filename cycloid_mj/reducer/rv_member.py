@@ -1,0 +1,57 @@
+"""Output member and kinematics of an RV reducer, in terms of its sun."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.geometry.rv import RvKinematics
+from cycloid_mj.reducer.member import Member
+
+
+@dataclass(frozen=True)
+class RvMember(Member):
+    """Kinematics of sun, cranks, discs, carrier, ring and output; the input of all functions is the sun.
+
+    All angles are against the ground, except for those of `against_ring` and `against_carrier`. Speeds map to speeds.
+    The sun of `rv80e` turns its carrier the same way, and its ring the opposite way.
+
+    Attributes
+    ----------
+    kinematics
+        Ratios by the numbers of teeth.
+    """
+
+    kinematics: RvKinematics
+
+    def output_angle(self, sun: npt.ArrayLike) -> Array:
+        """Return the angle of the output [rad] at angles of the sun [rad]."""
+        return np.asarray(np.asarray(sun, dtype=np.float64) / float(self.kinematics.ratio))
+
+    def gear_angle(self, sun: npt.ArrayLike) -> Array:
+        """Return the angle of discs and carrier [rad] at angles of the sun [rad]."""
+        return np.zeros_like(self.output_angle(sun)) if self.turns_ring else self.output_angle(sun)
+
+    def ring_angle(self, sun: npt.ArrayLike) -> Array:
+        """Return the angle of the ring [rad] at angles of the sun [rad]."""
+        return self.output_angle(sun) if self.turns_ring else np.zeros_like(self.output_angle(sun))
+
+    def against_ring(self, sun: npt.ArrayLike) -> Array:
+        """Return the angle of the cranks relative to the ring [rad], which determines the mesh."""
+        sun = np.asarray(sun, dtype=np.float64)
+        return np.asarray((sun - self.ring_angle(sun)) * float(self.kinematics.crank_per_sun))
+
+    def against_carrier(self, sun: npt.ArrayLike) -> Array:
+        """Return the angle of the cranks relative to the carrier [rad], by which their bearings turn."""
+        return np.asarray(self.against_ring(sun) + self.ring_angle(sun) - self.gear_angle(sun))
+
+    @property
+    def share(self) -> float:
+        """Torque on the carrier, seen from the ring, per torque on the output, without losses."""
+        return self.kinematics.share
+
+    @property
+    def sense(self) -> int:
+        """Sign of a torque on the output that brakes a sun that turns counter-clockwise: -1 on the carrier."""
+        return -1 if self.kinematics.ratio > 0 else 1
