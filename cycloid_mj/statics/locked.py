@@ -151,8 +151,9 @@ def locked_branches(
         branches: list[tuple[Array, Array]] = _compute_vertices(
             rotation,
             contact_torque,
-            elements.limits,
-            elements.stiffness,
+            # numba compiles everything again for another memory layout
+            np.ascontiguousarray(elements.limits),
+            np.ascontiguousarray(elements.stiffness),
             friction.share,
             friction.slips,
             np.array(reversals),

@@ -312,10 +312,10 @@ def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, ord
     tooth_rooms = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
     holes = samples.hole_place.reshape(count, -1, 2)
     output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
-    return SampleDeviations(
-        room=springs.contacts.room + np.concatenate([tooth_rooms, output], axis=1),
-        place=np.concatenate([np.tile(samples.pin_place, (1, discs * halves, 1)), holes], axis=1),
-        waves=np.concatenate([np.ones((count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
-        # copies: read-only arrays have another type in numba, which would compile everything again
-        **{name: np.array(getattr(samples, name)) for name in SampleDeviations._fields[3:]},
-    )
+    deviations = {
+        "room": springs.contacts.room + np.concatenate([tooth_rooms, output], axis=1),
+        "place": np.concatenate([np.tile(samples.pin_place, (1, discs * halves, 1)), holes], axis=1),
+        "waves": np.concatenate([np.ones((count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
+    } | {name: getattr(samples, name) for name in SampleDeviations._fields[3:]}
+    # numba compiles everything again for each memory layout, and for read-only arrays
+    return SampleDeviations(**{name: np.array(values, order="C") for name, values in deviations.items()})

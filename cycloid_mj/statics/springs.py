@@ -166,7 +166,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
         rubbing=np.zeros((0, *mesh_gaps.slope.shape[1:])),
         cam_rubbing=0.0,
         bending=bending,
-        pins=0 if bending is None else design.output.pins,
+        pins=design.output.pins if bending.any() else 0,
         **shared,
     )
 
@@ -184,15 +184,15 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
     return np.asarray(total / reducer.design.ring.halves)
 
 
-def _pin_deflections(reducer: Reducer) -> Array | None:
-    """Compute the deflection of an output pin at each disc per force of another [m/N], (D, D); None if all are 0.
+def _pin_deflections(reducer: Reducer) -> Array:
+    """Compute the deflection of an output pin at each disc per force of another [m/N], shape (D, D).
 
     The forces of discs at phases b and b' include the angle b - b': the share cos(b - b') of the deflection is along a
     force, and the share across it only moves the contact along its circle.
     """
     phases, flexibility = np.array(reducer.phases), reducer.contacts.pin_flexibility
     np.fill_diagonal(flexibility, 0.0)
-    return flexibility * np.cos(np.subtract.outer(phases, phases)) if flexibility.any() else None
+    return flexibility * np.cos(np.subtract.outer(phases, phases))
 
 
 def body_force(reducer: Reducer, crank_angle: Array, phase: float = 0.0) -> Array:

@@ -134,9 +134,9 @@ class DisplacedSprings:
     """Stiffness of each cam [N/m]."""
     play: Array
     """Free travel of each contact [m], shape (n,)."""
-    bending: Array | None
+    bending: Array
     """Compliance of the output pins under a force at each disc, along these forces [m/N], shape (D, D); the diagonal is
-    part of `stiffness` and is 0 here. None if no disc bends the pins of another."""
+    part of `stiffness` and is 0 here."""
 
     def contacts(self, unknowns: Array) -> tuple[Array, Array]:
         """Compute the gaps of contacts after their free travel, then of cams [m], and the gradients of both."""
@@ -160,7 +160,7 @@ class DisplacedSprings:
         """Compute the forces of contacts and cams [N] from their gaps [m], shape (n + D,), with bent pins."""
         discs = self.design.gear.discs
         force = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
-        if self.bending is not None:
+        if self.bending.any():
             pins = self.design.output.pins
             first_row = self.stiffness.size - discs * pins
             for pin in range(pins):

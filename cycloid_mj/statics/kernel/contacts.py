@@ -87,8 +87,8 @@ class KernelSprings(NamedTuple):
     of the cam on the rotation of its disc; k is 0 in `rubbing` without friction.
 
     `bending` (D, D) [m/N] is the deflection of an output pin at each disc, along its own force, per force of each other
-    disc; the diagonal is part of `stiffness`. The last D `pins` contacts are those of the output pins, disc by disc. If
-    no disc's force moves another's contact, `bending` is None, and numba leaves out a fifth of the code; `pins` is 0.
+    disc; the diagonal is part of `stiffness`. The last D `pins` contacts are those of the output pins, disc by disc;
+    `pins` is 0 if no disc's force moves another's contact.
     """
 
     radius: float
@@ -109,7 +109,7 @@ class KernelSprings(NamedTuple):
     cam_stiffness: float
     rubbing: Array
     cam_rubbing: float
-    bending: Array | None
+    bending: Array
     pins: int
 
 

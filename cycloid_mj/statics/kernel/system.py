@@ -230,7 +230,7 @@ def assemble(
         _write_sums(sums, disc, residual, tangent)
     if has_friction:
         _add_friction(springs, k, friction, system)
-    return energy + _add_bent_pins(springs.bending, springs, k, z, stiffness_factor, friction, rebuild_list, system)
+    return energy + _add_bent_pins(springs, k, z, stiffness_factor, friction, rebuild_list, system)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
@@ -384,7 +384,6 @@ def _independent_contacts(springs: KernelSprings) -> int:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_bent_pins(
-    bending: Array | None,
     springs: KernelSprings,
     k: int,
     z: Array,
@@ -396,12 +395,9 @@ def _add_bent_pins(
     """Add output pins that bend to residual and tangent at displacements z; return the energy of contacts and pins [J].
 
     Forces f on a pin with contacts of stiffness K and gaps w of the straight pin solve the linear complementarity
-    problem K^-1 f + B f + w >= 0, f >= 0, with the `bending` B. If it is None, numba leaves out the following code.
-    Other arguments are those of `assemble`.
+    problem K^-1 f + B f + w >= 0, f >= 0, with the `bending` B. The arguments are those of `assemble`.
     """
-    if bending is None:
-        return 0.0
-    discs, energy, first = bending.shape[0], 0.0, _independent_contacts(springs)
+    discs, energy, first = springs.cam_place.shape[1], 0.0, _independent_contacts(springs)
     width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
     for pin in range(springs.pins):
         if not _may_touch_pin(springs, k, pin, z, rebuild_list, system):
@@ -414,7 +410,7 @@ def _add_bent_pins(
             for j in range(4):
                 normal[d, j], tangential[d, j] = gap.normal[j], gap.tangential[j]
             for e in range(discs):
-                flexibility[d, e] = bending[d, e] / stiffness_factor
+                flexibility[d, e] = springs.bending[d, e] / stiffness_factor
             flexibility[d, d] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
         _solve_pin(flexibility, width, kept_closed, is_active, forces, stiffness)
         for d in range(discs):
