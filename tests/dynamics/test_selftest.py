@@ -47,7 +47,8 @@ def test_a_collider_that_is_not_called_is_seen():
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="each place is tried in a process that may crash")
-@pytest.mark.parametrize(("part", "places"), [("steps", 4), pytest.param("lift", 10, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("part", "places"), [("steps", 4), ("lift", 10)])
 def test_places_that_are_read_wrong_are_seen(part, places):
     told = spoiled_places.outcomes(part)
     assert len(told) == places

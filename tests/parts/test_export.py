@@ -508,7 +508,7 @@ def distances(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
     return np.linalg.norm(points[:, np.newaxis] - nearest, axis=2).min(axis=1)
 
 
-@pytest.mark.parametrize("chord_um", [1.0, 20.0])
+@pytest.mark.parametrize("chord_um", [pytest.param(1.0, marks=pytest.mark.slow), 20.0])
 @pytest.mark.parametrize("name", ["pin", "nonpin"])
 def test_polylines_follow_the_splines_within_the_chord_error(name: str, chord_um: float) -> None:
     """The DXF has no SPLINE; its closed polylines leave the exact outline by at most the chord error."""
@@ -633,7 +633,7 @@ def test_polygons_of_circles_closer_than_their_chords_do_not_cross() -> None:
     assert trimesh.Trimesh(shape.vertices, shape.faces).volume == pytest.approx(volume, rel=1e-2)
 
 
-@pytest.mark.parametrize("file_format", ["stl", "obj", "dxf", "svg", "step"])
+@pytest.mark.parametrize("file_format", ["stl", pytest.param("obj", marks=pytest.mark.slow), "dxf", "svg", "step"])
 def test_every_made_part_of_a_whole_drive_is_a_file(file_format: Format) -> None:
     """Covers and flange too; the solids have the volumes of the meshes."""
     reducer = Reducer(PRESETS["printed"])

@@ -55,6 +55,7 @@ def require_all_balanced(count: int, seed: int) -> None:
                 require_balance(design, crank, way, sign, share)
 
 
+@pytest.mark.slow
 def test_twelve_random_drives_have_an_equilibrium() -> None:
     require_all_balanced(12, 1)
 

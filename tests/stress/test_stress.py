@@ -217,7 +217,7 @@ def test_free_parts_are_in_balance(request, kind, part):
     assert part == "pin_1" or np.abs(resultant(still, design)[:, :2] / largest).max() > 2e-3
 
 
-@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+@pytest.mark.parametrize("kind", ["pin", pytest.param("nonpin", marks=pytest.mark.slow)])
 def test_the_gear_accelerates_as_the_closed_form_says_but_for_vibration(request, kind):
     """The acceleration comes from the logged forces; the closed form is a second way to it."""
     run, design = runs(request, kind)
