@@ -52,8 +52,9 @@ ECCENTRIC = "eccentric"
 LOBE, SOCKET, SLEEVE, CORE = "lobe", "socket", "sleeve", "core"
 """Surfaces, with those of ``PIN``; a mating pair is named after one of its two."""
 
-DRAGS = {"crank_drag": CRANK_JOINT, "output_drag": OUTPUT_JOINT}
-"""Loss of seals and lubricant -> the joint that it brakes; a design without has neither."""
+DRAGS = {"crank_drag": CRANK_JOINT, "sun_drag": "sun_angle", "output_drag": OUTPUT_JOINT}
+"""Loss of seals and lubricant -> the joint that it brakes; a design without has none. An RV reducer is driven by its
+sun."""
 
 
 POINT_Q = {"q_x": "m", "q_y": "m", "q_vx": "m/s", "q_vy": "m/s"}

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import ContactError
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer.rv_bodies import CRANK_BEARING
 
 
 @dataclass(frozen=True)
@@ -146,15 +147,18 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
 
 
 def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
-    """Compute the tangent of the angle by which friction leads the sliding, on teeth, cam and the seats of moving pins.
+    """Compute the tangent of the angle by which friction leads the sliding, on teeth, cams and seats of moving pins.
 
     Bodies that orbit at the eccentricity c with w slide at c w and accelerate by c w^2; on the cam, of radius r, they
     slide at r w. The tangent is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working
     force, so under a light load friction could point against the sliding.
     """
     design = reducer.design
-    gear, speed = design.gear, abs(design.drive.speed)
-    shares = {design.tooth_pair: 1.0, "cam": gear.eccentricity / gear.bore_radius}
+    gear, speed = design.gear, abs(reducer.orbit_speed)
+    if isinstance(reducer, RvReducer):
+        shares = {design.tooth_pair: 1.0, CRANK_BEARING: gear.eccentricity / reducer.cranks.eccentric_radius}
+    else:
+        shares = {design.tooth_pair: 1.0, "cam": gear.eccentricity / gear.bore_radius}
     if design.ring.has_pin_bodies:
         shares[design.seat_pair] = 1.0
     pairs = {kind: (laws[kind], share) for kind, share in shares.items() if laws[kind].friction}

@@ -21,7 +21,7 @@ from cycloid_mj.dynamics.timestep import (
     rolling_limits,
     timestep,
 )
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.friction import missing_friction
 
 
@@ -80,14 +80,15 @@ def model_warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
         *_lead_warning(reducer, compiled),
         *_orbit_warning(reducer, compiled),
         *_raised_mass_warnings(compiled),
-        *bent_pin_warning(reducer),
         *static_warnings(reducer, compiled.laws),
     )
 
 
 def static_warnings(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
     """Return the warnings that apply even if motion is so slow that neither time step nor mass matters."""
+    has_output_pins = not isinstance(reducer, RvReducer)
     return (
+        *(bent_pin_warning(reducer) if has_output_pins else ()),
         *(text for kind in kinds for text in _clearance_warning(reducer, kind)),
         *_unused_friction_warnings(reducer),
     )
@@ -220,7 +221,7 @@ def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> fl
     force F of the tooth contact, the eccentricity c and the crank speed w.
     """
     design = reducer.design
-    speed, kind = abs(design.drive.speed), design.tooth_pair
+    speed, kind = abs(reducer.orbit_speed), design.tooth_pair
     force = reducer.contacts[kind].force / design.lines(kind)
     return law.friction * law.added_mass * design.gear.eccentricity * speed**3 * seconds / force
 
@@ -244,7 +245,7 @@ def _orbit_warning(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
 def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
     """Yield a warning if a clearance is below the rounding error of the gap computation."""
     min_clearance = LIMITS.min_clearance_share * reducer.design.ring.pin_circle_radius
-    clearance = getattr(reducer.design.clearance, kind)
+    clearance = getattr(reducer.design.clearance, kind, min_clearance)  # that of springs may be any
     if clearance < min_clearance:
         yield (
             f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gap computation; "

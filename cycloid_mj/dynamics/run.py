@@ -58,7 +58,7 @@ from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.dynamics.timestep import MUJOCO_RULE, TimeStep, describe_accuracy, timestep
 from cycloid_mj.geometry.kinematics import point_motion
 from cycloid_mj.geometry.measured import measurement_notes
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 Groups = dict[str, dict[str, str]]
 
@@ -252,8 +252,7 @@ def simulate(
     CycloidWarning
         Results may be inaccurate; see `Run.warnings`.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = reducer_of(resolve(design))
     compiled = compiled or build(reducer.design)
     groups = log_columns(compiled, reducer)
     samples, run = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
@@ -478,14 +477,15 @@ class _Recorder:
         self._deepest, self._most_iterations = penetration_limit(reducer), stepping.most_iterations
         self._reducer, self._design = reducer, design
         self._jamming = jamming_power(reducer) if driven else math.inf
-        mesh_period = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
+        orbit_speed = abs(reducer.orbit_speed)
+        mesh_period = 2.0 * math.pi / (design.ring.teeth * orbit_speed) if orbit_speed else math.inf
         mesh_samples = min(mesh_period / (plan.stride * plan.timestep), plan.samples)
         self._lost = np.zeros(max(math.ceil(mesh_samples), 1) - 1)
         self._gears = [names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
         first_disc = gears(design.gear.discs)[0]
         self._pose = [names.index(name) for name in planar_joints(first_disc)]
         self._motion = [names.index(name) for name in planar_speeds(first_disc)]
-        self._crank, self._output = names.index("crank_angle"), names.index("output_angle")
+        self._input, self._output = names.index(f"{reducer.INPUT}_angle"), names.index("output_angle")
         bodies = reducer.mechanism.pins if design.ring.has_sockets else ()
         self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
 
@@ -508,9 +508,7 @@ class _Recorder:
             [pairs[:, of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for of_kind in self._kinds], axis=1
         )
         energies = copied[:, self._read :]
-        pin_motion = point_motion(
-            (0.0, self._design.output.pin_circle_radius), copied[:, self._pose], copied[:, self._motion]
-        )
+        pin_motion = point_motion((0.0, self._reducer.lever), copied[:, self._pose], copied[:, self._motion])
         parts = [
             copied[:, : self._first_pin],
             solver[:, :4],
@@ -571,12 +569,13 @@ class _Recorder:
                     'its seat; see the design check pin_held, or set ring.socket = "closed"'
                 ),
             )
-        lobes = self._design.lobes
-        ring, _ = self._reducer.member.ring_and_carrier(copied[:, self._output])
+        member = self._reducer.member
+        ring, _ = member.ring_and_carrier(copied[:, self._output])
+        crank = member.mesh_angle(copied[:, self._input], ring)
         for number, gear in enumerate(self._gears, start=1):
-            error = copied[:, gear] - ring + (copied[:, self._crank] - ring) / lobes
+            error = copied[:, gear] - ring + crank / member.lobes
             disc_name = f"disc {number}" if len(self._gears) > 1 else "the disc"
-            yield (np.abs(error) > 0.25 * 2.0 * math.pi / lobes, partial(_describe_skip, disc_name, error))
+            yield (np.abs(error) > 0.25 * 2.0 * math.pi / member.lobes, partial(_describe_skip, disc_name, error))
 
     def _jam(self, cause: str, power: Array, sample: int) -> str:
         """Return the description of a jam at a sample; `cause` dissipates the `power` [W] of each sample."""

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base import names
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.geometry import profile
-from cycloid_mj.parts import turning_inertia
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.geometry.rv_loads import closed_form_stiffness
+from cycloid_mj.parts import moving_masses, turning_inertia
+from cycloid_mj.reducer import Reducer, RvReducer, once
 from cycloid_mj.statics.structure import wind_up
 
 
@@ -45,9 +47,13 @@ def closed_stiffness(reducer: Reducer) -> float:
     """Estimate the torsional stiffness of a drive [N m/rad] with half of the teeth and half of the output pins closed.
 
     In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and k n R^2/4
-    of n output pins on the radius R, times the number of discs; then the twist of carrier, shaft and housing.
+    of n output pins on the radius R, times the number of discs; then the twist of carrier, shaft and housing. Of an RV
+    reducer it is `closed_form_stiffness`.
     """
     design = reducer.design
+    if isinstance(reducer, RvReducer):
+        tooth = reducer.contacts.mesh_stiffness
+        return closed_form_stiffness(reducer.stage, reducer.bearing_stiffness, tooth) / reducer.share**2
     stiffness = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
     stiffness |= {"output": design.gear.discs * reducer.contacts["output"].series[0]}
     gear, output = reducer.tooth_profile, design.output
@@ -62,9 +68,14 @@ def closed_stiffness(reducer: Reducer) -> float:
 def swing_period(reducer: Reducer) -> float:
     """Compute the oscillation period [s] of output and discs at a locked crank, at the stiffness under rated load.
 
-    With wide clearances fewer teeth carry load, and the period is half as long again.
+    With wide clearances fewer teeth carry load, and the period is half as long again. Under a floating sun, which does
+    not hold them, the cranks of an RV reducer oscillate against each other on their bearings, which may take longer.
     """
-    return 2.0 * math.pi * math.sqrt(turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load))
+    squared = turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load)
+    if isinstance(reducer, RvReducer) and reducer.planet.sun_support == "floating":
+        stiffness = reducer.design.gear.discs * reducer.bearing_stiffness * reducer.design.gear.eccentricity**2
+        squared = max(squared, float(moving_masses(reducer)[names.CRANK].inertia[2, 2]) / stiffness)
+    return 2.0 * math.pi * math.sqrt(squared)
 
 
 def crossing_time(reducer: Reducer) -> float:
@@ -103,7 +114,7 @@ def penetration_limit(reducer: Reducer) -> float:
     design = reducer.design
     if design.contact.max_penetration:
         return design.contact.max_penetration
-    contacts = [reducer.contacts[kind] for kind in design.pair_kinds]
+    contacts = [reducer.contacts[kind] for kind in reducer.mechanism.kinds]
     deflection = max(contact.force / contact.series[0] for contact in contacts)
     preload_depth = 0.5 * design.ring.preload * design.ring.pin_circle_radius
     return min(

@@ -16,8 +16,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from cycloid_mj.base import names
-from cycloid_mj.parts import moving_masses, output_inertia
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.parts import moving_masses, output_inertia, turning_inertia
+from cycloid_mj.reducer import Reducer, RvReducer, once
+from cycloid_mj.reducer.rv_bodies import CRANK_BEARING, PLANET_MESH
 
 
 @dataclass(frozen=True)
@@ -176,7 +177,11 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
     """Return the longest step [s] that follows the rolling of each part in its clearance under its working force."""
     design = reducer.design
     gear, _, pin = _masses(reducer)
-    limits = {"the disc on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
+    if isinstance(reducer, RvReducer):
+        share = gear / reducer.cranks.count
+        limits = {"the disc on its cranks": _rolling_limit(reducer, CRANK_BEARING, share, reducer.bearing_clearance)}
+    else:
+        limits = {"the disc on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
     if design.ring.has_pin_bodies:
         limits["pins in their clearance"] = _rolling_limit(reducer, design.seat_pair, pin, design.pin_play)
     return limits
@@ -184,7 +189,7 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
 
 def _rolling_limit(reducer: Reducer, kind: str, mass: float, clearance: float) -> float:
     contact = reducer.contacts[kind]
-    stiffness = contact.force / (clearance + contact.force / contact.series[0])
+    stiffness = contact.force / (max(clearance, 0.0) + contact.force / contact.series[0])
     return SETTINGS.max_rolling_share * 2.0 * math.sqrt(mass / stiffness)
 
 
@@ -199,7 +204,7 @@ def circling_limit(reducer: Reducer) -> float:
     design = reducer.design
     contact, play = reducer.contacts[design.tooth_pair], getattr(design.clearance, design.tooth_pair) + design.pin_play
     room = play + contact.force / contact.series[0]
-    return math.sqrt(12.0 * SETTINGS.max_sagitta * room / (design.gear.eccentricity * design.drive.speed**2))
+    return math.sqrt(12.0 * SETTINGS.max_sagitta * room / (design.gear.eccentricity * reducer.orbit_speed**2))
 
 
 def effective_masses(reducer: Reducer) -> dict[str, float]:
@@ -210,16 +215,41 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     """
     design = reducer.design
     gear, output, pin = _masses(reducer.shape)
-    arms = {"carrier": design.output.pin_circle_radius, "ring": design.gear.eccentricity * design.ring.teeth}
-    mobility_by_member = {
-        member: design.gear.discs * (member == design.output.member) * arms[member] ** 2 / output for member in arms
-    }
-    mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + mobility_by_member["carrier"]) * design.output.pins / 2.0}
+    mobility = _rv_mobility(reducer) if isinstance(reducer, RvReducer) else _central_mobility(reducer)
     if design.ring.has_pin_bodies:
         mobility |= {"pin_gear": 2.0 * (1.0 / gear + 1.0 / pin), design.seat_pair: 2.0 / pin}
     else:
-        mobility[design.tooth_pair] = (1.0 / gear + mobility_by_member["ring"]) * design.ring.teeth / 2.0
+        arm = design.gear.eccentricity * design.ring.teeth
+        by_ring = design.gear.discs * arm**2 / output if design.output.turns_ring else 0.0
+        mobility[design.tooth_pair] = (1.0 / gear + by_ring) * design.ring.teeth / 2.0
     return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
+
+
+def _central_mobility(reducer: Reducer) -> dict[str, float]:
+    """Compute the inverse of the mass that moves on a cam and on an output pin [1/kg]."""
+    design = reducer.design
+    gear, output, _ = _masses(reducer.shape)
+    by_carrier = 0.0 if design.output.turns_ring else design.gear.discs * design.output.pin_circle_radius**2 / output
+    return {"cam": 1.0 / gear, "output": (1.0 / gear + by_carrier) * design.output.pins / 2.0}
+
+
+def _rv_mobility(reducer: RvReducer) -> dict[str, float]:
+    """Compute the inverse of the mass that moves on a crank bearing and on a planet mesh [1/kg].
+
+    A disc moves on n cranks in the plane, or turns against the carrier, whichever is easier. The sun turns, or moves in
+    the plane if it floats, where n meshes are as stiff as n/2 along any direction; a planet turns.
+    """
+    count, mesh, masses = reducer.cranks.count, reducer.planet_mesh, moving_masses(reducer)
+    disc, crank, sun = masses[reducer.gears[0]], masses[names.CRANK], masses[names.SUN]
+    carrier = 0.0 if reducer.design.output.turns_ring else 1.0 / turning_inertia(reducer)
+    turning = reducer.crank_radius**2 * (1.0 / disc.inertia[2, 2] + reducer.design.gear.discs * carrier)
+    sun_inertia = float(sun.inertia[2, 2]) + reducer.design.drive.rotor_inertia
+    sideways = 0.5 / sun.mass if reducer.planet.sun_support == "floating" else 0.0
+    by_sun = count * max(mesh.sun_base**2 / sun_inertia, sideways)
+    return {
+        CRANK_BEARING: count * max(1.0 / disc.mass, float(turning)),
+        PLANET_MESH: by_sun + mesh.planet_base**2 / float(crank.inertia[2, 2]),
+    }
 
 
 @once

@@ -20,6 +20,7 @@ from cycloid_mj.parts.parts import (
     lay_out_parts,
     part_sections,
     parts,
+    rv_solids,
 )
 from cycloid_mj.parts.polygon import circle
 from cycloid_mj.parts.prism import Prism, Solid
@@ -53,6 +54,7 @@ __all__ = [
     "parts",
     "pin_radius",
     "pin_solid",
+    "rv_solids",
     "shaft_solid",
     "sleeve_core_radius",
     "spacer_radius",

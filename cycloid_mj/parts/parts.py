@@ -31,6 +31,9 @@ COLOURS: Mapping[str, Colour] = {
     names.CAM: (0.90, 0.72, 0.36, 1.0),
     names.SPACER: (0.62, 0.52, 0.34, 1.0),
     names.ROLLER: (0.72, 0.84, 0.74, 1.0),
+    names.CRANK: (0.75, 0.35, 0.3, 1.0),
+    names.PLANET: (0.8, 0.5, 0.35, 1.0),
+    names.SUN: (0.85, 0.65, 0.3, 1.0),
 }
 """Colours by family of parts, in MuJoCo and in viewers."""
 
@@ -98,6 +101,8 @@ def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
     the body; empty if it carries none.
     """
     gear = reducer.design.gear
+    if isinstance(reducer, RvReducer):
+        return {}
     if body == names.SHAFT and gear.discs > 1:
         cams = {name: (name, np.zeros(3)) for name in names.all_numbered(names.CAM, gear.discs)}
         middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]

@@ -225,8 +225,19 @@ class RvReducer(Reducer):
 
     @property
     def play(self) -> float:
-        """Not available: `limits` turns a central crank."""
-        self._refuse()
+        """Backlash of the output with rigid parts without errors [rad], at a fixed sun.
+
+        By the principle of virtual work, from the planets' backlash, the clearance of the crank bearings along the
+        circle of cranks and across the eccentricity, and the clearance of the teeth.
+        """
+        design, clearance = self.design, self.bearing_clearance
+        tooth = getattr(design.clearance, design.tooth_pair) + design.pin_play
+        planet = self.planet
+        pitch_radius = self.crank_radius * planet.planet_teeth / (planet.sun_teeth + planet.planet_teeth)
+        eccentricity = design.gear.eccentricity
+        crank_play = planet.backlash / pitch_radius + 2.0 * (max(clearance, 0.0) + tooth) / eccentricity
+        turn = 2.0 * design.lobes * max(clearance, 0.0) / self.crank_radius
+        return float((crank_play + turn) / self.stage.speed_up / self.share)
 
     @property
     def near_face(self) -> float:

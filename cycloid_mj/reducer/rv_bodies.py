@@ -20,6 +20,7 @@ axis from that of the ring displaces the ring.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,7 +40,9 @@ from cycloid_mj.reducer.bodies import (
     surfaces_on_circle,
     tooth_mating,
 )
-from cycloid_mj.reducer.rv import RvReducer
+
+if TYPE_CHECKING:
+    from cycloid_mj.reducer.rv import RvReducer
 
 CRANK_BEARING, PLANET_MESH = "crank_bearing", "planet_mesh"
 """Kinds of mating pairs that only an RV reducer has."""
@@ -94,7 +97,7 @@ class PlanetMesh:
     arm: float
 
 
-def compute_planet_mesh(reducer: RvReducer) -> PlanetMesh:
+def compute_planet_mesh(reducer: "RvReducer") -> PlanetMesh:
     """Return the mesh of sun and planets of an RV reducer.
 
     Parts at home mesh in the middle of their backlash; planets that equal angles would not let mesh are clocked.
@@ -117,7 +120,7 @@ def compute_planet_mesh(reducer: RvReducer) -> PlanetMesh:
     )
 
 
-def build_rv_mechanism(reducer: RvReducer) -> Mechanism:
+def build_rv_mechanism(reducer: "RvReducer") -> Mechanism:
     """Build the mechanism of an RV reducer: its bodies, and the pairs of surfaces that mate."""
     design, errors = reducer.design, reducer.deviations
     axis = np.array([reducer.crank_errors.axis_x, reducer.crank_errors.axis_y])
@@ -137,7 +140,7 @@ def build_rv_mechanism(reducer: RvReducer) -> Mechanism:
     )
 
 
-def crank_names(reducer: RvReducer) -> tuple[str, ...]:
+def crank_names(reducer: "RvReducer") -> tuple[str, ...]:
     """Return the names of the bodies of the cranks."""
     return names.all_numbered(names.CRANK, reducer.cranks.count)
 
@@ -147,7 +150,7 @@ def crank_joint(crank: str) -> str:
     return names.planar_joints(crank)[-1]
 
 
-def _bodies(reducer: RvReducer, errors: Deviations) -> Iterator[Body]:
+def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
     """Yield the bodies: fixed member, sun, discs, loaded member, cranks, moving pins."""
     design, axis = reducer.design, np.zeros(2)
     loaded, fixed = reducer.member.turning_and_held
@@ -171,7 +174,7 @@ def _bodies(reducer: RvReducer, errors: Deviations) -> Iterator[Body]:
     yield from pin_bodies(design, errors, names.HOUSING if loaded == names.HOUSING else "")
 
 
-def _bearing_mating(reducer: RvReducer, disc: int) -> Mating:
+def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
     """Return the mating of the crank bores of a disc with the eccentrics of the cranks."""
     design, errors, count = reducer.design, reducer.crank_errors, reducer.cranks.count
     shape, cranks, gear = (design.gear.discs, count), crank_names(reducer), reducer.gears[disc]
@@ -209,7 +212,7 @@ def _bearing_mating(reducer: RvReducer, disc: int) -> Mating:
     return Mating(CRANK_BEARING, numbered(names.CRANK), bores, eccentrics, disc)
 
 
-def _planet_mating(reducer: RvReducer) -> Mating:
+def _planet_mating(reducer: "RvReducer") -> Mating:
     """Return the mating of the sun with the planets; the place of a planet's teeth on its crank is their run-out."""
     count, errors = reducer.cranks.count, reducer.crank_errors
     sun_gear, planet_gear = reducer.stage_gears
@@ -224,7 +227,7 @@ def _planet_mating(reducer: RvReducer) -> Mating:
     return Mating(PLANET_MESH, planets, sun_teeth, teeth)
 
 
-def rv_motion(reducer: RvReducer, sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
+def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
     """Compute positions and speeds of all joints at an angle [rad] and speed [rad/s] of the sun, by joint.
 
     This is the ideal motion of rigid parts without errors; moving pins are in the middle of their seats, as are all

@@ -39,8 +39,12 @@ class RvMember(Member):
 
     def against_ring(self, sun: npt.ArrayLike) -> Array:
         """Return the angle of the cranks relative to the ring [rad], which determines the mesh."""
-        sun = np.asarray(sun, dtype=np.float64)
-        return np.asarray((sun - self.ring_angle(sun)) * float(self.kinematics.crank_per_sun))
+        return self.mesh_angle(sun, self.ring_angle(sun))
+
+    def mesh_angle(self, driven: npt.ArrayLike, ring: npt.ArrayLike) -> Array:
+        """Return the crank angle relative to the ring [rad] at angles of the sun and the ring [rad]."""
+        against_ring = np.asarray(driven, dtype=np.float64) - np.asarray(ring)
+        return np.asarray(against_ring * float(self.kinematics.crank_per_sun))
 
     def against_carrier(self, sun: npt.ArrayLike) -> Array:
         """Return the angle of the cranks relative to the carrier [rad], by which their bearings turn."""

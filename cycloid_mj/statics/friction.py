@@ -41,10 +41,10 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     sliding = np.abs(profile.pitch_distance(gear, phases) - gear.pin_radius) * speed / gear.lobes
     hole_speed = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
     total_loss, missing_loss = 0.0, 0.0
-    for kind, friction, force, slip, contact_count in (
-        (design.tooth_pair, design.mesh_friction, teeth, sliding, _creeping_contacts(reducer)),
-        ("output", design.friction_of("output"), pins, np.full_like(pins, hole_speed), 1.0),
-    ):
+    contacts = [(design.tooth_pair, design.mesh_friction, teeth, sliding, _creeping_contacts(reducer))]
+    if design.layout == "central":
+        contacts.append(("output", design.friction_of("output"), pins, np.full_like(pins, hole_speed), 1.0))
+    for kind, friction, force, slip, contact_count in contacts:
         loss = friction * force * slip
         full_speed = contact_count * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
         total_loss += float(np.mean(np.sum(loss, axis=1)))

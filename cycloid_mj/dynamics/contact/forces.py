@@ -182,5 +182,6 @@ def drag_rows(model: Any, joint_by_loss: Mapping[str, str]) -> dict[str, int]:
     order of the degrees of freedom.
     """
     has_drag = model.dof_frictionloss > 0.0
-    dof_by_loss = {name: int(model.joint(joint).dofadr[0]) for name, joint in joint_by_loss.items()}
+    joints = {model.joint(i).name: int(model.jnt_dofadr[i]) for i in range(model.njnt)}
+    dof_by_loss = {name: joints[joint] for name, joint in joint_by_loss.items() if joint in joints}
     return {name: int(np.count_nonzero(has_drag[:dof])) for name, dof in dof_by_loss.items() if has_drag[dof]}

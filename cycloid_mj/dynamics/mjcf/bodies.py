@@ -8,12 +8,14 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, on_grid, significant
+from cycloid_mj.dynamics.contact.crank_train import mesh_numbers
 from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
 from cycloid_mj.dynamics.contact.teeth import Teeth, user_data
 from cycloid_mj.geometry.modification import FlankEnds, flank_ends
 from cycloid_mj.parts import MassProperties, attached_parts
 from cycloid_mj.parts.parts import COLOURS, Colour, tint
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.rv import axial_layout
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.bodies import Body, Role, Surfaces
 from cycloid_mj.statics.film import drag_torques
 
@@ -72,7 +74,7 @@ def add_shapes(spec: Any, reducer: Reducer) -> None:
 
 
 def crank_inertia(reducer: Reducer, shaft: MassProperties) -> float:
-    """Compute the inertia of shaft and rotor about the crank axis [kg m2]."""
+    """Compute the inertia of the driven shaft and the rotor about their axis [kg m2]."""
     return float(
         shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + reducer.design.drive.rotor_inertia
     )
@@ -91,6 +93,9 @@ def colour(part: str) -> Colour:
 def axial_extent(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
     """Compute the centre of surfaces along z, and half their width [m]."""
     gear = reducer.design.gear
+    if isinstance(reducer, RvReducer) and surfaces.role in (Role.SUN, Role.PLANET):
+        low, high = axial_layout(reducer).planets
+        return 0.5 * (low + high), 0.5 * (high - low)
     if surfaces.disc is None:
         return 0.0, 0.5 * gear.stack_width
     return gear.disc_planes[surfaces.disc], 0.5 * gear.face_width
@@ -129,9 +134,9 @@ def _add_joints(element: Any, body: Body, reducer: Reducer) -> None:
 def _shaft_attributes(reducer: Reducer, joint: str) -> dict[str, Any]:
     """Return the attributes of a shaft's joint: friction of seals, and armature of the rotor."""
     design = reducer.design
-    drag = dict(zip((names.CRANK_JOINT, names.OUTPUT_JOINT), drag_torques(reducer), strict=True)).get(joint, 0.0)
+    drag = dict(zip((reducer.INPUT_JOINT, names.OUTPUT_JOINT), drag_torques(reducer), strict=True)).get(joint, 0.0)
     seal_attributes = {"frictionloss": drag, "solref_friction": [SEAL_TIME, 1.0], "solimp_friction": SEAL_IMPEDANCE}
-    rotor_attributes = {"armature": design.drive.rotor_inertia} if joint == names.CRANK_JOINT else {}
+    rotor_attributes = {"armature": design.drive.rotor_inertia} if joint == reducer.INPUT_JOINT else {}
     return rotor_attributes | (seal_attributes if drag > 0.0 else {})
 
 
@@ -150,6 +155,8 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
             "quat": clockwise_quaternion(angle),
             "userdata": [significant(np.cos(half_angle)), significant(np.sin(half_angle))],
         }
+    if isinstance(reducer, RvReducer) and surfaces.role == Role.PLANET:
+        return {"userdata": [significant(number) for number in mesh_numbers(reducer.planet_mesh, i)]}
     if surfaces.role != Role.PIN:
         return {}
     # A pin that its ring carries round, or that is turned from its place, has no home: the collider takes where it is.

@@ -5,8 +5,9 @@ from typing import Any
 
 from cycloid_mj.base import names
 from cycloid_mj.geometry.kinematics import gear_centre
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.limits import Fit, best_fit, pressed_fit
+from cycloid_mj.reducer.rv_bodies import rv_motion
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.springs import springs_of
 
@@ -43,8 +44,10 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
 
     Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1); or
     the gear does not turn, and the ring does, at speed/N. Parts with errors or modified flanks, and the pins among them
-    that move, are where they fit best.
+    that move, are where they fit best. `rv_motion` is that of an RV reducer, whose `crank` is the sun.
     """
+    if isinstance(reducer, RvReducer):
+        return rv_motion(reducer, crank, speed)
     gear = reducer.tooth_profile
     disc_angle, disc_speed = float(reducer.member.gear_angle(crank)), float(reducer.member.gear_angle(speed))
     position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(reducer.member.output_angle(crank))}

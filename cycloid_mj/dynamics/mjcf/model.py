@@ -24,8 +24,8 @@ from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.dynamics.mjcf.solver import set_solver
 from cycloid_mj.dynamics.regime import model_warnings
 from cycloid_mj.dynamics.timestep import timestep
-from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, output_inertia, parts
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts import VISUAL_CHORD_ERROR, Solid, mesh, moving_masses, output_inertia, parts, rv_solids
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.reducer.bodies import Pair
 
 Held = Literal["crank", "output", ""]
@@ -50,7 +50,7 @@ class ReducerModel:
     servo_gains
         kp [N m/rad] and kv [N m s/rad] of the servo on the driven shaft.
     crank_inertia
-        Inertia of shaft and rotor about the crank axis [kg m2].
+        Inertia of the driven shaft and its rotor about their axis [kg m2].
     warnings
         Reasons why its figures may differ from those of its design, see ``dynamics.regime``.
     """
@@ -100,12 +100,11 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = reducer_of(resolve(design))
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)
     spec = empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))
-    for name, solid in parts(reducer, VISUAL_CHORD_ERROR).items():
+    for name, solid in _visible_solids(reducer).items():
         shape = mesh(solid)
         spec.add_mesh(
             name=name,
@@ -115,9 +114,9 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
         )
     add_bodies(spec, reducer, masses)
     add_shapes(spec, reducer)
-    crank = crank_inertia(reducer, masses[names.SHAFT])
+    crank = crank_inertia(reducer, masses[names.SUN if isinstance(reducer, RvReducer) else names.SHAFT])
     inertias = {"crank": crank, "output": output_inertia(reducer), "": 0.0}
-    gains = add_actuators(spec, inertias[held], held)
+    gains = add_actuators(spec, inertias[held], held, reducer.INPUT_JOINT)
     add_sensors(spec, reducer)
     each_step.add_sensor(spec, reducer.design.contact.law == "impact" or reducer.design.has_film)
     if reducer.design.ring.has_pin_bodies:
@@ -164,13 +163,23 @@ def empty_spec(reducer: Reducer, impratio: float) -> Any:
     return spec
 
 
-def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[float, float]:
+def _visible_solids(reducer: Reducer) -> dict[str, Solid]:
+    """Return the solids of all parts for viewers, by name."""
+    if isinstance(reducer, RvReducer):
+        return rv_solids(reducer, VISUAL_CHORD_ERROR)
+    return parts(reducer, VISUAL_CHORD_ERROR)
+
+
+def add_actuators(
+    spec: Any, inertia: float, held: Held = "crank", driven: str = names.CRANK_JOINT
+) -> tuple[float, float]:
     """Add the actuators of crank and output to an editable model; return the gains kp, kv of the position servo.
 
     The servo is on the shaft `held`, whose inertia is given [kg m2]; the actuator of the other shaft is a torque.
+    `driven` is the joint of the crank, or of the sun of an RV reducer.
     """
     kp, kv = servo_gains(inertia)
-    for shaft, name, joint in (("crank", names.DRIVE, names.CRANK_JOINT), ("output", names.LOAD, names.OUTPUT_JOINT)):
+    for shaft, name, joint in (("crank", names.DRIVE, driven), ("output", names.LOAD, names.OUTPUT_JOINT)):
         actuator = spec.add_actuator(name=name, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         if shaft == held:
             actuator.set_to_position(kp=kp, kv=kv)

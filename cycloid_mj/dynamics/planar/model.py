@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from cycloid_mj.base import names
 from cycloid_mj.dynamics.drive_cycle import DriveCycle
 from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf import Held
@@ -12,7 +11,7 @@ from cycloid_mj.dynamics.planar.state import start_state
 from cycloid_mj.dynamics.planar.stepper import Stepper
 from cycloid_mj.dynamics.planar.system import System, make_system
 from cycloid_mj.dynamics.planar.timestep import choose_step, resolves_pins
-from cycloid_mj.dynamics.regime import bent_pin_warning, static_warnings
+from cycloid_mj.dynamics.regime import static_warnings
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
 from cycloid_mj.statics.film import drag_torques
@@ -79,7 +78,7 @@ def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) 
     laws = stiffest(laws_of_discs(reducer))
     system = make_system(reducer, held)
     servo_shaft = ("output", "crank").index(held) if held else 0
-    losses = dict(zip(("crank_drag", "output_drag"), drag_torques(reducer), strict=True))
+    losses = dict(zip((f"{reducer.INPUT}_drag", "output_drag"), drag_torques(reducer), strict=True))
     return PlanarModel(
         reducer=reducer,
         system=system,
@@ -87,6 +86,6 @@ def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) 
         laws=laws,
         servo_gains=(float(system.servo[servo_shaft, 0]), float(system.servo[servo_shaft, 1])),
         crank_inertia=float(system.inertia[-1]),
-        drags=tuple(name for name in names.DRAGS if losses[name]),
-        warnings=(*bent_pin_warning(reducer), *static_warnings(reducer, laws)),
+        drags=tuple(name for name, loss in losses.items() if loss),
+        warnings=static_warnings(reducer, laws),
     )

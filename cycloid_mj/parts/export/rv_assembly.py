@@ -29,9 +29,6 @@ from cycloid_mj.reducer import RvReducer
 
 RV_COLOURS: Mapping[str, Colour] = {
     **COLOURS,
-    CRANK: (0.75, 0.35, 0.3, 1.0),
-    PLANET: (0.8, 0.5, 0.35, 1.0),
-    SUN: (0.85, 0.65, 0.3, 1.0),
     CARRIER: COLOURS[names.OUTPUT],
     NEEDLE: (0.83, 0.84, 0.86, 1.0),
     TAPERED_BEARING: (0.7, 0.72, 0.75, 1.0),
