@@ -84,10 +84,7 @@ def _add_crank_body(joint: Any, model: Any, reduced: ReducedJoint) -> None:
     `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer.
     """
     hinge, name = model.joint(joint.name), rotor_name(joint.name)
-    link = model.body(int(hinge.bodyid[0]))
-    body = joint.parent.parent.add_body(name=name, pos=link.pos, quat=link.quat)
-    body.explicitinertial = True
-    body.mass, body.inertia = MJCF.mass, [1e-12] * 3
+    body = _add_light_body(joint, model, name)
     rotor_joint = body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
@@ -109,6 +106,16 @@ def _add_crank_body(joint: Any, model: Any, reduced: ReducedJoint) -> None:
         mass=MJCF.mass,
         rgba=[0.93, 0.65, 0.49, 1.0],
     )
+
+
+def _add_light_body(joint: Any, model: Any, name: str) -> Any:
+    """Add a body of negligible mass next to the link of the hinge `joint`, in the link's frame, and return it."""
+    link = model.body(int(model.joint(joint.name).bodyid[0]))
+    body = joint.parent.parent.add_body(name=name, pos=link.pos, quat=link.quat)
+    body.explicitinertial = True
+    body.mass, body.inertia = MJCF.mass, [1e-12] * 3
+    body.ipos = [0.0] * 3  # else MjSpec.to_xml leaves the inertia out
+    return body
 
 
 def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int) -> str:
@@ -133,10 +140,7 @@ def _add_slip_element(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, 
     """
     slip, name = reduced.slips[index], slip_name(joint.name, index)
     armature, damping = slip_inertias(reduced)[index]
-    link = model.body(int(model.joint(joint.name).bodyid[0]))
-    body = joint.parent.parent.add_body(name=name, pos=link.pos, quat=link.quat)
-    body.explicitinertial = True
-    body.mass, body.inertia = MJCF.mass, [1e-12] * 3
+    body = _add_light_body(joint, model, name)
     slip_joint = body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
