@@ -22,11 +22,11 @@ from cycloid_mj.checks import Check, soundness
 from cycloid_mj.design import value_of
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
+from cycloid_mj.life.as_built import has_tolerances
 from cycloid_mj.life.checks import KINDS, check_design, life_remedies
 from cycloid_mj.life.duration import format_life
-from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import Rating
-from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.life.rated import rated_and_momentary_torque, rated_torque
 from cycloid_mj.parts.export import casing_or_none
 from cycloid_mj.parts.export.drive import assembly_mass
 from cycloid_mj.parts.export.motors import MotorName
@@ -144,17 +144,11 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     Figures are judged by `required`, the requirements of the start form; the life by that of the design. Diameter and
     length are those with covers for the motor: without covers no size is met.
     """
-    design, hours_required = reducer.design, reducer.design.service.life
+    hours_required = reducer.design.service.life
     rating = rating_at_load(reducer)
     lives = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
     shortest = min(lives, default=math.inf)
-    try:
-        rated, weakest = rated_torque(reducer, design.drive.speed, hours_required, crank_angles=POSES, rtol=TORQUE_RTOL)
-        limit = weakest.name
-        if (momentary := figure("momentary_torque_nm").value(reducer)) < rated:
-            rated, limit = momentary, "emergency stop at twice the torque"
-    except CycloidError as error:
-        rated, limit = 0.0, str(error)
+    rated, limit = _rated_torque(reducer, rating)
     size_with_covers, no_covers = covered_size(reducer, motor)
     verdicts = requirement_verdicts(required, {"rated_torque_nm": rated})
     if size_with_covers:
@@ -164,7 +158,7 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
         verdicts |= unmet_without_covers(required)
     verdicts["life_h"] = verdict(judge(shortest / hours_required), f"≥ {hours_required:.6g} h")
     return {
-        "condition": rating.duty,
+        "condition": f"{rating.duty}, parts {rating.parts}",
         "required_h": hours_required,
         "rated_torque_nm": rated,
         "limited_by": limit,
@@ -178,10 +172,31 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
 
 
 def rating_at_load(reducer: Reducer) -> Rating:
-    """Rate a valid design at its load and speed for its required life."""
+    """Rate a valid design at its load and speed for its required life, with the parts that ``cycloid-mj rate`` takes.
+
+    These are samples within its tolerances if it has any.
+    """
+    design = at_load(reducer).design
+    return rate(design, parts="toleranced" if has_tolerances(design) else "perfect")
+
+
+def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str]:
+    """Return the rated torque [N m] for the required life, and what limits it, as the data sheet states them.
+
+    With tolerances, it follows from `rating`, the rating at the load.
+    """
+    if rating.parts == "toleranced":
+        load, _ = load_of(reducer)
+        (rated, weakest), _ = rated_and_momentary_torque(rating, load)
+        return rated, weakest.name
     design = reducer.design
-    load, _ = load_of(reducer)
-    return rate(design, constant_duty(load, design.drive.speed), design.service.life)
+    try:
+        life = design.service.life
+        rated, weakest = rated_torque(reducer, design.drive.speed, life, crank_angles=POSES, rtol=TORQUE_RTOL)
+        momentary = figure("momentary_torque_nm").value(reducer)
+    except CycloidError as error:
+        return 0.0, str(error)
+    return (rated, weakest.name) if rated < momentary else (momentary, "emergency stop at twice the torque")
 
 
 def rated_items(rating: Rating) -> list[dict[str, Any]]:

@@ -27,7 +27,13 @@ from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import GREASE
 from cycloid_mj.life.output_bearing import DEEP_GROOVE, output_bearings
-from cycloid_mj.life.rated import is_bearing_life, is_momentary, is_strength, rated_torque, weakest_torque
+from cycloid_mj.life.rated import (
+    is_bearing_life,
+    is_momentary,
+    is_strength,
+    rated_and_momentary_torque,
+    rated_torque,
+)
 from cycloid_mj.life.sheet_rows import environment_rows, hysteresis, mounting_rows, no_load_curves, torques_without_load
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
@@ -288,12 +294,10 @@ def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ..
         return ()
     nominal = design.rated_torque
     rating = rate(design, constant_duty(nominal, design.drive.speed), life, parts="toleranced")
-    stops = [item for item in rating.items.values() if is_momentary(item.key)]
-    others = [item for item in rating.items.values() if item.decisive and not is_momentary(item.key)]
-    limits = weakest_torque(others, nominal, life), weakest_torque(stops, 2.0 * nominal, life)
+    limits = rated_and_momentary_torque(rating, nominal)
     percentile = f"{SETTINGS.percentile:g} % percentile of {SETTINGS.samples} samples"
     rows = (
-        ("rated_torque_toleranced", "Rated torque, toleranced parts", *min(limits, key=lambda pair: pair[0])),
+        ("rated_torque_toleranced", "Rated torque, toleranced parts", *limits[0]),
         ("momentary_torque_toleranced", "Momentary torque, toleranced parts", *limits[1]),
     )
     return tuple(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.life.duty import constant_duty
-from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rolling import EXPONENT
@@ -139,6 +139,21 @@ def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tu
     """
     limits = ((_limit_by_law(item, torque, life), item) for item in items)
     return min(limits, key=lambda pair: pair[0])
+
+
+def rated_and_momentary_torque(
+    rating: Rating, torque: float
+) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
+    """Estimate rated and momentary torque [N m] from a rating at one torque, each with the item that limits it.
+
+    Emergency stops of the rating are at twice the torque. The rated torque does not exceed the momentary one. See
+    `weakest_torque` for the method.
+    """
+    items = rating.items.values()
+    stops = [item for item in items if is_momentary(item.key)]
+    others = [item for item in items if item.decisive and not is_momentary(item.key)]
+    momentary = weakest_torque(stops, 2.0 * torque, rating.life)
+    return min(weakest_torque(others, torque, rating.life), momentary, key=lambda pair: pair[0]), momentary
 
 
 def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dict[str, float]:
