@@ -41,9 +41,9 @@ def require_hold(reducer: Reducer, time: Array) -> None:
         count = np.count_nonzero(~in_ramp(reducer, time))
         reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
         raise LogError(
-            f"the run has {count} samples at constant crank speed, but at least {WINDOW.min_samples} are needed: "
-            f"{reached}, and the speed ramp ends at {reducer.design.drive.ramp:.6g} s. Simulate the design again "
-            "without interruption"
+            f"the run of {reducer.design.name} has {count} samples at constant crank speed, but at least "
+            f"{WINDOW.min_samples} are needed: {reached}, and the speed ramp ends at {reducer.design.drive.ramp:.6g} "
+            "s. Simulate the design again without interruption"
         )
 
 
@@ -74,8 +74,8 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
         settle = max(loaded - ramp, 0.0) + settling(reducer)
     if not settle >= 0.0:
         raise UsageError(
-            f"the settling time is {settle} s, which is out of range: it must be at least 0 s. Omit it to use the "
-            "estimated settling time"
+            f"settle = {settle} s (the settling time of the run) is out of range: give a time of at least 0 s, or omit "
+            "it to use the estimated settling time"
         )
     start = ramp + min(settle, (time[-1] - ramp) / 2)
     return ~in_ramp(reducer, time) & (time >= start - WINDOW.time_rtol * max(ramp, time[-1]))

@@ -288,8 +288,9 @@ def evaluate_fit(problem: FitProblem, scaled: Array) -> Fitted:
     ]
     if failed:
         raise RunError(
-            f"{' and '.join(failed)}: the model has no static equilibrium for any parameters near the design. Reduce "
-            "the friction coefficients of the design (friction.*), or set its clearances closer to those of the drive"
+            f"{' and '.join(failed)}: the model has no static equilibrium for any parameters near those of the design. "
+            "Reduce the friction coefficients (friction.*), or set the clearances (clearance.*) closer to those "
+            "measured"
         )
     # the residuals of the priors are last
     slopes = problem.slopes(scaled, range(len(scaled)), central=True)[: sum(map(len, loop_residuals))]

@@ -50,7 +50,7 @@ def run_all(
     workers = min(Engine(kind="threads").local_workers, len(jobs))
     total = sum(design.drive.ramp + design.drive.hold for design in jobs)
     with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
-        progress.tell(f"{len(jobs)} simulations, {workers} at the same time")
+        progress.tell(f"running {len(jobs)} simulations, {workers} of them in parallel")
         total_progress = _TotalProgress(progress)
         runs = [
             pool.submit(

@@ -79,7 +79,7 @@ def build(
     page = claim_page(delivery, f"{reducer.design.name}-model")
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
-    note("decomposing the parts into convex pieces")
+    note(f"decomposing the parts of {reducer.design.name} into convex pieces")
     files = model_files(reducer, settings)
     directory = claim_folder(out, "the model", files, delivery.force)
     write_folder(files, directory)

@@ -108,8 +108,8 @@ def _choose_step(design: Design, step: float | None) -> float:
         return step
     if design.drive.speed == 0.0:
         raise UsageError(
-            "drive.speed_rpm is 0, so the default time step (one degree of crank rotation) is undefined: set the step "
-            "with --step-s, or a speed with --speed-rpm"
+            f"{design.name}: drive.speed_rpm is 0, so the default time step (one degree of crank rotation) is "
+            "undefined: set the step with --step-s, or a speed with --speed-rpm"
         )
     return math.radians(1.0) / abs(design.drive.speed)
 

@@ -157,7 +157,7 @@ def optimize(
             task, evaluations, starts, seed, directory, engine, count_progress("optimize", delivery.quiet)
         )
         if optimum.best is None:
-            raise DesignError(f"{optimum.infeasible_words} (all points are in {directory})")
+            raise DesignError(f"{optimum.infeasible_words} (all points evaluated are in {directory})")
         write_files({directory / BEST: dump(optimum.design()).encode()})
         optimum = optimum if quick else add_checks_of_best(optimum, solver)
     except KeyboardInterrupt as stop:

@@ -258,7 +258,8 @@ def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
     reducer = Reducer(design)
     if design.drive.speed == 0.0:
         raise UsageError(
-            "drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, e.g. --speed-rpm 1640"
+            f"{design.name}: drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, e.g. "
+            "--speed-rpm 1640"
         )
     from cycloid_mj.checks import require_sound
     from cycloid_mj.dynamics.run import RUN, STEP_RULES
@@ -268,8 +269,8 @@ def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
     steps = (design.drive.ramp + design.drive.hold) / step
     if steps > RUN.max_steps:
         raise UsageError(
-            f"the run would take {steps:.3g} time steps of {step * 1e6:g} us, but at most {RUN.max_steps:.0e} are "
-            "allowed: increase --timestep-us, or reduce --ramp-s and --hold-s"
+            f"the run of {design.name} would take {steps:.3g} time steps of {step * 1e6:g} us, but at most "
+            f"{RUN.max_steps:.0e} are allowed: increase --timestep-us, or reduce --ramp-s and --hold-s"
         )
 
 
@@ -381,7 +382,8 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
     from cycloid_mj.log import LogTakenError
 
     last_error: LogError = LogError(
-        f"no free file name is left for the log of the design {name!r}: choose another folder with --out"
+        f"no unused file name is left in the folder for the log of the design {name!r}: choose another folder with "
+        "--out"
     )
     for path in names:
         try:

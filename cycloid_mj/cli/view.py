@@ -43,7 +43,7 @@ def view(
     if what.endswith(".mcap"):
         from cycloid_mj.log import read
 
-        note("to stop, close the window")
+        note("replaying the log in the MuJoCo viewer; close its window to stop")
         show_run(read(what), slow)
         return 0
     design = load_design(what, set_, (), at_c)
@@ -51,7 +51,7 @@ def view(
     from cycloid_mj.dynamics.mjcf import build
     from cycloid_mj.reducer import Reducer
 
-    note("building the MuJoCo model")
+    note(f"building the MuJoCo model of {design.name}")
     compiled = build(Reducer(design).at_rated_load.design)  # the window's sliders may load it
     warn(design.name, compiled.warnings)
     show_model(compiled.model)

@@ -226,7 +226,7 @@ def _describe_out_of_range(row: Mapping[str, float]) -> str | None:
     for name, value in row.items():
         limit = limits.get(name.rsplit("_", 1)[-1], LIMITS.rows)
         if abs(value) > limit:
-            return f"{name} is {value:g}, must be from {-limit:g} to {limit:g}; are the units right?"
+            return f"{name} is {value:g}, but must be from {-limit:g} to {limit:g}. Check its unit"
     return None
 
 

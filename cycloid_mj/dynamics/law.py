@@ -210,8 +210,8 @@ def solver_parameters(
         raise ContactError(
             f"a contact with a stiffness of {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at "
             f"this time step, {law.added_mass * inverse_weight:.3g} times the mass of its bodies, but MuJoCo allows at "
-            f"most {max_impedance / (1.0 - max_impedance):.3g} times. Reduce settings.timestep_us, or the stiffness of "
-            "the contact"
+            f"most {max_impedance / (1.0 - max_impedance):.3g} times. Reduce settings.timestep_us, or reduce the "
+            "stiffness of the contact by a smaller gear.face_width_mm"
         )
     regularisation = (1.0 - impedance) / impedance * inverse_weight
     scale = regularisation * impedance

@@ -80,15 +80,16 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
 
     if reducer.design.drive.speed == 0.0:
         raise DesignError(
-            "drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, such as 1640 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, such "
+            "as 1640 rpm"
         )
     is_massless = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
     simulated_reducer = massless(reducer) if is_massless else reducer
     compiled = model_for(options.solver, simulated_reducer)
     if (steps := schedule(simulated_reducer, compiled.timestep).steps) > RUN.max_steps:
         raise RunError(
-            f"the run would take {steps:.3g} time steps, but at most {RUN.max_steps:.0e} are allowed: reduce "
-            "drive.hold_s"
+            f"the run of {reducer.design.name} would take {steps:.3g} time steps, but at most {RUN.max_steps:.0e} are "
+            "allowed: reduce drive.hold_s"
         )
     findings = analyze(simulate(simulated_reducer.design, compiled))
     pins = simulated_reducer.design.ring.pins if simulated_reducer.design.ring.kind == "pin" else "none"

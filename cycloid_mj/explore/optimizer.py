@@ -284,8 +284,8 @@ class _PointEvaluator:
             return False
         if _values_of_row(self._task, row) != point:
             raise CycloidError(
-                f"row {index + 1} of the results in the output folder belongs to another search: choose another folder "
-                "with --out"
+                f"row {index + 1} of the results in the output folder belongs to another search, because its parameter "
+                "values differ from those of this search: choose another folder with --out"
             )
         return True
 

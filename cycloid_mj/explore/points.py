@@ -110,7 +110,7 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
     rows = list(rows)
     if not rows:
         raise UsageError(
-            "the table of points is empty: it needs a header with keys of the design file, and one row per point"
+            "the table of points (--table) is empty: add a header with keys of the design file, and one row per point"
         )
     _require_few(len(rows))
     fields = {key: _scalar_field(key) for key in rows[0]}
@@ -118,8 +118,8 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
     for number, row in enumerate(rows, 1):
         if set(row) != set(fields) or None in row.values():
             raise UsageError(
-                f"row {number} of the table of points is incomplete: give a value for each of {', '.join(fields)}, and "
-                "no others"
+                f"row {number} of the table of points (--table) does not have the same keys as row 1: give one value "
+                f"for each of {', '.join(fields)}, and no others"
             )
         points.append(tuple(_parse_value(key, fields[key], row[key]) for key in fields))
     return Points(tuple(fields), tuple(points))
@@ -161,7 +161,8 @@ def _scalar_field(key: str) -> FieldInfo:
     field = declaration_of(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
         raise UsageError(
-            f"{key} is a list or a table and cannot be varied: choose a key with a single number, word or true/false"
+            f"{key} of the design file is a list or a table and cannot be varied: choose a key whose value is a "
+            "number, a word or true/false"
         )
     return field
 

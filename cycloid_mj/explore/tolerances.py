@@ -376,7 +376,8 @@ def _study_rv_reducer(
         )
     if verify:
         raise UsageError(
-            "--verify does not apply to an RV reducer, because its samples cannot be simulated: remove --verify"
+            f"--verify does not apply to an RV reducer such as {reducer.design.name}, because its samples cannot be "
+            "simulated: remove --verify"
         )
     drawn_samples = rv_samples.draw_rv_samples(reducer, samples, seed, MAX_WORST)
     return Tolerances(

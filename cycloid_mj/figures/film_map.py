@@ -98,8 +98,8 @@ def compute_film_map(
     design = reducer.design
     if not design.has_film:
         raise UsageError(
-            '--map needs friction.law = "film", because Coulomb friction does not depend on speed or temperature: set '
-            "friction.law, or remove --map"
+            f'--map needs friction.law = "film", but {design.name} has friction.law = "{design.friction.law}", which '
+            "does not depend on speed or temperature: add --set friction.law=film, or remove --map"
         )
     points = []
     for temperature in temperatures:

@@ -157,7 +157,7 @@ def hertz_line_contact(
         raise DesignError(
             "a Hertz line contact needs a force of at least 0 and a positive length, relative curvature and modulus, "
             f"but the smallest values are {np.min(force):.4g} N, {np.min(length):.4g} m, {np.min(kappa):.4g} 1/m and "
-            f"{modulus:.4g} Pa. Exclude open and conformal contacts"
+            f"{modulus:.4g} Pa. Remove contacts without force, and contacts of conformal surfaces"
         )
     half_width = 2 * np.sqrt(force / (np.pi * length * kappa * modulus))
     peak_pressure = np.sqrt(force * kappa * modulus / (np.pi * length))

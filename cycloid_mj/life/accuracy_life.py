@@ -294,12 +294,16 @@ def wear(
     reducer = Reducer(resolve(design))
     for name, value in (("hours", hours), ("growth", growth)):
         if not 0.0 < value < math.inf:
-            raise UsageError(f"{name} = {value:g} is out of range: give a finite number greater than 0")
+            raise UsageError(
+                f"the argument {name} of the wear study is {value:g}, which is out of range: give a finite number "
+                "greater than 0"
+            )
     duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
     points = [point for point in duty.points if point.speed]
     if not points:
         raise DesignError(
-            "drive.speed_rpm is 0, but parts wear only while the crank turns: set another speed, such as 1640 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, but parts wear only while the crank turns: set another "
+            "speed, such as 1640 rpm"
         )
     drive = WearingDrive(reducer, points, settings)
     log = _Log(drive, hours, growth)

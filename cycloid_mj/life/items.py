@@ -79,7 +79,9 @@ def rate(
     duty = duty or constant_duty(design.rated_torque, design.drive.speed)
     if isinstance(reducer, RvReducer):
         if parts == "toleranced":
-            raise UsageError("`--parts toleranced` does not apply to an RV reducer: use `--parts perfect`")
+            raise UsageError(
+                f"{design.name}: `--parts toleranced` does not apply to an RV reducer: use `--parts perfect`"
+            )
         return rate_rv(reducer, duty, life)
     if parts == "toleranced":
         samples = select_rated_samples(reducer)
@@ -137,7 +139,8 @@ def _rate_all_items(
     turning = [point for point in duty.points if point.speed]
     if not turning:
         raise DesignError(
-            "drive.speed_rpm is 0, but a life in hours needs a crank that turns: set another speed, such as 1640 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours needs a crank that turns: set another "
+            "speed, such as 1640 rpm"
         )
     loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))

@@ -231,8 +231,8 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     points = [point for point in duty.points if point.speed]
     if not points:
         raise DesignError(
-            "drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a speed other than 0, such "
-            "as 1640 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a "
+            "speed other than 0, such as 1640 rpm"
         )
     steady = _solve_steady_state(reducer, points, settings)
     temperatures, heat = steady.temperatures, heat_by_node(reducer, steady.losses)

@@ -103,16 +103,16 @@ class ColumnGroup:
 
         Raises
         ------
-        LogError
+        ValueError
             A message has another length or other key bytes than this group.
         """
         if messages.shape[1] != self.zeros.size:
-            raise LogError(
+            raise ValueError(
                 f"messages of the topic {self.topic} have {messages.shape[1]} bytes, but their schema defines "
                 f"{self.zeros.size}"
             )
         if (messages[:, self.key_bytes] != self.zeros[self.key_bytes]).any():
-            raise LogError(f"messages of the topic {self.topic} have fields that differ from their schema")
+            raise ValueError(f"messages of the topic {self.topic} have fields that differ from their schema")
         return messages.view(self.record)[:, 0]
 
     def schema(self) -> bytes:
@@ -136,7 +136,7 @@ def group_of(channel: Any, schema: Any) -> ColumnGroup:
 
     Raises
     ------
-    LogError
+    ValueError
         The schema is not a flat message of doubles that starts with the time.
     Exception
         An error of protobuf or json about malformed text.
@@ -147,7 +147,7 @@ def group_of(channel: Any, schema: Any) -> ColumnGroup:
     fields = [(field.name, field.number, field.type) for field in message.field]
     group = ColumnGroup(channel.topic, {name: str(units[name]) for name, _, _ in fields[1:]})
     if fields != group.fields or channel.message_encoding != "protobuf":
-        raise LogError(
+        raise ValueError(
             f"the schema of the topic {channel.topic} does not consist of the time followed by 64-bit numbers"
         )
     return group

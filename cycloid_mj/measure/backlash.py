@@ -129,7 +129,7 @@ def backlash(
     reducer = Reducer(resolve(design))
     angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles
     if angles < 1:
-        raise UsageError(f"the number of crank angles is {angles}, which is out of range: choose 1 or more")
+        raise UsageError(f"angles = {angles} (the number of crank angles) is out of range: choose 1 or more")
     reducer = reducer.at_rated_load
     crank_angles = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     by_kind, checks = _run_presses(reducer, crank_angles, solver, progress)

@@ -46,8 +46,8 @@ def require_motion(reducer: Reducer) -> None:
     """
     if reducer.design.drive.speed == 0.0:
         raise DesignError(
-            "drive.speed_rpm is 0, but this measurement needs a crank that turns: set a speed other than 0, such as "
-            "1640 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, but this measurement needs a crank that turns: set a speed "
+            "other than 0, such as 1640 rpm"
         )
 
 

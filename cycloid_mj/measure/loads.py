@@ -112,7 +112,10 @@ def loads(
     reducer = Reducer(resolve(design))
     torque = reducer.design.rated_torque if load is None else load
     if not torque > 0.0:
-        raise UsageError(f"the torque is {torque:g} N m, which is out of range: choose a torque greater than 0 N m")
+        raise UsageError(
+            f"the output torque of {reducer.design.name} is {torque:g} N m, which is out of range: choose a torque "
+            "greater than 0 N m (--load-nm)"
+        )
     loaded = steady_design(reducer).but(load={"torque": torque})
     last = 3  # two runs and the capacities
     periods = LOADS.periods if quick else reducer.mesh_periods

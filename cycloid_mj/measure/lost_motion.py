@@ -59,8 +59,8 @@ def lost_motion(
     angles = (LOOP.quick_angles if quick else LOOP.angles) if angles is None else angles
     if not rated > 0.0 or angles < 1:
         raise UsageError(
-            f"the torque is {rated:g} N m and the number of crank angles is {angles}: give a torque greater than 0 N m "
-            "and at least 1 crank angle"
+            f"lost motion cannot be measured with a torque of {rated:g} N m at {angles} crank angles: give a torque "
+            "greater than 0 N m (load) and at least 1 crank angle (angles)"
         )
     reducer = reducer.working_at(rated)
     period = hysteresis.quasi_static_period(reducer, rated)

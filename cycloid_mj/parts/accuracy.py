@@ -41,7 +41,8 @@ def drawing_error(reducer: Reducer, chord_error: float | None) -> float:
         return mass_chord_error(reducer)
     if not chord_error > 0.0:
         raise DesignError(
-            f"the chord error is {chord_error} m: give a length greater than 0 m, e.g. {VISUAL_CHORD_ERROR} m"
+            f"chord_error = {chord_error} m is out of range: give a length greater than 0 m, e.g. {VISUAL_CHORD_ERROR} "
+            "m"
         )
     return chord_error
 

@@ -88,7 +88,8 @@ def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
     if not abs(area - true) <= VOLUME_TOLERANCE * area:
         raise DesignError(
             f"the mesh of the {name} has a volume of {area * prism.height:.9g} m3 instead of {true * prism.height:.9g} "
-            "m3, because a hole lies outside the outline or inside another hole: change the radii of its holes"
+            "m3, because a hole lies outside the outline or inside another hole: reduce the radii of the holes of this "
+            "part in the design"
         )
     if section.num_contour() != len(rings):
         raise _contact_error(name, "")
@@ -106,7 +107,7 @@ def _contact_error(name: str, where: str) -> DesignError:
     """Return the error of a part whose outlines touch or cross."""
     return DesignError(
         f"two outlines of the {name} touch or cross{where}, so the part is not in one piece: change the dimensions of "
-        "the features that meet there"
+        "the holes and teeth that meet there"
     )
 
 

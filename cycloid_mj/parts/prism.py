@@ -59,14 +59,16 @@ def _read_only(polygon: Array) -> Array:
     """Return a read-only copy of a polygon (n, 2) [m]; raise DesignError unless it is counter-clockwise."""
     copy = np.array(polygon, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:
-        raise DesignError(f"the polygon has shape {copy.shape}: pass an array of shape (n, 2) with n >= 3")
+        raise DesignError(
+            f"the outline or a hole of a prism has shape {copy.shape}: pass an array of shape (n, 2) with n >= 3"
+        )
     # a plain sum suffices for the sign; `polygon.signed_area` has twice the digits, for volumes
     (x, y), (u, v) = copy.T, np.roll(copy, -1, axis=0).T
     area = float(np.sum(x * v - u * y)) / 2
     if not area > 0.0:
         raise DesignError(
-            f"the polygon does not run counter-clockwise (its signed area is {area:.6g} m2): reverse the order of its "
-            "points"
+            f"the outline or a hole of a prism is not counter-clockwise (its signed area is {area:.6g} m2): reverse "
+            "the order of its points"
         )
     copy.setflags(write=False)
     return copy

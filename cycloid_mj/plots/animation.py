@@ -108,10 +108,11 @@ def select_samples(
         `frames` or `turns` is not positive, the magnification is too large, or there is no such disc.
     """
     if frames < 1:
-        raise UsageError(f"the number of frames is {frames}, which is out of range: choose 1 or more")
+        raise UsageError(f"frames = {frames} (the number of pictures) is out of range: choose 1 or more")
     if not turns > 0.0:
         raise UsageError(
-            f"the number of crank turns is {turns:g}, which is out of range: choose a value greater than 0, such as 1"
+            f"turns = {turns:g} (the number of crank turns shown) is out of range: choose a value greater than 0, such "
+            "as 1"
         )
     motion = series(run)
     if not 0 <= disc < motion.design.gear.discs:
@@ -141,8 +142,8 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
     narrowest, widest = ANIMATION.widths
     if not narrowest <= width <= widest:
         raise UsageError(
-            f"the width of the animation is {width} pixels, which is out of range: choose a width from {narrowest} to "
-            f"{widest} pixels"
+            f"width = {width} pixels (of the animation) is out of range: choose a width from {narrowest} to {widest} "
+            "pixels"
         )
     motion = samples.motion
     columns = {name: values[samples.rows] for name, values in motion.run.columns.items()}

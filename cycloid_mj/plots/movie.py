@@ -52,8 +52,8 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = ANIMATION
     slowest, fastest = ANIMATION.rates
     if not slowest <= rate <= fastest:
         raise UsageError(
-            f"the frame rate is {rate:g} per second, which is out of range: choose a rate from {slowest} to {fastest} "
-            "per second"
+            f"the frame rate of the animation {path} is {rate:g} per second, which is out of range: choose a rate from "
+            f"{slowest} to {fastest} per second (--fps)"
         )
     with atomic_file(path) as temporary:
         writers[path.suffix.lower()](frames, temporary, rate)

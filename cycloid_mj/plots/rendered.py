@@ -49,7 +49,8 @@ def render(
     """
     if time_s is not None and not run.time[0] <= time_s <= run.time[-1]:
         raise UsageError(
-            f"the time {time_s:g} s is outside the run: choose a time from {run.time[0]:.6g} to {run.time[-1]:.6g} s"
+            f"time_s = {time_s:g} s is outside the run {run.label}: choose a time from {run.time[0]:.6g} to "
+            f"{run.time[-1]:.6g} s"
         )
     require_mujoco()
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))

@@ -89,14 +89,14 @@ def figure_of(result: object, name: str = "") -> Figure:
     figures_by_name = figures_of(result)
     if name and name not in figures_by_name:
         available = ", ".join(figures_by_name)
-        raise UsageError(f"{type(result).__name__} has no figure {name!r}: choose one of {available}")
+        raise UsageError(f"a {type(result).__name__} has no figure {name!r}: choose one of {available}")
     return figures_by_name[name or next(iter(figures_by_name))]
 
 
 @singledispatch
 def figures_of(result: object) -> Figures:
     """Return the figures of a result by name; raise UsageError if it has none."""
-    raise UsageError(f"{type(result).__name__} has no figure to draw: use .to_frame() for its values")
+    raise UsageError(f"a result of type {type(result).__name__} has no figure to draw: use .to_frame() for its values")
 
 
 figures_of.register(Run, figures)
@@ -253,7 +253,7 @@ def _of_sheet(sheet: Sheet) -> Figures:
 def _of_answer(answer: Answer) -> Figures:
     """Draw a bar chart of each figure in `SIZING_FIGURES`, a bar for each drive of a sizing."""
     if not answer.drives:
-        raise UsageError(f"there is no drive to draw: {answer.refusal}")
+        raise UsageError(f"there is no drive to draw, because no drive meets the requirement: {answer.refusal}")
     keys = [key for key in SIZING_FIGURES if key in answer.drives[0].figures]
     figure = empty_figure(2.2)
     panels: Sequence[Axes] = figure.subplots(1, len(keys), squeeze=False)[0]

@@ -161,7 +161,7 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     if solution.x is None:
         if len(cranks) > 1:
             return np.concatenate([_solve_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
-        where = f"at crank angle {float(cranks[0]):.4f} rad"
+        where = f"of {design.name} at crank angle {float(cranks[0]):.4f} rad"
         if design.ring.preload:
             raise RunError(
                 f"the two halves of the ring clamp the disc {where}, so rigid parts cannot rotate there: reduce "

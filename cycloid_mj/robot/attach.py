@@ -74,7 +74,8 @@ def _compile(spec: Any) -> Any:
         return spec.copy().compile()
     except ValueError as problem:
         raise UsageError(
-            f"MuJoCo cannot compile the model of the robot: {problem}. Correct the model first"
+            f"MuJoCo cannot compile the robot's model, to which the reducer is to be attached: {problem}. Correct the "
+            "model first"
         ) from problem
 
 

@@ -95,8 +95,8 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     require_sound(reducer)
     if reducer.design.drive.speed == 0.0:
         raise DesignError(
-            "drive.speed_rpm is 0, but friction is evaluated with a turning crank: set a speed other than 0, such as "
-            "1640 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, but friction is evaluated with a turning crank: set a speed "
+            "other than 0, such as 1640 rpm"
         )
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     counter = _ProgressCounter(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_turns(reducer))

@@ -258,7 +258,7 @@ class ReducedJoint(Presented):
     def at(self, level: Level) -> Self:
         """Return the reducer at another level of detail."""
         if level not in LEVELS:
-            raise UsageError(f"unknown level {level!r}: choose one of {', '.join(LEVELS)}")
+            raise UsageError(f"unknown level of detail {level!r} of the reducer: choose one of {', '.join(LEVELS)}")
         return replace(self, level=level)
 
     def varied(self, factors: Mapping[str, float]) -> Self:

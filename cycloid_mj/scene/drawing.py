@@ -165,8 +165,8 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
     largest = largest_magnification(reducer)
     if not 1.0 <= magnification <= largest:
         raise UsageError(
-            f"the magnification of the clearances is {magnification:g}, which is out of range: choose a value from 1 "
-            f"to {np.floor(largest):g} for this design"
+            f"the magnification of the clearances is {magnification:g}, which is out of range for {design.name}: "
+            f"choose a value from 1 to {np.floor(largest):g}"
         )
     excess, clearance = magnification - 1.0, design.clearance
     ring = design.ring.pin_radius - excess * tooth_clearance(reducer)

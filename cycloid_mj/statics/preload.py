@@ -51,7 +51,10 @@ def preloaded(design: Named) -> Design:
         while torque_residual(upper) < 0.0:
             upper *= 2.0
             if upper > MAX_ANGLE:
-                raise RunError(f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin, the largest angle allowed, is smaller")
+                raise DesignError(
+                    f"{design.name}: ring.preload_torque_nm = {torque:g} is too large, because the largest preload "
+                    f"angle allowed, {MAX_ANGLE / ARCMINUTE:g} arcmin, produces less. Reduce this torque"
+                )
         angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, upper, rtol=1e-4))
     except RunError as error:
         raise DesignError(

@@ -259,12 +259,13 @@ def _with_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
     load, _ = load_of(reducer, load)
     if not load > 0.0:
         raise UsageError(
-            f"the output torque is {load:g} N m, which is out of range: choose a torque greater than 0 N m, e.g. "
-            "--load-nm 10"
+            f"{reducer.design.name}: the output torque is {load:g} N m, which is out of range: choose a torque greater "
+            "than 0 N m, e.g. --load-nm 10"
         )
     if reducer.design.drive.speed == 0.0:
         raise DesignError(
-            "drive.speed_rpm is 0, but losses need a crank that turns: set a speed other than 0, such as 1640 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, but losses need a crank that turns: set a speed other than "
+            "0, such as 1640 rpm"
         )
     return reducer.but(load={"torque": load}).working_at(load), load
 

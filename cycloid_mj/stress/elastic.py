@@ -300,8 +300,8 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     values = np.linalg.eigvalsh(support_matrix) if len(support_matrix) else np.zeros(1)
     if not values[0] > 1e-12 * max(values[-1], np.finfo(float).tiny):
         raise CycloidError(
-            f"the {grid.part} can still move as a rigid body, because all its supported nodes lie at one point: "
-            "support nodes at two or more different points"
+            f"the finite-element mesh of the {grid.part} can move as a rigid body, because all its supported nodes lie "
+            "at one point: support nodes at two or more different points"
         )
 
 
@@ -334,6 +334,6 @@ def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
 
 def _not_factorised(part: str, error: Exception) -> CycloidError:
     return CycloidError(
-        f"the stiffness matrix of the {part} cannot be factorised ({error}): check the supports and the outline of "
-        "this part"
+        f"the stiffness matrix of the {part} cannot be factorised ({error}): check that its supports prevent rigid "
+        "motion, and its outline with `cycloid-mj export`"
     )

@@ -279,8 +279,8 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     reducer = Reducer(design)
     if not 0 <= index < len(loads.angle):
         raise UsageError(
-            f"index = {index} is out of range: choose an index from 0 to {len(loads.angle) - 1}, one for each crank "
-            "angle of the loads"
+            f"index = {index} (of the crank angle of the loads) is out of range: choose an index from 0 to "
+            f"{len(loads.angle) - 1}"
         )
     return evaluate_map(assemble_part(reducer, grid, loads), index, distance)
 

@@ -45,8 +45,8 @@ def import_package(name: str) -> Any:
         return importlib.import_module(name)
     except (ImportError, OSError) as error:
         raise CycloidError(
-            f"the package {name} for stresses cannot be loaded ({error}): install it with `pip install "
-            "'cycloid-mj[fem]'`"
+            f"the package {name}, which stress calculations need, cannot be loaded ({error}): install it with "
+            "`pip install 'cycloid-mj[fem]'`"
         ) from error
 
 

@@ -102,8 +102,8 @@ def _output_region(reducer: Reducer, rim: Array) -> Region:
     output, hub = reducer.design.output, reducer.design.shaft.radius
     if not hub < output.pin_circle_radius - output.pin_radius:
         raise UsageError(
-            "the output has no space for its hub, because shaft.radius_mm is not smaller than "
-            "output.pin_circle_radius_mm minus the radius of the output pins: reduce shaft.radius_mm"
+            f"the output of {reducer.design.name} has no space for its hub, because shaft.radius_mm must be smaller "
+            "than output.pin_circle_radius_mm minus the radius of the output pins: reduce shaft.radius_mm"
         )
     pin = circle(output.root_radius, CHORD_ERROR)
     pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(reducer))

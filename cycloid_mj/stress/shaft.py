@@ -147,7 +147,7 @@ def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
         displaced = pressed + compliance[:, open_pads] @ forces[open_pads]
     raise CycloidError(
         "the bearings cannot support the shaft under these loads: no distribution of bearing forces is in equilibrium. "
-        "Check the bearings of the shaft (shaft.* in the design)"
+        "Check the positions of the bearings on the shaft (shaft.* in the design)"
     )
 
 

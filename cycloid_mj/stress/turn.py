@@ -173,7 +173,7 @@ def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: n
     if requested.size > 1 and sample_step > 1.5 * requested_step:  # no sample is used for more than two angles
         rate = (rows.size - 1) / float(np.ptp(run.time[rows]))
         raise LogError(
-            f"the log has one sample per {np.degrees(sample_step):.3g} deg of crank rotation, but one per "
+            f"{run.label} has one sample per {np.degrees(sample_step):.3g} deg of crank rotation, but one per "
             f"{np.degrees(requested_step):.3g} deg is needed. Simulate the design again with settings.log_rate_hz of "
             f"{rate * sample_step / requested_step:.0f} or more"
         )

@@ -669,7 +669,7 @@ def test_a_loop_without_any_balance_is_told_by_name() -> None:
     chosen = fit_parameters(Reducer(resolve("printed")), ("drag",), loops)
     problem = Locked(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), Trials())
     with pytest.raises(
-        RunError, match="loop-4: the model has no static equilibrium for any parameters near the design"
+        RunError, match="loop-4: the model has no static equilibrium for any parameters near those of the design"
     ):
         evaluate_fit(problem, problem.starts()[0])
 

@@ -297,7 +297,11 @@ def test_view_replays_a_log_until_its_window_is_closed(path, monkeypatch):
     clock = SimpleNamespace(monotonic=lambda: next(looks) / RATE, sleep=lambda _: None)
     monkeypatch.setattr(viewer, "time", clock)
     monkeypatch.setenv("DISPLAY", ":0")
-    assert told("view", path, "--slow", "1") == (0, "", "to stop, close the window\n")
+    assert told("view", path, "--slow", "1") == (
+        0,
+        "",
+        "replaying the log in the MuJoCo viewer; close its window to stop\n",
+    )
     run = read(path)
     times = [time for time, _, _ in seen]
     assert times == sorted(times)

@@ -43,7 +43,7 @@ def rejected(*argv: str) -> tuple[int, str]:
     code, out, err = told(*argv)
     assert out == ""
     told_before = ("preparing the model", "warning: ")
-    lines = [line for line in err.splitlines() if "at the same time" not in line and not line.startswith(told_before)]
+    lines = [line for line in err.splitlines() if "in parallel" not in line and not line.startswith(told_before)]
     messages = [line for line in lines if not line.endswith(" s simulated")]  # progress, on a loaded machine
     assert len(messages) == 1, err
     assert messages[0].startswith("error: ")

@@ -346,7 +346,7 @@ def test_no_point_at_all_says_what_refused_how_many(tmp_path: Path, capsys) -> N
         ({"gear.eccentricity_mm": "1:0.5"}, {}, "the smaller one first"),
         ({"gear.eccentricity_mm": "a:b"}, {}, "give LO:HI"),
         ({"ring.teeth": "30.5:36"}, {}, "is not a whole number"),
-        ({"errors.pin_x_um": "0:1"}, {}, "is a list or a table and cannot be varied"),
+        ({"errors.pin_x_um": "0:1"}, {}, "of the design file is a list or a table and cannot be varied"),
         ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": "pressure"}, "unknown figure 'pressure'.*pin_gear_pressure"),
         ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": ()}, "the number of objectives is 0"),
         ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": ["mass_kg"] * 3}, "the number of objectives is 3"),

@@ -206,7 +206,7 @@ def test_coefficients_follow_the_materials() -> None:
     assert pin.typical == pytest.approx(1e-18)
     stated = override(PIN, {"service.wear_coefficient_mm3_nm": 3e-9})
     assert wear_coefficient(stated.service, stated.material).high == pytest.approx(3e-17)
-    with pytest.raises(UsageError, match="hours = 0 is out of range"):
+    with pytest.raises(UsageError, match="hours of the wear study is 0, which is out of range"):
         wear(PIN, 0.0)
 
 

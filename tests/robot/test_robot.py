@@ -811,7 +811,7 @@ def test_a_joint_that_cannot_take_it_is_refused(few: ReducedJoint, joint: str, m
 
 def test_a_model_that_does_not_compile_is_told(few: ReducedJoint) -> None:
     spec = mujoco.MjSpec.from_string("<mujoco><worldbody><body><joint name='j'/></body></worldbody></mujoco>")
-    with pytest.raises(UsageError, match="cannot compile the model"):
+    with pytest.raises(UsageError, match="cannot compile the robot's model"):
         cm.attach_reducer(spec, "j", few)
 
 

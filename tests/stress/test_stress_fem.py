@@ -497,7 +497,7 @@ def read_back(written: StressMap) -> tuple[int, Array, Array]:
 def test_a_singular_support_is_refused() -> None:
     grid = part_grid(PIN, "ring", COARSE)
     for held in (grid.fixed_nodes[:1], np.zeros(0, np.int64)):
-        with pytest.raises(CycloidError, match="ring can still move as a rigid body"):
+        with pytest.raises(CycloidError, match="ring can move as a rigid body"):
             elastic.assemble_body(replace(grid, fixed_nodes=held), STEEL, loose=())
 
 
@@ -508,7 +508,7 @@ def test_mistakes_are_told() -> None:
         solve(PIN, grid, outside)
     with pytest.raises(CycloidError, match="loads act on the gear, but the mesh is that of the pin_1"):
         solve(PIN, grid, replace(outside, part="gear"))
-    with pytest.raises(UsageError, match="index = 5 is out of range"):
+    with pytest.raises(UsageError, match=r"index = 5 \(of the crank angle of the loads\) is out of range"):
         stress_map(PIN, grid, outside, 5)
     with pytest.raises(UsageError, match=r"no planar part 'pin_1': choose one of gear, ring, output"):
         part_grid(NONPIN, "pin_1")

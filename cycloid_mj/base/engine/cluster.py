@@ -53,8 +53,8 @@ def run_on_cluster(
                 why = "every worker of the cluster that computed it died"
                 if on_lost is None:
                     raise RunError(
-                        f"item {index + 1} of the work cannot be computed: {why}, possibly for lack of memory. Use "
-                        "fewer workers per machine"
+                        f"job {index + 1} on the cluster {scheduler} cannot be computed: {why}, possibly for lack of "
+                        "memory. Use fewer workers per machine"
                     ) from future.exception()
                 result = on_lost(index, why)
             else:

@@ -45,8 +45,8 @@ def run_in_processes(
                 why = f"its worker process died {deaths[alone] + 1} times, the last time while it was the only one"
                 if on_lost is None:
                     raise RunError(
-                        f"item {alone + 1} of the work cannot be computed: {why}, possibly for lack of memory. Reduce "
-                        "--workers"
+                        f"job {alone + 1} cannot be computed: {why}, possibly for lack of memory. Use fewer parallel "
+                        "processes (--workers)"
                     ) from death
                 del waiting[alone]
                 yield alone, on_lost(alone, why)

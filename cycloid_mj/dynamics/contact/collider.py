@@ -103,8 +103,8 @@ def _pin_collider() -> Any:
     original = collision_table()[_ENTRY]
     if not original:
         raise ContactError(
-            "MuJoCo has no collision function for two cylinders, which cycloid_mj needs for other models: reinstall "
-            "MuJoCo with `pip install --force-reinstall mujoco`"
+            "MuJoCo has no collision function for two cylinders, which is needed for cylinders outside the reducer: "
+            "reinstall MuJoCo with `pip install --force-reinstall mujoco`"
         )
     llvmlite.binding.add_symbol(_ORIGINAL, original)
     pins = _compile_pins(discover())

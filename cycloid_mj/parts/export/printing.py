@@ -59,8 +59,8 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
         return reducer.but(clearance=clearance, ring=ring)
     except DesignError as error:
         raise DesignError(
-            f"the printer offset of {1e6 * offset:g} um is too large, because a clearance would exceed its limit or "
-            "the sleeves would have no wall: choose a smaller offset"
+            f"{design.name}: the printer offset of {1e6 * offset:g} um is too large, because a clearance would exceed "
+            "its limit or the sleeves would have no wall: choose a smaller offset (--offset-um)"
         ) from error
 
 
