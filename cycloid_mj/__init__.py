@@ -158,8 +158,8 @@ def __getattr__(name: str) -> Any:
     origin = _ORIGINS[name]
     if not origin:
         return import_module(f"{__name__}.{name}")
-    module, _, there = origin.partition(":")
-    value = getattr(import_module(f"{__name__}.{module}"), there or name)
+    module, _, attribute_name = origin.partition(":")
+    value = getattr(import_module(f"{__name__}.{module}"), attribute_name or name)
     globals()[name] = value
     return value
 

@@ -164,8 +164,8 @@ def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
     angle, speed = (_midpoints(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
     crank_acceleration = np.diff(motion.crank_speed.simulated) / interval
     path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
-    simulated = np.diff(motion.q_velocity.simulated, axis=0) / interval[:, np.newaxis]
-    error = Compared(simulated, path.acceleration).error_size[intervals]
+    simulated_acceleration = np.diff(motion.q_velocity.simulated, axis=0) / interval[:, np.newaxis]
+    error = Compared(simulated_acceleration, path.acceleration).error_size[intervals]
     return AccelerationFindings(rms(error), peak(error))
 
 
@@ -177,11 +177,11 @@ def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
 
 def _contacts(motion: Series) -> ContactSummary:
     """Return the mean number of contacts, the largest penetration and the largest force of the evaluated samples."""
-    run, evaluated = motion.run, motion.evaluation_mask
+    run, is_evaluated = motion.run, motion.evaluation_mask
     return ContactSummary(
         mean_active=_mean(run["contacts"], motion),
-        max_penetration_um=1e6 * float(run["penetration"][evaluated].max()),
-        peak_force_n=float(run["peak_force"][evaluated].max()),
+        max_penetration_um=1e6 * float(run["penetration"][is_evaluated].max()),
+        peak_force_n=float(run["peak_force"][is_evaluated].max()),
     )
 
 

@@ -199,18 +199,18 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     """
     design = design_of(run)
     reducer = Reducer(design)
-    moving = design.ring.has_pin_bodies
+    has_moving_pins = design.ring.has_pin_bodies
     planar = [name for gear in names.gears(design.gear.discs) for name in _disc_columns(gear)]
-    run = _cut_before_invalid(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
+    run = _cut_before_invalid(run, (*MOTION, *planar, *PIN_1) if has_moving_pins else (*MOTION, *planar))
     if len(run) < window.WINDOW.min_samples:
         raise LogError(
             f"{run.label} has {len(run)} usable samples; the analysis needs at least {window.WINDOW.min_samples}. "
             "Simulate the design again with a longer --hold-s"
         )
     if window.reaches_hold(reducer, run.time):
-        hold = window.in_hold(reducer, run.time, settle)
+        in_hold = window.in_hold(reducer, run.time, settle)
     else:
-        hold = np.zeros(len(run), dtype=np.bool_)
+        in_hold = np.zeros(len(run), dtype=np.bool_)
     q = _check_point(q, reducer)
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
     return Series(
@@ -219,11 +219,11 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         disc=0,
         q=q,
         ramp=window.in_ramp(reducer, run.time),
-        hold=hold,
+        hold=in_hold,
         crank_speed=Compared(crank_speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
         output_angle=Compared(run["output_angle"], reducer.member.output_angle(crank_angle)),
         output_speed=Compared(run["output_speed"], reducer.member.output_angle(crank_speed)),
-        pin_1=_pin_1(run, reducer) if moving else None,
+        pin_1=_pin_1(run, reducer) if has_moving_pins else None,
         **_disc_motion(run, reducer, q, 0),
     )
 
@@ -294,7 +294,7 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
             )
 
 
-def _cut_before_invalid(run: Run, needed: tuple[str, ...]) -> Run:
+def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
     """Return the run up to its first sample with a value that is not finite or too large; a failed run may end in one.
 
     Raises
@@ -302,10 +302,10 @@ def _cut_before_invalid(run: Run, needed: tuple[str, ...]) -> Run:
     LogError
         A needed column is missing.
     """
-    missing = [name for name in needed if name not in run.columns]
+    missing = [name for name in column_names if name not in run.columns]
     if missing:
         raise LogError(
-            f"{run.label} lacks {len(missing)} of the {len(needed)} columns that the analysis needs: "
+            f"{run.label} lacks {len(missing)} of the {len(column_names)} columns that the analysis needs: "
             f"{', '.join(missing)}. Run `cycloid-mj simulate` again to write a complete log"
         )
     is_valid = np.ones(len(run), dtype=np.bool_)
@@ -313,9 +313,9 @@ def _cut_before_invalid(run: Run, needed: tuple[str, ...]) -> Run:
         is_valid &= np.abs(values) <= LARGEST
     if is_valid.all():
         return run
-    first = int(np.argmin(is_valid))
-    note = f"samples from {run.time[first]:.9g} s on were left out: values are not finite or exceed {LARGEST:g}"
-    return replace(run.select(slice(0, first)), note="; ".join(filter(None, (run.note, note))))
+    first_invalid = int(np.argmin(is_valid))
+    note = f"samples from {run.time[first_invalid]:.9g} s on were left out: values are not finite or exceed {LARGEST:g}"
+    return replace(run.select(slice(0, first_invalid)), note="; ".join(filter(None, (run.note, note))))
 
 
 def _check_point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:

@@ -87,7 +87,7 @@ class Orders(Presented):
         return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2) / self.spread))
 
 
-def periodic_orders(crank: Array, values: Array, base: float = 1.0, max_order: float = np.inf) -> Orders:
+def periodic_orders(crank: Array, values: Array, cycles_per_turn: float = 1.0, max_order: float = np.inf) -> Orders:
     """Compute the amplitudes of periodic values by order, by a discrete Fourier transform over all full cycles.
 
     Parameters
@@ -96,7 +96,7 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, max_order: f
         Crank angles [rad] at even steps, increasing, a whole number of them in a cycle, shape (n,).
     values
         Shape (n,).
-    base
+    cycles_per_turn
         Cycles in a crank turn of what the values repeat with [1].
     max_order
         Largest order to return [1]; at most that of two samples in a cycle.
@@ -106,7 +106,7 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, max_order: f
     UsageError
         The steps are not even, or do not fit in a cycle, or there is no whole cycle.
     """
-    period, increment = 2.0 * np.pi / base, float(crank[-1] - crank[0]) / (len(crank) - 1)
+    period, increment = 2.0 * np.pi / cycles_per_turn, float(crank[-1] - crank[0]) / (len(crank) - 1)
     cycles = int((len(crank) * increment) / period + SPECTRUM.step_rtol)
     points = round(cycles * period / increment)
     uneven = np.abs(np.diff(crank) - increment).max() > SPECTRUM.step_rtol * increment
@@ -117,10 +117,16 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, max_order: f
             "deg: sample the signal again at such angles"
         )
     amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
-    order = base * np.arange(amplitude.size) / cycles
-    nyquist_order = 0.5 * base * points / cycles
+    order = cycles_per_turn * np.arange(amplitude.size) / cycles
+    nyquist_order = 0.5 * cycles_per_turn * points / cycles
     selected = (order > 0.0) & (order <= max_order) & (order < nyquist_order)
-    return Orders(base, order[selected], amplitude[selected], (base / cycles, min(max_order, nyquist_order)), cycles)
+    return Orders(
+        cycles_per_turn,
+        order[selected],
+        amplitude[selected],
+        (cycles_per_turn / cycles, min(max_order, nyquist_order)),
+        cycles,
+    )
 
 
 def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: float = 1.0) -> Orders | None:
@@ -145,20 +151,24 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     swept = base * np.abs(angle - angle[0]) / (2.0 * np.pi)
     if len(swept) < 2 * SPECTRUM.reach or (np.diff(swept) <= 0.0).any():
         return None
-    sampled = float(swept[-1]) * len(swept) / (len(swept) - 1)
-    cycles = int(sampled + SPECTRUM.missing_cycle_share)
+    sampled_angle = float(swept[-1]) * len(swept) / (len(swept) - 1)
+    cycles = int(sampled_angle + SPECTRUM.missing_cycle_share)
     if cycles < 1:
         return None
-    points = int(np.ceil(cycles / sampled * len(swept)))
+    points = int(np.ceil(cycles / sampled_angle * len(swept)))
     sample_numbers = _invert_samples(swept, cycles * np.arange(points) / points)
-    even = between_samples(values, sample_numbers)
-    taper = np.hanning(points + 1)[:-1]
-    amplitude = 2.0 * np.abs(np.fft.rfft(taper * (even - even.mean()), SPECTRUM.padding * points)) / np.sum(taper)
+    even_samples = between_samples(values, sample_numbers)
+    window = np.hanning(points + 1)[:-1]
+    amplitude = (
+        2.0
+        * np.abs(np.fft.rfft(window * (even_samples - even_samples.mean()), SPECTRUM.padding * points))
+        / np.sum(window)
+    )
     order = base * np.arange(amplitude.size) / (SPECTRUM.padding * cycles)
-    highest = min(most, SPECTRUM.band * base * len(swept) / sampled)
-    kept = (order > 0.0) & (order <= highest)
+    highest = min(most, SPECTRUM.band * base * len(swept) / sampled_angle)
+    is_kept = (order > 0.0) & (order <= highest)
     band = SPECTRUM.min_cycles * base / cycles, highest
-    return Orders(base, order[kept], amplitude[kept], band, cycles, SPECTRUM.hann_bandwidth * SPECTRUM.padding)
+    return Orders(base, order[is_kept], amplitude[is_kept], band, cycles, SPECTRUM.hann_bandwidth * SPECTRUM.padding)
 
 
 def _invert_samples(increasing: Array, targets: Array) -> Array:
@@ -167,15 +177,15 @@ def _invert_samples(increasing: Array, targets: Array) -> Array:
     The crank angle of a run is so smooth that this is right to 1e-5 samples; importing SciPy's splines would take
     longer than the evaluation of a run.
     """
-    first = np.clip(np.searchsorted(increasing, targets) - 2, 0, len(increasing) - 4)
-    node_values = increasing[first + np.arange(4)[:, np.newaxis]]
+    first_index = np.clip(np.searchsorted(increasing, targets) - 2, 0, len(increasing) - 4)
+    node_values = increasing[first_index + np.arange(4)[:, np.newaxis]]
     sample_numbers = np.zeros(len(targets))
     for k in range(4):
         other_nodes = [other for other in range(4) if other != k]
         weight = np.prod(
             [(targets - node_values[other]) / (node_values[k] - node_values[other]) for other in other_nodes], axis=0
         )
-        sample_numbers += weight * (first + k)
+        sample_numbers += weight * (first_index + k)
     return sample_numbers
 
 
@@ -191,7 +201,7 @@ def between_samples(values: Array, sample_numbers: Array) -> Array:
     sample_numbers
         Sample numbers, from 0 to n - 1 or little more, that need not be integers, shape (k,).
     """
-    extended = np.pad(values, SPECTRUM.reach, mode="reflect", reflect_type="odd")
+    padded = np.pad(values, SPECTRUM.reach, mode="reflect", reflect_type="odd")
     index = np.clip(np.floor(sample_numbers).astype(np.int64), 0, len(values) - 1)
     total, weights = np.zeros(len(sample_numbers)), np.zeros(len(sample_numbers))
     for offset in range(1 - SPECTRUM.reach, SPECTRUM.reach + 1):
@@ -199,7 +209,7 @@ def between_samples(values: Array, sample_numbers: Array) -> Array:
         weight = np.sinc(distance) * np.i0(
             SPECTRUM.kaiser_beta * np.sqrt(np.clip(1.0 - (distance / SPECTRUM.reach) ** 2, 0.0, 1.0))
         )
-        total += weight * extended[index + offset + SPECTRUM.reach]
+        total += weight * padded[index + offset + SPECTRUM.reach]
         weights += weight
     return np.asarray(total / weights)
 
@@ -233,9 +243,11 @@ def decimate(values: Array, factor: int, means: bool = False) -> Array:
     gain = 1.0 / np.sinc(0.5 * frequency) if means else np.ones(frequency.size)
     taps = firwin2(2 * half_length + 1, [*frequency, new_nyquist, 1.0], [*gain, 0.0, 0.0], window=("kaiser", 6.0))
     margins = ((half_length, half_length), *[(0, 0)] * (values.ndim - 1))
-    extended = np.pad(values, margins, mode="reflect", reflect_type="odd")
-    first = 2 * half_length // factor
-    return np.asarray(upfirdn(taps, extended, down=factor, axis=0)[first : first + math.ceil(len(values) / factor)])
+    padded = np.pad(values, margins, mode="reflect", reflect_type="odd")
+    start_index = 2 * half_length // factor
+    return np.asarray(
+        upfirdn(taps, padded, down=factor, axis=0)[start_index : start_index + math.ceil(len(values) / factor)]
+    )
 
 
 def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
@@ -258,5 +270,5 @@ def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
     from scipy.signal import welch
 
     frequency, power = welch(values, rate, nperseg=segment, axis=0)
-    kept = frequency <= SPECTRUM.band * rate
-    return frequency[kept], power[kept]
+    is_in_band = frequency <= SPECTRUM.band * rate
+    return frequency[is_in_band], power[is_in_band]

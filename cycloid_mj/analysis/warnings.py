@@ -72,8 +72,8 @@ def run_warnings(motion: Series) -> tuple[str, ...]:
     """Return the warnings about log rate, time step, convergence and power balance of a run, with remedies."""
     run, reducer = motion.run, motion.reducer
     # the columns of powers suffice: most columns of a run are forces, whose copy would be as large as the run
-    evaluated = run.of_topic(REDUCER).select(motion.whole_periods)
-    powers = balance_warnings(evaluated, reducer) if motion.phase == "hold" and len(evaluated) > 1 else ()
+    evaluated_run = run.of_topic(REDUCER).select(motion.whole_periods)
+    powers = balance_warnings(evaluated_run, reducer) if motion.phase == "hold" and len(evaluated_run) > 1 else ()
     min_steps = (PLANAR_RULE if run.provenance.get("solver") == "planar" else MUJOCO_RULE).min_steps_per_tooth
     return tuple(
         dict.fromkeys((*run.warnings, *pace_warnings(reducer, min_steps), *convergence_warnings(run), *powers))
@@ -128,7 +128,7 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
             f"efficiency {powers.efficiency:.2%}: friction losses are {1.0 / powers.efficiency - 1.0:.3g} times the "
             "output power, and the drive is almost self-locking; check friction.*, clearance.* and load.torque_nm"
         )
-    cause = remedy or ("the hold is shorter than a crank turn: raise drive.hold_s" if is_short else COARSE)
+    explanation = remedy or ("the hold is shorter than a crank turn: raise drive.hold_s" if is_short else COARSE)
     load_power = abs(design.load.torque * design.drive.speed) / design.reduction
     if (
         powers.supplied < LIMITS.min_driving_share * powers.delivered
@@ -146,9 +146,9 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
     max_error = 1.0 + (LIMITS.balance_rtol if powers.lost < LIMITS.balance_rtol * reference_power else 0.0)
     is_impossible = not 0.0 <= powers.efficiency <= max_error if design.load.torque else powers.efficiency > max_error
     if design.load.torque and powers.note:
-        texts.append(f"efficiency 0, {powers.note}: both shafts drive, and friction takes all power; or {cause}")
+        texts.append(f"efficiency 0, {powers.note}: both shafts drive, and friction takes all power; or {explanation}")
     if is_impossible and (design.load.torque or max(powers.crank, powers.output) > idle_power):
-        texts.append(f"efficiency {powers.efficiency:.2%} is impossible: {cause}")
+        texts.append(f"efficiency {powers.efficiency:.2%} is impossible: {explanation}")
     return tuple(texts)
 
 
@@ -170,9 +170,9 @@ def _swept_turns(run: Run) -> float:
 def _ramp_warning(motion: Series) -> str:
     """Return the warning of a run that ended during the ramp."""
     drive = motion.design.drive
-    reached = RPM.from_si(float(motion.crank_speed.simulated[-1]))
+    reached_speed = RPM.from_si(float(motion.crank_speed.simulated[-1]))
     return (
-        f"the run ended during the ramp, at {motion.time[-1]:.4g} of {drive.ramp:g} s and {reached:.4g} of"
+        f"the run ended during the ramp, at {motion.time[-1]:.4g} of {drive.ramp:g} s and {reached_speed:.4g} of"
         f" {RPM.from_si(drive.speed):g} rpm: all results are those of the ramp; results at constant speed, such as the"
         " efficiency, are missing"
     )
@@ -181,9 +181,11 @@ def _ramp_warning(motion: Series) -> str:
 def _short_run_warning(motion: Series, window: Window) -> str:
     """Return the warning of a run with less than a crank turn at constant speed, with the required drive.hold_s."""
     speed = abs(motion.design.drive.speed)
-    settled = window.start_s - motion.design.drive.ramp
+    settling_duration = window.start_s - motion.design.drive.ramp
     remedy = (
-        f"; a full turn needs drive.hold_s = {settled + 2.0 * np.pi / speed:.2g}, settling included" if speed else ""
+        f"; a full turn needs drive.hold_s = {settling_duration + 2.0 * np.pi / speed:.2g}, settling included"
+        if speed
+        else ""
     )
     return (
         f"only {window.crank_turns:.2f} crank turns at constant speed were evaluated: means and peaks are those of part"

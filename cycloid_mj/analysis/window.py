@@ -39,10 +39,10 @@ def require_hold(reducer: Reducer, time: Array) -> None:
     """Raise LogError if a run has too few samples at constant crank speed to evaluate."""
     if not reaches_hold(reducer, time):
         count = np.count_nonzero(~in_ramp(reducer, time))
-        reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
+        end_text = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
         raise LogError(
             f"the run of {reducer.design.name} has {count} samples at constant crank speed, but at least "
-            f"{WINDOW.min_samples} are needed: {reached}, and the speed ramp ends at {reducer.design.drive.ramp:.6g} "
+            f"{WINDOW.min_samples} are needed: {end_text}, and the speed ramp ends at {reducer.design.drive.ramp:.6g} "
             "s. Simulate the design again without interruption"
         )
 
@@ -70,8 +70,8 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
     ramp = design.drive.ramp
     require_hold(reducer, time)
     if settle is None:
-        loaded = design.load.rise if design.load.torque else 0.0
-        settle = max(loaded - ramp, 0.0) + settling(reducer)
+        load_rise = design.load.rise if design.load.torque else 0.0
+        settle = max(load_rise - ramp, 0.0) + settling(reducer)
     if not settle >= 0.0:
         raise UsageError(
             f"settle = {settle} s (the settling time of the run) is out of range: give a time of at least 0 s, or omit "
@@ -103,7 +103,7 @@ def turn_by_turn(crank_angle: Array) -> list[slice]:
     turns = int(swept_turns[-1] * swept_turns.size / max(swept_turns.size - 1, 1) + 1e-6)
     # samples may fall on the ends of a turn, which the servo of the drive misses by about 1e-8 of a turn
     starts = np.searchsorted(swept_turns, np.arange(turns + 1) - 1e-6 / (2 * np.pi))
-    return [slice(int(first), int(last)) for first, last in pairwise(starts)] or [slice(0, swept_turns.size)]
+    return [slice(int(start), int(stop)) for start, stop in pairwise(starts)] or [slice(0, swept_turns.size)]
 
 
 def one_turn(crank_angle: Array) -> slice:

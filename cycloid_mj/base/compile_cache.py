@@ -34,9 +34,9 @@ def cache_folder() -> Path | None:
     folders of earlier sources are kept, older ones removed.
     """
     name = f"kernels-{_digest_of_sources()}"
-    for place in [config.CACHE_DIR] if config.CACHE_DIR else [f"{PACKAGE}/__pycache__", "~/.cache/cycloid_mj"]:
+    for folder in [config.CACHE_DIR] if config.CACHE_DIR else [f"{PACKAGE}/__pycache__", "~/.cache/cycloid_mj"]:
         with suppress(OSError, RuntimeError):  # a user may have no home folder
-            parent = Path(place).expanduser()
+            parent = Path(folder).expanduser()
             if not (parent / name).exists():
                 (parent / name).mkdir(parents=True, exist_ok=True)
                 _remove_old_folders(parent)

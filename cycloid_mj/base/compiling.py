@@ -27,10 +27,10 @@ def njit(
         options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
     def compile_kernel(function: Function) -> Any:
-        wrapped = numba.njit(**options, _nrt=allocates)(function)
+        compiled_function = numba.njit(**options, _nrt=allocates)(function)
         if cache:
-            wrapped._cache = KernelCache(function)
-        return wrapped
+            compiled_function._cache = KernelCache(function)
+        return compiled_function
 
     return compile_kernel
 

@@ -28,5 +28,5 @@ def import_extra(module: str, feature: str, extra_name: str, alternative: str = 
     try:
         return import_module(module)
     except (ImportError, OSError) as problem:
-        ways = ", or ".join(filter(None, (f"pip install 'cycloid-mj[{extra_name}]'", alternative)))
-        raise CycloidError(f"{feature} needs {module.replace('_', '-')} ({problem}): {ways}") from problem
+        remedies = ", or ".join(filter(None, (f"pip install 'cycloid-mj[{extra_name}]'", alternative)))
+        raise CycloidError(f"{feature} needs {module.replace('_', '-')} ({problem}): {remedies}") from problem

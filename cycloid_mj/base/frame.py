@@ -110,7 +110,7 @@ def write_csv(frame: Frame, path: str | os.PathLike[str]) -> None:
     CycloidError
         The file cannot be written; one that was there before is as it was.
     """
-    with atomic_file(path) as beside, beside.open("w", encoding="utf-8", newline="") as stream:
+    with atomic_file(path) as temporary_path, temporary_path.open("w", encoding="utf-8", newline="") as stream:
         write_rows(frame.columns, stream)
 
 
@@ -158,16 +158,16 @@ def write_parquet(
     pairs = {"units": dict(frame.units), **metadata}
     entries = ", ".join(f"{key}: {_quote(json.dumps(value))}" for key, value in pairs.items())
     options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{entries}}}"
-    with atomic_file(path) as beside, duckdb.connect() as database, TemporaryDirectory() as elsewhere:
+    with atomic_file(path) as temporary_path, duckdb.connect() as database, TemporaryDirectory() as temporary_folder:
         database.register("frame", dict(frame.columns))
         # DuckDB takes names in UTF-8 alone
-        target = beside if str(beside).isprintable() else Path(elsewhere) / "frame.parquet"
+        target = temporary_path if str(temporary_path).isprintable() else Path(temporary_folder) / "frame.parquet"
         try:
             database.execute(f"COPY (SELECT * FROM frame) TO {_quote(str(target))} ({options})")
         except duckdb.Error as problem:
             raise error(f"cannot write {path}: {problem}; choose another file") from problem
-        if target != beside:
-            shutil.copyfile(target, beside)
+        if target != temporary_path:
+            shutil.copyfile(target, temporary_path)
 
 
 def _duckdb(what: str, instead: str, error: Callable[[str], CycloidError] = CycloidError) -> ModuleType:

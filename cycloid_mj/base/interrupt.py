@@ -58,14 +58,14 @@ def preserve_handlers() -> Iterator[None]:
         yield
         return
     system = ctypes.CDLL(None)
-    before = {number: ctypes.create_string_buffer(LARGEST_ACTION) for number in STOPPING}
-    for number, action in before.items():
-        system.sigaction(number, None, action)
+    saved_handlers = {number: ctypes.create_string_buffer(LARGEST_ACTION) for number in STOPPING}
+    for number, saved_handler in saved_handlers.items():
+        system.sigaction(number, None, saved_handler)
     try:
         yield
     finally:
-        for number, action in before.items():
-            system.sigaction(number, action, None)
+        for number, saved_handler in saved_handlers.items():
+            system.sigaction(number, saved_handler, None)
 
 
 @contextmanager
@@ -78,14 +78,14 @@ def defer_signals() -> Iterator[None]:
         yield
         return
     signals: list[int] = []
-    before: dict[int, Any] = {}
+    previous_handlers: dict[int, Any] = {}
     try:
         for number in STOPPING:
             if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                before[number] = signal.signal(number, lambda number, _: signals.append(number))
+                previous_handlers[number] = signal.signal(number, lambda number, _: signals.append(number))
         yield
     finally:
-        for number, handler in before.items():
+        for number, handler in previous_handlers.items():
             signal.signal(number, handler)
         if signals:
             signal.raise_signal(signals[0])

@@ -78,14 +78,18 @@ def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
     parameters = signature(function)
 
     @wraps(function)
-    def with_bar(*arguments: P.args, **named: P.kwargs) -> R:
+    def with_bar(*arguments: P.args, **keyword_arguments: P.kwargs) -> R:
         """Call the function with a bar as `progress`, in a notebook and where no outer call shows one."""
-        if _shown.get() or not in_notebook() or "progress" in parameters.bind_partial(*arguments, **named).arguments:
-            return function(*arguments, **named)
+        if (
+            _shown.get()
+            or not in_notebook()
+            or "progress" in parameters.bind_partial(*arguments, **keyword_arguments).arguments
+        ):
+            return function(*arguments, **keyword_arguments)
         bar, token = CellBar(function.__name__), _shown.set(True)
         try:
-            named["progress"] = bar
-            return function(*arguments, **named)
+            keyword_arguments["progress"] = bar
+            return function(*arguments, **keyword_arguments)
         finally:
             _shown.reset(token)
             bar.close()

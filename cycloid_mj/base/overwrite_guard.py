@@ -157,9 +157,9 @@ def require_replaceable(path: Path) -> None:
     if command is None or not path.is_file():
         return
     if (source := command.read.get(_identity(path))) is not None:
-        same = "itself" if source == path else f"{source}, which is the same file"
+        source_text = "itself" if source == path else f"{source}, which is the same file"
         raise TakenError(
-            f"cannot write {path} over {same}, because this command reads that file: choose another file name"
+            f"cannot write {path} over {source_text}, because this command reads that file: choose another file name"
         )
     real = _real(path)
     if command.replaceable.isdisjoint((real, *real.parents)):
@@ -182,23 +182,23 @@ def require_ending(path: Path, ending: str) -> None:
 def describe_file(path: Path) -> str:
     """Describe a file in words: its type, its subject if its head names one, and its time of change."""
     head = _head(path)
-    own = _own_kind(path)
-    what = own.name if _begins(head, own) else _kind(head) or own.name
+    expected_kind = _own_kind(path)
+    kind_name = expected_kind.name if _begins(head, expected_kind) else _kind(head) or expected_kind.name
     match = NAMED.search(head)
     about = next((word for word in match.groups() if word), b"").decode(errors="replace") if match else ""
     when = datetime.fromtimestamp(path.stat().st_mtime).isoformat(" ", "minutes")
-    return f"{what}{f', {about!r},' if about else ''} of {when}"
+    return f"{kind_name}{f', {about!r},' if about else ''} of {when}"
 
 
 def _require_same_kind(path: Path) -> None:
     """Raise TakenError if an existing file is of another type than the ending of its name says."""
-    head, wanted = _head(path), _own_kind(path)
-    if not head or (wanted.start and _begins(head, wanted)):
+    head, wanted_kind = _head(path), _own_kind(path)
+    if not head or (wanted_kind.start and _begins(head, wanted_kind)):
         return
-    if (kind := _kind(head)) or wanted.start:
+    if (kind := _kind(head)) or wanted_kind.start:
         raise TakenError(
-            f"cannot write {path}: the existing file is {kind or f'not {wanted.name}'}, and only files of the same "
-            "type are replaced. Choose another file name"
+            f"cannot write {path}: the existing file is {kind or f'not {wanted_kind.name}'}, and only files of the "
+            "same type are replaced. Choose another file name"
         )
 
 

@@ -79,8 +79,8 @@ class Powers:
 
 def mean_powers(run: Run) -> Powers:
     """Compute the mean powers [W] of a run: crank, output, losses by kind, and stored; terms not logged count as 0."""
-    still = np.zeros(len(run))
-    energy = run.columns.get("kinetic_energy", still) + run.columns.get("potential_energy", still)
+    no_speed = np.zeros(len(run))
+    energy = run.columns.get("kinetic_energy", no_speed) + run.columns.get("potential_energy", no_speed)
     return Powers(
         crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
         output=float(np.mean(run["load_torque"] * run["output_speed"])),

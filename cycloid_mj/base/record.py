@@ -185,11 +185,11 @@ class Run(Presented):
         """
         pairs = self.pairs(kind)
         if not pairs:
-            present = sorted({str(kind_of(pair)) for pair in self.by_stem(FORCE_X)})
+            logged_kinds = sorted({str(kind_of(pair)) for pair in self.by_stem(FORCE_X)})
             raise LogError(
                 f"{self.label} has no contact forces of kind {kind!r}; the kinds in this log are: "
-                f"{', '.join(present) or 'none'}. Run `cycloid-mj simulate` again with the same design: it logs all "
-                "contact forces"
+                f"{', '.join(logged_kinds) or 'none'}. Run `cycloid-mj simulate` again with the same design: it logs "
+                "all contact forces"
             )
         names = [column(pair, part) for pair in pairs for part in (FORCE_X, FORCE_Y)]
         return self.block(names).reshape(len(self), len(pairs), 2)
@@ -249,10 +249,11 @@ def _check_time(time: Array) -> None:
         )
     backward = np.flatnonzero(np.diff(time) <= 0.0)
     if backward.size:
-        before = int(backward[0])
+        previous_sample = int(backward[0])
         raise LogError(
-            f"the times of the run do not increase at sample {before + 1}: {time[before]!s} s is followed by "
-            f"{time[before + 1]!s} s. Times must be strictly increasing; sort the samples and remove repeated times"
+            f"the times of the run do not increase at sample {previous_sample + 1}: {time[previous_sample]!s} s is "
+            f"followed by {time[previous_sample + 1]!s} s. Times must be strictly increasing; sort the samples and "
+            "remove repeated times"
         )
 
 
@@ -280,18 +281,20 @@ def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, 
     Raises LogError for a name that is no column, or is listed twice.
     """
     names_by_topic = {topic: tuple(names) for topic, names in topics.items()}
-    listed = [name for names in names_by_topic.values() for name in names]
-    if unknown := [name for name in listed if name not in columns]:
+    listed_columns = [name for names in names_by_topic.values() for name in names]
+    if unknown := [name for name in listed_columns if name not in columns]:
         raise LogError(
             f"the argument `topics` lists {unknown[0]!r}, but the log has no such column. Remove it or correct its "
             f"name: {_nearest_columns(unknown[0], list(columns))}"
         )
-    if len(set(listed)) < len(listed):
-        twice = next(name for name in listed if listed.count(name) > 1)
-        raise LogError(f"the argument `topics` lists the column {twice!r} twice: list each column under one topic only")
-    if rest := tuple(name for name in columns if name not in set(listed)):
-        first = next(iter(names_by_topic), REDUCER)
-        names_by_topic[first] = (*names_by_topic.get(first, ()), *rest)
+    if len(set(listed_columns)) < len(listed_columns):
+        repeated_column = next(name for name in listed_columns if listed_columns.count(name) > 1)
+        raise LogError(
+            f"the argument `topics` lists the column {repeated_column!r} twice: list each column under one topic only"
+        )
+    if unlisted_columns := tuple(name for name in columns if name not in set(listed_columns)):
+        first_topic = next(iter(names_by_topic), REDUCER)
+        names_by_topic[first_topic] = (*names_by_topic.get(first_topic, ()), *unlisted_columns)
     return names_by_topic
 
 

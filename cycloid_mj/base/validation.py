@@ -104,14 +104,14 @@ def absolute(
 
 
 def deviation_row(
-    quantity: str, ours: Array, reference: Array, unit: str, source: str, bound: float | None, note: str = ""
+    quantity: str, result: Array, reference: Array, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
     """Return a row that compares many values, shape (n,), or vectors, shape (..., 2), with their reference.
 
     The row shows the largest magnitude of both sides, judged by the largest difference in percent of the largest
     reference.
     """
-    size, largest, error = (float(_sizes(values).max()) for values in (ours, reference, ours - reference))
+    size, largest, error = (float(_sizes(values).max()) for values in (result, reference, result - reference))
     return ValidationRow(_as_quantity(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
 
 

@@ -218,10 +218,12 @@ class Calibration(Presented):
         all_stretches = self.stretches
         for loop in self.fitted.loops:
             stretches = [item for item in all_stretches if item.loop == loop.name]
-            outside = [item for item in stretches if not item.is_within_model_error]
-            if outside:
-                worst = max(outside, key=attrgetter("share"))
-                limit = f"{len(outside)} of {len(stretches)} stretches differ by more than {MODEL_ERROR:.0%}"
+            deviating_stretches = [item for item in stretches if not item.is_within_model_error]
+            if deviating_stretches:
+                worst = max(deviating_stretches, key=attrgetter("share"))
+                limit = (
+                    f"{len(deviating_stretches)} of {len(stretches)} stretches differ by more than {MODEL_ERROR:.0%}"
+                )
                 yield f"{worst.sentence} ({limit})"
 
     @property
@@ -257,11 +259,11 @@ class Calibration(Presented):
 
     def _figure_table(self) -> Table:
         """Return a table of the figures of the measured and the fitted loops with their definitions."""
-        modelled = self.modelled.in_units()
+        modelled_figures = self.modelled.in_units()
         rows = []
         for key, item in self.measured.in_units().items():
             interval = f"{item.low:.4g} to {item.high:.4g}" if np.isfinite(item.value) else ""
-            values = _format_number(item.value), interval, _format_number(modelled[key].value)
+            values = _format_number(item.value), interval, _format_number(modelled_figures[key].value)
             rows.append((key, *values, DEFINITIONS[key]))
         return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), tuple(rows))
 
@@ -305,8 +307,8 @@ class Calibration(Presented):
             "complete": self.complete,
             "unidentified": list(self.unidentified),
             "indistinguishable": [
-                {"keys": [first, second], "correlation": correlation}
-                for first, second, correlation in self.indistinguishable
+                {"keys": [first_key, second_key], "correlation": correlation}
+                for first_key, second_key, correlation in self.indistinguishable
             ],
             "correlations": {
                 estimate: dict(zip(self.estimates, row, strict=True))
@@ -349,16 +351,16 @@ def _estimate_json(estimate: Estimate) -> dict[str, Any]:
     }
 
 
-def _loop_json(fitted: Fitted, number: int) -> dict[str, Any]:
+def _loop_json(fit: Fitted, number: int) -> dict[str, Any]:
     """Convert a loop with its residual and its fitted offsets to JSON values."""
-    loop, rms, offset = fitted.loops[number], fitted.rms(number), fitted.offsets[number]
+    loop, rms, offset = fit.loops[number], fit.rms(number), fit.offsets[number]
     return {
         "name": loop.name,
         "points": len(loop.torque),
         "height_deg": loop.height / DEGREE,
         "residual_rms_deg": rms / DEGREE,
         "residual_share": rms / loop.height,
-        "residual_share_without_offset": fitted.rms_without_offset(number) / loop.height,
+        "residual_share_without_offset": fit.rms_without_offset(number) / loop.height,
         "width_at_zero_torque_deg": loop_width(loop).value / DEGREE,
         "offset_torque_nm": float(offset[0]),
         "offset_deg": float(offset[1]) / DEGREE,
@@ -452,9 +454,11 @@ def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
             torque_offset, offset_gain = best.torque_offset, best.offset_gain
         fitted = fit_loops(model, problem.parameters, loops, bench, trials, torque_offset=torque_offset)
     except FitStopped as stop:
-        so_far = _build_calibration(fits.get(model_selection.WRITTEN, stop.fitted))
-        notes = (*so_far.notes, STOPPED)
-        raise CalibrationStopped(stop, replace(so_far, complete=False, candidates=compared, notes=notes)) from stop
+        partial_calibration = _build_calibration(fits.get(model_selection.WRITTEN, stop.fitted))
+        notes = (*partial_calibration.notes, STOPPED)
+        raise CalibrationStopped(
+            stop, replace(partial_calibration, complete=False, candidates=compared, notes=notes)
+        ) from stop
     if torque_offset is not None:
         fitted = replace(fitted, offset_gain=offset_gain)
     return replace(_build_calibration(fitted), candidates=compared)
@@ -528,19 +532,21 @@ def _build_calibration(fitted: Fitted) -> Calibration:
     """Build the calibration of a fit: the calibrated design, estimates with intervals, figures and notes."""
     count = len(fitted.parameters)
     estimates = {parameter.key: _estimate_value(fitted, number) for number, parameter in enumerate(fitted.parameters)}
-    related = correlations(fitted)
+    parameter_correlations = correlations(fitted)
     keys = list(estimates)
-    pairs = [(i, j) for i in range(count) for j in range(i) if abs(related[i, j]) > LIMITS.max_correlation]
-    indistinguishable = tuple((keys[i], keys[j], float(related[i, j])) for i, j in pairs)
-    calibrated = fitted.calibrated_model.reducer.design
-    modelled = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
+    pairs = [
+        (i, j) for i in range(count) for j in range(i) if abs(parameter_correlations[i, j]) > LIMITS.max_correlation
+    ]
+    indistinguishable = tuple((keys[i], keys[j], float(parameter_correlations[i, j])) for i, j in pairs)
+    calibrated_design = fitted.calibrated_model.reducer.design
+    modelled_loops = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
     return Calibration(
         fitted=fitted,
-        design=calibrated.but(name=calibrated_name(Reducer(calibrated))),
+        design=calibrated_design.but(name=calibrated_name(Reducer(calibrated_design))),
         estimates=estimates,
         indistinguishable=indistinguishable,
         measured=loop_figures(fitted.loops),
-        modelled=loop_figures(modelled),
+        modelled=loop_figures(modelled_loops),
         notes=_fit_notes(fitted),
     )
 
@@ -550,19 +556,19 @@ def _estimate_value(fitted: Fitted, index: int) -> Estimate:
 
     `index` is that of the parameter.
     """
-    parameter, scaled, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
-    value, low, high = (parameter.from_scale(float(item)) for item in (scaled, *interval))
+    parameter, scaled_value, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
+    value, low, high = (parameter.from_scale(float(item)) for item in (scaled_value, *interval))
     lower, upper = parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)
     margin = SETTINGS.difference_step
-    bounded = lower + margin < interval[0] and interval[1] < upper - margin
+    is_bounded = lower + margin < interval[0] and interval[1] < upper - margin
     at_bound, prior = bool(fitted.at_bound[index]), float(fitted.prior_share[index])
-    identified = bool(not at_bound and bounded and prior < LIMITS.max_prior_share and high - low < abs(value))
+    is_identified = bool(not at_bound and is_bounded and prior < LIMITS.max_prior_share and high - low < abs(value))
     likeliest, half_width = float(fitted.likeliest[index]), float(fitted.uncertainty.half_widths[index])
     noise = math.nan, math.nan
     if not at_bound:
         noise = parameter.from_scale(likeliest - half_width), parameter.from_scale(likeliest + half_width)
-    drawn = parameter.start, parameter.deviation, parameter.source
-    return Estimate(value, parameter.unit, parameter.meaning, (low, high), noise, identified, *drawn)
+    prior_values = parameter.start, parameter.deviation, parameter.source
+    return Estimate(value, parameter.unit, parameter.meaning, (low, high), noise, is_identified, *prior_values)
 
 
 def _percent(shares: Sequence[float]) -> str:
@@ -603,13 +609,13 @@ def _format_number(value: float) -> str:
 
 
 def _advise_loops(
-    fitted: Fitted, undetermined: Sequence[str], indistinguishable: Sequence[tuple[str, str, float]]
+    fitted: Fitted, undetermined_keys: Sequence[str], indistinguishable: Sequence[tuple[str, str, float]]
 ) -> tuple[str, ...]:
     """Describe loops that would determine some values, a sentence each.
 
-    `undetermined` are keys of values, `indistinguishable` pairs of keys with their correlation.
+    `undetermined_keys` are keys of values, `indistinguishable` pairs of keys with their correlation.
     """
-    open_keys = {*undetermined, *(key for pair in indistinguishable for key in pair[:2])}
+    open_keys = {*undetermined_keys, *(key for pair in indistinguishable for key in pair[:2])}
     max_torque, bench = max(loop.most for loop in fitted.loops), fitted.bench
     lowest = min(fitted.loops, key=attrgetter("height"))
     coulomb, advice = loop_coulomb_torque(lowest).value, []
@@ -620,10 +626,10 @@ def _advise_loops(
             f"play: a loop at a second crank angle, {angle:.4g} deg, at which other teeth and holes carry the load"
         )
     if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *RUBBING} & open_keys:
-        small = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * max_torque
+        small_torque = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * max_torque
         advice.append(
-            f"losses: a loop of +-{small:.2g} N m, in which constant friction is most of the torque, in addition to "
-            f"one of +-{max_torque:.4g} N m"
+            f"losses: a loop of +-{small_torque:.2g} N m, in which constant friction is most of the torque, in "
+            f"addition to one of +-{max_torque:.4g} N m"
         )
         other_end = "output" if bench.held == "crank" else "crank"
         advice.append(
@@ -650,15 +656,16 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
         )
     notes += [
         f"{item.key} is at the limit of the search, {value:.4g} {item.unit}: its interval is one-sided"
-        for item, value, scaled in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)
-        if min(scaled - item.to_scale(item.lower), item.to_scale(item.upper) - scaled) < PROFILE.bound_distance
+        for item, value, scaled_value in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)
+        if min(scaled_value - item.to_scale(item.lower), item.to_scale(item.upper) - scaled_value)
+        < PROFILE.bound_distance
     ]
     notes.append(INTERVALS)
     if math.isfinite(fitted.offset_gain):
         exact, word = "the zero of torque is taken as exact", "with" if fitted.torque_offset else "without"
-        chosen = "each loop has a fitted zero offset of torque" if fitted.torque_offset else exact
+        offset_note = "each loop has a fitted zero offset of torque" if fitted.torque_offset else exact
         gain = f"{abs(fitted.offset_gain):.3g}"
-        notes.append(f"{chosen}: the Bayesian criterion {word} such offsets is lower by {gain}")
+        notes.append(f"{offset_note}: the Bayesian criterion {word} such offsets is lower by {gain}")
     return tuple(notes)
 
 
@@ -670,9 +677,9 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
     UsageError
         A loop fits the design's only in N mm, in radians, or in arcminutes.
     """
-    rated = model.reducer.design.rated_torque
+    rated_torque = model.reducer.design.rated_torque
     for loop in loops:
-        require_torque(loop, rated)
+        require_torque(loop, rated_torque)
         try:
             turn = np.concatenate([turn for _, turn in model_branches(model, bench, loop)])
         except RunError:

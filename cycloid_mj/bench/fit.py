@@ -218,15 +218,15 @@ def fit_loops(
         gain = math.nan
         if torque_offset is None:
             problem, gain, solutions = _choose_offset(problem, solutions)
-        scaled = _refine(problem, solutions, fits, gain, interval_searches)
+        scaled_values = _refine(problem, solutions, fits, gain, interval_searches)
         if not intervals:
             return fits[-1]
-        return replace(fits[-1], scaled=problem.fit_deflections(scaled, *fits[-1].ends.T))
+        return replace(fits[-1], scaled=problem.fit_deflections(scaled_values, *fits[-1].ends.T))
     except KeyboardInterrupt as stop:
         if not solutions:
             raise
-        so_far = fits[-1] if fits else evaluate_fit(problem, min(solutions, key=itemgetter(0))[1])
-        raise FitStopped(stop, so_far) from stop
+        partial_fit = fits[-1] if fits else evaluate_fit(problem, min(solutions, key=itemgetter(0))[1])
+        raise FitStopped(stop, partial_fit) from stop
 
 
 def _refine(
@@ -256,22 +256,24 @@ def _refine(
     Array
         Scaled values of the last search.
     """
-    best, *others = solutions
-    scaled = best[1]
+    best, *other_solutions = solutions
+    scaled_values = best[1]
     for _ in range(PROFILE.max_restarts):
         problem.trials.expect(problem.expected_trials(long=1, **interval_searches))
-        cost, scaled = problem.minimise(scaled, SETTINGS.max_steps, "trf")
-        solutions.append((cost, scaled))
-        fits.append(replace(evaluate_fit(problem, scaled), offset_gain=offset_gain))
-        better = widen_intervals(problem, fits[-1], [(cost, scaled), *others]) if interval_searches else None
-        if better is None:
+        cost, scaled_values = problem.minimise(scaled_values, SETTINGS.max_steps, "trf")
+        solutions.append((cost, scaled_values))
+        fits.append(replace(evaluate_fit(problem, scaled_values), offset_gain=offset_gain))
+        better_values = (
+            widen_intervals(problem, fits[-1], [(cost, scaled_values), *other_solutions]) if interval_searches else None
+        )
+        if better_values is None:
             break
-        others.append((cost, scaled))
-        scaled = better
-    return scaled
+        other_solutions.append((cost, scaled_values))
+        scaled_values = better_values
+    return scaled_values
 
 
-def evaluate_fit(problem: FitProblem, scaled: Array) -> Fitted:
+def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     """Compute the fit at scaled values, with the intervals of the linearised model.
 
     Raises
@@ -280,22 +282,22 @@ def evaluate_fit(problem: FitProblem, scaled: Array) -> Fitted:
         A loop has no model there.
     """
     low, high = problem.bounds
-    loop_residuals = problem.residuals_by_loop(scaled)
-    failed = [
+    loop_residuals = problem.residuals_by_loop(scaled_values)
+    failed_loops = [
         loop.name
         for loop, part in zip(problem.loops, loop_residuals, strict=True)
         if np.all(part == SETTINGS.failed_residual)
     ]
-    if failed:
+    if failed_loops:
         raise RunError(
-            f"{' and '.join(failed)}: the model has no static equilibrium for any parameters near those of the design. "
-            "Reduce the friction coefficients (friction.*), or set the clearances (clearance.*) closer to those "
-            "measured"
+            f"{' and '.join(failed_loops)}: the model has no static equilibrium for any parameters near those of the "
+            "design. Reduce the friction coefficients (friction.*), or set the clearances (clearance.*) closer to "
+            "those measured"
         )
     # the residuals of the priors are last
-    slopes = problem.slopes(scaled, range(len(scaled)), central=True)[: sum(map(len, loop_residuals))]
+    slopes = problem.slopes(scaled_values, range(len(scaled_values)), central=True)[: sum(map(len, loop_residuals))]
     prior = MODEL_ERROR * problem.prior_weights
-    at_bound = ~((scaled > low + PROFILE.bound_distance) & (scaled < high - PROFILE.bound_distance))
+    at_bound = ~((scaled_values > low + PROFILE.bound_distance) & (scaled_values < high - PROFILE.bound_distance))
     by_loop = np.split(slopes, np.cumsum([len(part) for part in loop_residuals])[:-1])
     weighted = [part / np.sqrt(len(part)) for part in loop_residuals]
     free = estimate_uncertainty(by_loop, weighted, ~at_bound, prior)
@@ -307,14 +309,16 @@ def evaluate_fit(problem: FitProblem, scaled: Array) -> Fitted:
             for index, item in enumerate(estimates)
         ]
     )
-    ends = np.clip(scaled[:, np.newaxis] + np.outer(half_width, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
+    ends = np.clip(
+        scaled_values[:, np.newaxis] + np.outer(half_width, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis]
+    )
     return Fitted(
         model=problem.model,
         parameters=problem.parameters,
         bench=problem.bench,
         loops=problem.loops,
-        likeliest=scaled,
-        scaled=scaled,
+        likeliest=scaled_values,
+        scaled=scaled_values,
         residuals=tuple(loop_residuals),
         slopes=slopes,
         uncertainty=free,
@@ -339,12 +343,15 @@ def _choose_offset(
     `problem` is that with offsets; `solutions` are cost and scaled values of its searches, the best first. Returns the
     chosen problem, by how much the criterion is lower with offsets, and the solutions of the chosen problem.
     """
-    without = replace(problem, torque_offset=False)
+    problem_without_offset = replace(problem, torque_offset=False)
     steps = SETTINGS.max_steps_from_start
-    solutions_without = sorted((without.minimise(scaled, steps, "trf") for _, scaled in solutions), key=itemgetter(0))
+    solutions_without = sorted(
+        (problem_without_offset.minimise(scaled_values, steps, "trf") for _, scaled_values in solutions),
+        key=itemgetter(0),
+    )
     residuals_with, residuals_without = (
         problem.residuals_by_loop(solutions[0][1]),
-        without.residuals_by_loop(solutions_without[0][1]),
+        problem_without_offset.residuals_by_loop(solutions_without[0][1]),
     )
     independent = [len(part) / autocorrelation_time(part) for part in residuals_with]
     gain = (
@@ -352,7 +359,7 @@ def _choose_offset(
         - _misfit(residuals_with, independent)
         - len(problem.loops) * math.log(sum(independent))
     )
-    return (problem, gain, solutions) if gain > 0.0 else (without, gain, solutions_without)
+    return (problem, gain, solutions) if gain > 0.0 else (problem_without_offset, gain, solutions_without)
 
 
 def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
@@ -388,17 +395,17 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
             ends_done += 1
             linear_distance = end - fitted.likeliest[index]
             # rise of the sum of squares there, if it is a paraboloid
-            allowed, reached = 0.5 * linear_distance**2 / inverse[index, index], []
+            allowed, reached_distances = 0.5 * linear_distance**2 / inverse[index, index], []
             for cost, valley_values in valleys:
                 if (remaining := allowed - (cost - lowest_cost)) <= 0.0:
                     continue
-                distance, better = _profile_distance(
+                distance, better_values = _profile_distance(
                     problem, fitted, (cost, valley_values), int(index), side, remaining
                 )
-                if better is not None and better[0] < (1.0 - PROFILE.improvement_rtol) * lowest_cost:
-                    return better[1]
-                reached.append(float(valley_values[index]) + distance)
-            fitted.ends[index, side] = max(reached) if side else min(reached)
+                if better_values is not None and better_values[0] < (1.0 - PROFILE.improvement_rtol) * lowest_cost:
+                    return better_values[1]
+                reached_distances.append(float(valley_values[index]) + distance)
+            fitted.ends[index, side] = max(reached_distances) if side else min(reached_distances)
     return None
 
 
@@ -423,7 +430,7 @@ def _profile_distance(
 
     Returns
     -------
-    distance, better
+    distance, better_values
         The distance, and cost and scaled values of a point lower than the valley, if a search reached one.
     """
     (cost, valley_values), inverse = valley, fitted.uncertainty.inverse
@@ -432,12 +439,12 @@ def _profile_distance(
     distance = (2.0 * allowed_rise * float(inverse[index, index])) ** 0.5
     distance = min(distance, limit) if side else max(-distance, limit)
     rise_before = last_distance = rise = 0.0
-    better = None
+    better_values = None
     for _ in range(PROFILE.max_doublings):
         start = np.clip(valley_values + distance * direction, *problem.bounds)
         new_cost, trial = problem.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
         if new_cost < cost:
-            better = new_cost, trial
+            better_values = new_cost, trial
         rise = max(new_cost - cost, 0.0)
         if rise >= allowed_rise or distance == limit:
             break
@@ -449,4 +456,4 @@ def _profile_distance(
     if rise > allowed_rise:
         ratio = (allowed_rise**0.5 - rise_before**0.5) / (rise**0.5 - rise_before**0.5)
         distance = last_distance + ratio * (distance - last_distance)
-    return distance, better
+    return distance, better_values

@@ -167,21 +167,23 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
         lines = note_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"cannot read {path}: {reason(error)}. Give a CSV file: {requirement}") from error
-    numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
-    header = next((row for row, (_, line) in enumerate(numbered) if names[0] in line), None)
-    columns = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "no line: the file is empty"
+    numbered_lines = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
+    header = next((row for row, (_, line) in enumerate(numbered_lines) if names[0] in line), None)
+    columns = (
+        ", ".join(numbered_lines[0][1].lstrip("# ").split(",")) if numbered_lines else "no line: the file is empty"
+    )
     if header is None:
         raise UsageError(
             f"{path}: no header line with the column names was found; the file has {columns[:80]}. Add the header: "
             f"{requirement}"
         )
-    keys = [key.strip() for key in numbered[header][1].lstrip("# ").split(",")]
+    keys = [key.strip() for key in numbered_lines[header][1].lstrip("# ").split(",")]
     if absent := [name for name in names if name not in keys]:
         raise UsageError(
             f"{path}: the column {absent[0]} is missing; the file has {', '.join(keys)}. Add or rename the column: "
             f"{requirement}"
         )
-    rows = [(number, row) for number, row in numbered[header + 1 :] if not row.lstrip().startswith("#")]
+    rows = [(number, row) for number, row in numbered_lines[header + 1 :] if not row.lstrip().startswith("#")]
     if not rows:
         raise UsageError(f"{path}: there are no rows below the header. Add one per measured point: {requirement}")
     values: dict[str, list[float]] = {name: [] for name in names}
@@ -260,10 +262,10 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
             "not separate friction from stiffness. Record a full loop: from one torque to the opposite torque and "
             "back"
         )
-    flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
-    deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
+    is_flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
+    deflection = DEGREE * deflection_deg * (-1.0 if is_flipped else 1.0)
     points_left_out = _count_lead_points(torque, deflection, branch)
-    loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, points_left_out)
+    loop = MeasuredLoop(name, torque, deflection, turns, branch, is_flipped, points_left_out)
     if _mean_opening(loop) < -SETTINGS.max_negative_opening * loop.height:
         raise UsageError(
             f"{origin}: the loop releases energy, because at the same torque the deflection is smaller during "
@@ -325,8 +327,10 @@ def _mean_opening(loop: MeasuredLoop) -> float:
         min(loop.torque[side].max() for side in directions),
     )
     levels = np.linspace(*common_range, len(loop.torque))
-    rising, falling = (_interpolate(loop.torque[side], loop.deflection[side], levels) for side in directions)
-    return float(np.mean(falling - rising))
+    rising_branch, falling_branch = (
+        _interpolate(loop.torque[side], loop.deflection[side], levels) for side in directions
+    )
+    return float(np.mean(falling_branch - rising_branch))
 
 
 def _median_filter(values: Array) -> Array:
@@ -394,9 +398,13 @@ def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:
         return (), np.zeros(len(torque), int)
     inner = [_reversal_torque(torque, medians, index) for index in reversals]
     # torques from which the first branch comes and to which the last goes: the other ends of the loop
-    first = inner[1] if len(inner) > 1 else float(medians[: reversals[0] + 1][0])
+    first_extreme = inner[1] if len(inner) > 1 else float(medians[: reversals[0] + 1][0])
     last = inner[-2] if len(inner) > 1 else float(medians[reversals[-1] :][-1])
     beginning, end = medians[: reversals[0] + 1], medians[reversals[-1] :]
-    start = min(first, float(beginning.min())) if inner[0] > first else max(first, float(beginning.max()))
-    stop = min(last, float(end.min())) if inner[-1] > last else max(last, float(end.max()))
-    return (start, *inner, stop), np.searchsorted(reversals, np.arange(len(torque)), side="left")
+    start = (
+        min(first_extreme, float(beginning.min()))
+        if inner[0] > first_extreme
+        else max(first_extreme, float(beginning.max()))
+    )
+    branch_end = min(last, float(end.min())) if inner[-1] > last else max(last, float(end.max()))
+    return (start, *inner, branch_end), np.searchsorted(reversals, np.arange(len(torque)), side="left")

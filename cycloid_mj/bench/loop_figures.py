@@ -124,16 +124,25 @@ def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
     Play and stiffness are those of the loop with the largest torque, the others those of the lowest loop. A figure that
     a loop does not show, as with too few points on a branch, is NaN.
     """
-    loaded, lowest = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
-    coulomb = loop_coulomb_torque(lowest)
+    largest_loop, smallest_loop = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
+    coulomb = loop_coulomb_torque(smallest_loop)
     low_share, high_share = READING.loaded
-    lowest_torque, highest_torque = loaded.ends
-    rising = _fit_loading_line(loaded, 1, low_share * highest_torque, high_share * highest_torque, coulomb.value)
-    falling = _fit_loading_line(loaded, -1, -low_share * lowest_torque, -high_share * lowest_torque, coulomb.value)
-    positive, negative = _line_stiffness(rising), _line_stiffness(falling)
-    mean_stiffness = _mean_stiffness(positive, negative)
+    lowest_torque, highest_torque = largest_loop.ends
+    positive_line = _fit_loading_line(
+        largest_loop, 1, low_share * highest_torque, high_share * highest_torque, coulomb.value
+    )
+    negative_line = _fit_loading_line(
+        largest_loop, -1, -low_share * lowest_torque, -high_share * lowest_torque, coulomb.value
+    )
+    positive_stiffness, negative_stiffness = _line_stiffness(positive_line), _line_stiffness(negative_line)
+    mean_stiffness = _mean_stiffness(positive_stiffness, negative_stiffness)
     return LoopFigures(
-        _compute_play(rising, falling, coulomb), loop_width(lowest), mean_stiffness, positive, negative, coulomb
+        _compute_play(positive_line, negative_line, coulomb),
+        loop_width(smallest_loop),
+        mean_stiffness,
+        positive_stiffness,
+        negative_stiffness,
+        coulomb,
     )
 
 
@@ -173,15 +182,15 @@ def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
     """
     readings = []
     for direction in (1, -1):
-        torque, falling = direction * loop.torque, loop.moving(-direction)
-        if not falling.any() or not torque[falling].min() < 0.0 < torque[falling].max():
+        torque, is_unloading = direction * loop.torque, loop.moving(-direction)
+        if not is_unloading.any() or not torque[is_unloading].min() < 0.0 < torque[is_unloading].max():
             return NO_FIGURE
         is_near_zero = (torque >= READING.min_unloaded * rated_torque) & (torque <= LOST_MOTION_SHARE * rated_torque)
-        line = _fit_line(loop.torque, loop.deflection, falling & is_near_zero)
+        line = _fit_line(loop.torque, loop.deflection, is_unloading & is_near_zero)
         readings.append(
             (*line.at(0.0), line.freedom)
             if line
-            else _interpolate_leap(loop.torque[falling], loop.deflection[falling], 0.0)
+            else _interpolate_leap(loop.torque[is_unloading], loop.deflection[is_unloading], 0.0)
         )
     (upper, upper_variance, upper_freedom), (lower, lower_variance, lower_freedom) = readings
     return LoopFigure.about(
@@ -210,10 +219,10 @@ def _fit_loading_line(
     left out.
     """
     signed_torque = direction * loop.torque
-    loaded = (
+    is_in_interval = (
         (signed_torque >= low) & (signed_torque <= high) & ~(signed_torque < READING.loaded_coulomb * coulomb_torque)
     )
-    return _fit_line(loop.torque, loop.deflection, loop.moving(direction) & loaded)
+    return _fit_line(loop.torque, loop.deflection, loop.moving(direction) & is_in_interval)
 
 
 def _line_stiffness(line: _Line | None) -> LoopFigure:
@@ -234,16 +243,16 @@ def _mean_stiffness(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
     return LoopFigure(mean, min(positive.low, negative.low), max(positive.high, negative.high))
 
 
-def _compute_play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> LoopFigure:
+def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coulomb: LoopFigure) -> LoopFigure:
     """Compute the rotation between both loading lines at the Coulomb torque of their sides [rad], with its interval.
 
-    `rising` and `falling` are the lines of positive and negative torque; NaN without one of them.
+    `positive_line` and `negative_line` are the lines of positive and negative torque; NaN without one of them.
     """
-    if rising is None or falling is None or math.isnan(coulomb.value):
+    if positive_line is None or negative_line is None or math.isnan(coulomb.value):
         return NO_FIGURE
-    (upper, upper_variance), (lower, lower_variance) = rising.at(coulomb.value), falling.at(-coulomb.value)
-    quantile = _quantile(min(rising.freedom, falling.freedom))
-    torque_part = (rising.slope + falling.slope) * 0.5 * (coulomb.high - coulomb.low)
+    (upper, upper_variance), (lower, lower_variance) = positive_line.at(coulomb.value), negative_line.at(-coulomb.value)
+    quantile = _quantile(min(positive_line.freedom, negative_line.freedom))
+    torque_part = (positive_line.slope + negative_line.slope) * 0.5 * (coulomb.high - coulomb.low)
     half_width = math.hypot(quantile * (upper_variance + lower_variance) ** 0.5, torque_part)
     return LoopFigure.about(upper - lower, half_width)
 
@@ -277,8 +286,8 @@ def _find_crossings(
             if line
             else _interpolate_leap(abscissa[on_branch], values[on_branch], level)
         )
-    falling, rising = crossings
-    return falling, rising
+    falling_crossing, rising_crossing = crossings
+    return falling_crossing, rising_crossing
 
 
 def _interpolate_leap(x: Array, y: Array, level: float) -> tuple[float, float, float]:
@@ -288,8 +297,8 @@ def _interpolate_leap(x: Array, y: Array, level: float) -> tuple[float, float, f
     """
     order = np.argsort(x)
     upper = int(np.searchsorted(x[order], level))
-    before, after = y[order[upper - 1]], y[order[upper]]
-    return float(np.interp(level, x[order], y[order])), float(after - before) ** 2 / 12.0, math.inf
+    lower_value, upper_value = y[order[upper - 1]], y[order[upper]]
+    return float(np.interp(level, x[order], y[order])), float(upper_value - lower_value) ** 2 / 12.0, math.inf
 
 
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:

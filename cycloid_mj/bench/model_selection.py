@@ -116,11 +116,15 @@ def fit_candidates(
     FitStopped
         Ctrl-C.
     """
-    chosen = {key: fit_parameters(model.reducer, (*COMMON, *extra), loops) for key, (_, extra) in CANDIDATES.items()}
-    problems = {key: FitProblem(model, values, tuple(loops), bench, trials) for key, values in chosen.items()}
+    parameters_by_model = {
+        key: fit_parameters(model.reducer, (*COMMON, *extra), loops) for key, (_, extra) in CANDIDATES.items()
+    }
+    problems = {
+        key: FitProblem(model, values, tuple(loops), bench, trials) for key, values in parameters_by_model.items()
+    }
     expected = {key: problem.usual_trials(intervals=False) for key, problem in problems.items()}
     final_trials = problems[WRITTEN].usual_trials(intervals=True)
-    for fitted_count, (key, values) in enumerate(chosen.items(), 1):
+    for fitted_count, (key, values) in enumerate(parameters_by_model.items(), 1):
         trials.later = sum(list(expected.values())[fitted_count:]) + final_trials
         yield key, fit_loops(model, values, loops, bench, trials, intervals=False)
     trials.later = 0.0
@@ -138,21 +142,23 @@ def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
     `READING.loaded_coulomb` Coulomb torques on. A stretch without points is left out.
     """
     rows = []
-    for loop, modelled in zip(fitted.loops, fitted.turns, strict=True):
+    for loop, modelled_deflection in zip(fitted.loops, fitted.turns, strict=True):
         coulomb = loop_coulomb_torque(loop).value
         loaded_torque = READING.loaded_coulomb * coulomb if np.isfinite(coulomb) else 0.0
         for direction, direction_text in ((1, "torque rising"), (-1, "torque falling")):
-            moving, signed_torque = loop.moving(direction), direction * loop.torque
+            is_moving, signed_torque = loop.moving(direction), direction * loop.torque
             crossing = (signed_torque >= 0.0) & (signed_torque < loaded_torque)
             stretches = {
                 "unloading": signed_torque < 0.0,
                 "across the play": crossing,
                 "loading": signed_torque >= loaded_torque,
             }
-            for stretch, inside in stretches.items():
-                if np.any(moving & inside):
+            for stretch, is_inside in stretches.items():
+                if np.any(is_moving & is_inside):
                     rows.append(
-                        _compare_stretch(loop, modelled, f"{direction_text}, {stretch}", moving & inside, direction)
+                        _compare_stretch(
+                            loop, modelled_deflection, f"{direction_text}, {stretch}", is_moving & is_inside, direction
+                        )
                     )
     return tuple(rows)
 

@@ -80,15 +80,15 @@ def _branches_with_contact_friction(
     """
     spans = list(pairwise(reversals))
     lead = [
-        np.linspace(a, b, SETTINGS.lead_points, endpoint=False)
-        for a, b in ((0.0, reversals[1]), (reversals[1], reversals[0]))
+        np.linspace(start, end, SETTINGS.lead_points, endpoint=False)
+        for start, end in ((0.0, reversals[1]), (reversals[1], reversals[0]))
     ]
     distinct = list(dict.fromkeys(spans))
-    course = np.concatenate([*lead, *(np.linspace(a, b, SETTINGS.points) for a, b in distinct)])
-    positions, turn = follow_torque_path(model.reducer, course, bench.crank, model.losses, bench.held, max_turn)
-    load = np.interp(positions, np.arange(len(course)), course)
+    torque_path = np.concatenate([*lead, *(np.linspace(start, end, SETTINGS.points) for start, end in distinct)])
+    positions, turn = follow_torque_path(model.reducer, torque_path, bench.crank, model.losses, bench.held, max_turn)
+    load = np.interp(positions, np.arange(len(torque_path)), torque_path)
     starts = np.searchsorted(positions, 2 * SETTINGS.lead_points + SETTINGS.points * np.arange(len(distinct) + 1))
-    branches = [(load[a:b], turn[a:b]) for a, b in pairwise(starts)]
+    branches = [(load[start:end], turn[start:end]) for start, end in pairwise(starts)]
     # a closed loop repeats its branches
     return [branches[distinct.index(span)] for span in spans]
 

@@ -150,21 +150,21 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
     """
     if not keys:
         raise UsageError(f"--fit is empty: name at least one parameter, such as {','.join(DEFAULT)}")
-    if repeated := next((key for index, key in enumerate(keys) if key in keys[:index]), None):
-        raise UsageError(f"--fit: {repeated} is listed twice. List each parameter once")
+    if repeated_key := next((key for index, key in enumerate(keys) if key in keys[:index]), None):
+        raise UsageError(f"--fit: {repeated_key} is listed twice. List each parameter once")
     parameters = _named_parameters(reducer, loops)
     return tuple(parameters[key] if key in parameters else _file_parameter(reducer, key) for key in keys)
 
 
 def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
     """Return all parameters of `NAMED` by their keys."""
-    named = (
+    parameters_by_name = (
         *_play_parameters(reducer),
         *_stiffness_parameters(reducer, loops),
         *_friction_parameters(reducer, loops),
         *_hysteresis_parameters(loops),
     )
-    return {parameter.key: parameter for parameter in named}
+    return {parameter.key: parameter for parameter in parameters_by_name}
 
 
 def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:
@@ -208,8 +208,8 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 
 def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the parameters of stiffness: of the teeth, and of the structure."""
-    loaded = max(loops, key=attrgetter("most"))
-    stiffness, max_stiffness = 2.0 * loaded.most / loaded.height, _max_structure_stiffness(reducer)
+    largest_loop = max(loops, key=attrgetter("most"))
+    stiffness, max_stiffness = 2.0 * largest_loop.most / largest_loop.height, _max_structure_stiffness(reducer)
     return (
         Parameter(
             "tooth_stiffness",
@@ -288,10 +288,10 @@ def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tup
 
 def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the parameters of hysteresis, of the wind-up and of the material."""
-    loaded = max(loops, key=attrgetter("most"))
+    largest_loop = max(loops, key=attrgetter("most"))
     max_torque, largest_height, smallest_height = (
-        loaded.most,
-        loaded.height / DEGREE,
+        largest_loop.most,
+        largest_loop.height / DEGREE,
         min(loop.height for loop in loops) / DEGREE,
     )
     return (
@@ -349,8 +349,8 @@ def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     """Return a function that sets the stiffness of kinds of pairs in a model, relative to that at the rated load."""
 
     def apply(model: Model, value: float) -> Model:
-        rated = model.reducer.at_rated_load
-        change = {kind: value * rated.contacts[kind].stiffness for kind in kinds}
+        rated_reducer = model.reducer.at_rated_load
+        change = {kind: value * rated_reducer.contacts[kind].stiffness for kind in kinds}
         return replace(model, reducer=Reducer(model.reducer.design.but(stiffness=change)))
 
     return apply

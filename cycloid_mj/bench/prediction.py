@@ -41,9 +41,9 @@ class Prediction(Presented):
     @property
     def frame(self) -> Frame:
         """Figures of the measured and the predicted loops, one row each."""
-        modelled = self.modelled.in_units()
+        modelled_figures = self.modelled.in_units()
         rows: list[dict[str, Cell]] = [
-            {"key": key, "measured": item.value, "modelled": modelled[key].value}
+            {"key": key, "measured": item.value, "modelled": modelled_figures[key].value}
             for key, item in self.measured.in_units().items()
         ]
         return make_frame(rows, ("key", "measured", "modelled"), {})
@@ -80,13 +80,19 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     """
     model = Model(reducer, Losses(), contact_friction=False)
     condition = LoopCondition("crank", crank, max(loop.most for loop in loops))
-    predicted = []
+    predicted_deflections = []
     for loop in loops:
         deflection = interpolate_deflections(loop, model_branches(model, condition, loop))
-        predicted.append(deflection + float(np.mean((loop.deflection - deflection)[loop.points_left_out :])))
+        predicted_deflections.append(
+            deflection + float(np.mean((loop.deflection - deflection)[loop.points_left_out :]))
+        )
     shares = tuple(
         float(np.std((deflection - loop.deflection)[loop.points_left_out :])) / loop.height
-        for deflection, loop in zip(predicted, loops, strict=True)
+        for deflection, loop in zip(predicted_deflections, loops, strict=True)
     )
-    modelled = [replace(loop, deflection=deflection) for loop, deflection in zip(loops, predicted, strict=True)]
-    return Prediction(tuple(loops), tuple(predicted), shares, loop_figures(loops), loop_figures(modelled))
+    modelled_loops = [
+        replace(loop, deflection=deflection) for loop, deflection in zip(loops, predicted_deflections, strict=True)
+    ]
+    return Prediction(
+        tuple(loops), tuple(predicted_deflections), shares, loop_figures(loops), loop_figures(modelled_loops)
+    )

@@ -265,11 +265,11 @@ def protocol(
     for loop in files.loops:
         require_torque(loop, rated_torque)
     of_bench = {**_loop_lines(files.loops, rated_torque), **_file_lines(files)} if files != BenchFiles() else {}
-    loaded = reducer.working_at(rated_torque)
+    loaded_reducer = reducer.working_at(rated_torque)
     cranks = crank_angles(reducer, angles).tolist()
     engine = engine or Engine(kind="threads")
-    loops = tuple(engine.each(lambda crank: compute_model_loop(loaded, rated_torque, crank), cranks, progress))
-    of_model = {**_loop_lines(loops, rated_torque), **_model_lines(loaded, rated_torque)}
+    loops = tuple(engine.each(lambda crank: compute_model_loop(loaded_reducer, rated_torque, crank), cranks, progress))
+    of_model = {**_loop_lines(loops, rated_torque), **_model_lines(loaded_reducer, rated_torque)}
     notes = [
         f"model: loops at {angles} crank angles, their mean, smallest and largest value; contacts have the stiffness "
         f"of {rated_torque:.4g} N m",
@@ -300,12 +300,18 @@ def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> M
     """
     elements = slip_elements(reducer)
     if len(elements.limits):
-        rising = rated_torque * np.linspace(-1.0, 1.0, SETTINGS.branch_points)
-        course = np.concatenate(
-            [rising[SETTINGS.branch_points // 2 :], -rising[1:], rising[1:], -rising[1:], rising[1:]]
+        rising_torque = rated_torque * np.linspace(-1.0, 1.0, SETTINGS.branch_points)
+        torque_path = np.concatenate(
+            [
+                rising_torque[SETTINGS.branch_points // 2 :],
+                -rising_torque[1:],
+                rising_torque[1:],
+                -rising_torque[1:],
+                rising_torque[1:],
+            ]
         )
-        turn = follow_locked_path(solve_locked_curve(reducer, rated_torque, crank), elements, course)
-        torque, turn = course[-2 * SETTINGS.branch_points + 1 :], turn[-2 * SETTINGS.branch_points + 1 :]
+        turn = follow_locked_path(solve_locked_curve(reducer, rated_torque, crank), elements, torque_path)
+        torque, turn = torque_path[-2 * SETTINGS.branch_points + 1 :], turn[-2 * SETTINGS.branch_points + 1 :]
     else:
         loop = hysteresis.run_loop(reducer, crank, rated_torque, hysteresis.quasi_static_period(reducer, rated_torque))
         torque, turn = loop.torque, loop.turn

@@ -141,11 +141,11 @@ class FitProblem:
         """Return a cached function from the scaled values of the parameters to the model with these values."""
 
         @lru_cache(maxsize=8 * len(self.parameters))
-        def with_first(scaled: tuple[float, ...]) -> Model:
-            if not scaled:
+        def with_first(scaled_values: tuple[float, ...]) -> Model:
+            if not scaled_values:
                 return self.model
-            parameter = self.parameters[len(scaled) - 1]
-            return parameter.apply(with_first(scaled[:-1]), parameter.from_scale(scaled[-1]))
+            parameter = self.parameters[len(scaled_values) - 1]
+            return parameter.apply(with_first(scaled_values[:-1]), parameter.from_scale(scaled_values[-1]))
 
         return with_first
 
@@ -157,9 +157,9 @@ class FitProblem:
         """
 
         @lru_cache(maxsize=4 * len(self.loops))
-        def branches(scaled: tuple[float, ...], loop: int, shift: float) -> Branches | None:
+        def branches(scaled_values: tuple[float, ...], loop: int, shift: float) -> Branches | None:
             try:
-                return model_branches(self._cached_models(scaled), self.bench, self.loops[loop], shift)
+                return model_branches(self._cached_models(scaled_values), self.bench, self.loops[loop], shift)
             except RunError:
                 return None
 
@@ -208,8 +208,8 @@ class FitProblem:
             if branches is None:
                 error = np.full(len(loop.torque), SETTINGS.failed_residual * loop.height)
             else:
-                shifted = [(torque + torque_offset, deflection) for torque, deflection in branches]
-                error = interpolate_deflections(loop, shifted) - loop.deflection + deflection_offset
+                shifted_branches = [(torque + torque_offset, deflection) for torque, deflection in branches]
+                error = interpolate_deflections(loop, shifted_branches) - loop.deflection + deflection_offset
             errors.append(error[loop.points_left_out :] / (loop.height * np.sqrt(len(error) - loop.points_left_out)))
         return np.concatenate(errors)
 
@@ -281,10 +281,10 @@ class FitProblem:
                     for item in self.parameters
                 ]
                 start = [item.to_scale(value) for item, value in zip(self.parameters, values, strict=True)]
-                scaled = np.concatenate([start, *offset_starts])
+                scaled_values = np.concatenate([start, *offset_starts])
                 self.trials()
-                cost = sum(float(np.mean(np.abs(part))) for part in self.residuals_by_loop(scaled))
-                candidates.append((cost, scaled))
+                cost = sum(float(np.mean(np.abs(part))) for part in self.residuals_by_loop(scaled_values))
+                candidates.append((cost, scaled_values))
             starts.append(min(candidates, key=itemgetter(0))[1])
         return starts
 
@@ -353,8 +353,8 @@ class FitProblem:
         weights[free] = MODEL_ERROR * (4.0 / (high - low)[free])
         fill = _make_filler(np.clip(start, low, high), free)
 
-        def residuals(scaled: Array) -> Array:
-            return np.concatenate([self.deflection_errors(scaled), weights * (scaled - start)])
+        def residuals(scaled_values: Array) -> Array:
+            return np.concatenate([self.deflection_errors(scaled_values), weights * (scaled_values - start)])
 
         def slopes(free_values: Array) -> Array:
             return self.slopes(fill(free_values), free.tolist(), limits=(low, high), residuals=residuals)
@@ -378,9 +378,9 @@ def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Arra
     """Return a function that sets the free elements of a start to values, and keeps the others."""
 
     def fill(values: Array) -> Array:
-        scaled = start.copy()
-        scaled[free] = values
-        return scaled
+        scaled_values = start.copy()
+        scaled_values[free] = values
+        return scaled_values
 
     return fill
 

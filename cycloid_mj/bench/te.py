@@ -181,9 +181,9 @@ def read_te(path: Path | str) -> MeasuredError:
     path = Path(path)
     columns = read_columns(path, COLUMNS, "a transmission error")
     crank, error = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
-    measured = MeasuredError(path.stem, crank, error)
-    if measured.turns < 1.0 - 2.0 / len(crank):
-        span = f"{measured.turns * 360.0:.4g} deg"
+    measured_error = MeasuredError(path.stem, crank, error)
+    if measured_error.turns < 1.0 - 2.0 / len(crank):
+        span = f"{measured_error.turns * 360.0:.4g} deg"
         radians = " (these seem to be in radians)" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
         raise UsageError(
             f"{path}: {CRANK} covers {span}, but at least one full turn of 360 deg is needed. Record at least one "
@@ -195,7 +195,7 @@ def read_te(path: Path | str) -> MeasuredError:
             f"must be greater than 0 and at most {TE.max_error:g} arcsec. Compute it as output angle minus (crank "
             "angle / ratio), in arcseconds"
         )
-    return measured
+    return measured_error
 
 
 def compare_bench(design: Named, measured: MeasuredError, load: float | None = None) -> BenchComparison:
@@ -241,8 +241,8 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
         )
     waves = np.exp(1j * np.outer(measured.crank, order))
     basis = np.concatenate([np.ones((len(waves), 1)), waves.real, waves.imag], axis=1)
-    solved = np.linalg.lstsq(basis, np.stack([measured.error, model], axis=1), rcond=None)[0]
-    amplitude = solved[1 : len(order) + 1] - 1j * solved[len(order) + 1 :]
+    coefficients = np.linalg.lstsq(basis, np.stack([measured.error, model], axis=1), rcond=None)[0]
+    amplitude = coefficients[1 : len(order) + 1] - 1j * coefficients[len(order) + 1 :]
     possible_causes = causes(reducer)
     names = tuple(
         ", ".join(item.name for item in possible_causes if item.has(float(compared_order))) or "none"
@@ -287,11 +287,11 @@ def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
     # the measured curve on the model's angles, then all shifts at once
     bins = np.floor(np.mod(measured.crank, turn) / width + 0.5).astype(int) % count
     error = measured.error - measured.error.mean()
-    binned, counts = np.zeros(count), np.zeros(count)
-    np.add.at(binned, bins, error)
+    binned_sums, counts = np.zeros(count), np.zeros(count)
+    np.add.at(binned_sums, bins, error)
     np.add.at(counts, bins, 1.0)
     spectrum = np.fft.rfft(ideal)
-    cross = np.fft.irfft(np.conj(np.fft.rfft(binned)) * spectrum, count)
+    cross = np.fft.irfft(np.conj(np.fft.rfft(binned_sums)) * spectrum, count)
     power = np.fft.irfft(np.conj(np.fft.rfft(counts)) * np.fft.rfft(ideal**2), count)
     residual = power - 2.0 * cross
     index = int(np.argmax(residual <= residual.min() + TE.zero_rtol * np.ptp(residual)))

@@ -33,11 +33,11 @@ def autocorrelation_time(residuals: Array) -> float:
 
     It is 1 + 2 sum rho_k, up to the first lag k whose correlation rho_k is not significant (Geyer's initial sequence).
     """
-    centred = residuals - residuals.mean()
-    variance = float(np.mean(centred**2))
+    centred_residuals = residuals - residuals.mean()
+    variance = float(np.mean(centred_residuals**2))
     time = 1.0
     for lag in range(1, int(INTERVAL.max_lag * len(residuals))):
-        correlation = float(np.mean(centred[lag:] * centred[:-lag])) / variance if variance else 0.0
+        correlation = float(np.mean(centred_residuals[lag:] * centred_residuals[:-lag])) / variance if variance else 0.0
         if correlation <= 2.0 / np.sqrt(len(residuals)):
             break
         time += 2.0 * correlation
@@ -119,8 +119,8 @@ def estimate_uncertainty(
         leverage = np.minimum(np.sum(loop_slopes @ inverse * loop_slopes, axis=1), INTERVAL.max_leverage)
         gain, correlation_time = loop_slopes @ inverse, autocorrelation_time(loop_residuals)
         # a sum of squares, so that no small variance is rounded below 0
-        scaled = gain * (loop_residuals / (1.0 - leverage))[:, np.newaxis]
-        covariance += correlation_time * scaled.T @ scaled
+        scaled_residuals = gain * (loop_residuals / (1.0 - leverage))[:, np.newaxis]
+        covariance += correlation_time * scaled_residuals.T @ scaled_residuals
         influence.append(gain / np.sqrt(1.0 - leverage)[:, np.newaxis])
         counts.append(np.full(len(loop_residuals), correlation_time))
     covariance[free_entries] += INTERVAL.unknown_error**2 * null_vectors @ null_vectors.T

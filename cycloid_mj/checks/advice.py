@@ -50,32 +50,34 @@ def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
     checks
         All checks of the design, or those of `soundness`.
     """
-    before = {check.name: check for check in checks}
-    return Checks(check if check.passed else _verify_remedy(reducer, check, before) for check in checks)
+    checks_before = {check.name: check for check in checks}
+    return Checks(check if check.passed else _verify_remedy(reducer, check, checks_before) for check in checks)
 
 
-def _verify_remedy(reducer: Reducer, check: Check, before: Mapping[str, Check]) -> Check:
+def _verify_remedy(reducer: Reducer, check: Check, checks_before: Mapping[str, Check]) -> Check:
     """Return a failed check with those of its changes that work, completed, and its remedy in words.
 
-    `before` are all checks of the unchanged design by name.
+    `checks_before` are all checks of the unchanged design by name.
     """
     if not check.changes:
         return check
-    tried = tuple(
+    tried_changes = tuple(
         _distinct(
-            change for proposed in check.changes if (change := _complete_change(reducer, proposed, check, before))
+            change
+            for proposed_change in check.changes
+            if (change := _complete_change(reducer, proposed_change, check, checks_before))
         )
     )
-    if tried == check.changes:
+    if tried_changes == check.changes:
         return check
     keys = dict.fromkeys(key for change in check.changes for key in change)
-    texts = [describe_change(reducer, change) for change in tried] or [
+    texts = [describe_change(reducer, change) for change in tried_changes] or [
         f"no change of a single key is enough: change {' and '.join(keys)} together with what depends on them"
     ]
     *_, last = check.remedy.split(", or ")
     if not any(key in last for key in keys):  # such as "lower the errors"
         texts.append(last)
-    return replace(check, remedy=", or ".join(texts), changes=tried)
+    return replace(check, remedy=", or ".join(texts), changes=tried_changes)
 
 
 def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
@@ -87,23 +89,27 @@ def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
             yield change
 
 
-def _complete_change(reducer: Reducer, change: Change, check: Check, before: Mapping[str, Check]) -> Change | None:
+def _complete_change(
+    reducer: Reducer, change: Change, check: Check, checks_before: Mapping[str, Check]
+) -> Change | None:
     """Complete a change until its check passes and no other is worse than before; None if no repair achieves that."""
-    completed: dict[str, float] = dict(change)
+    complete_change: dict[str, float] = dict(change)
     for _ in range(ADVICE.max_repairs):
-        after = quick_checks(reducer, completed)
-        if after is None:
+        checks_after = quick_checks(reducer, complete_change)
+        if checks_after is None:
             return None
-        worse = [other for other in after.values() if _is_worse(other, before.get(other.name), check.name)]
-        hole_check = after["hole_size"]
-        if not worse and not hole_check.passed and completed.keys() & TIED:
+        worse = [
+            other for other in checks_after.values() if _is_worse(other, checks_before.get(other.name), check.name)
+        ]
+        hole_check = checks_after["hole_size"]
+        if not worse and not hole_check.passed and complete_change.keys() & TIED:
             worse = [hole_check]
         if not worse:
-            return completed
-        repair = _repair(reducer, worse[0], completed)
+            return complete_change
+        repair = _repair(reducer, worse[0], complete_change)
         if repair is None:
             return None
-        completed.update(repair)
+        complete_change.update(repair)
     return None
 
 
@@ -114,33 +120,38 @@ def _is_worse(after: Check, before: Check | None, name: str) -> bool:
     return RANKS[after.judgement] > (RANKS[before.judgement] if before else RANKS[Judgement.WARNING])
 
 
-def _repair(reducer: Reducer, failed: Check, applied: Change) -> Change | None:
+def _repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
     """Choose the next change that makes a check pass again: more of the applied change, or else of other keys."""
     design = reducer.design
-    for change in failed.changes:
+    for change in failed_check.changes:
         goes_further = (
-            key in applied and (value - applied[key]) * (applied[key] - value_of(design, key)) > 0.0
+            key in applied_change
+            and (value - applied_change[key]) * (applied_change[key] - value_of(design, key)) > 0.0
             for key, value in change.items()
         )
         if all(goes_further):
             return change
-    if failed.key != TWO_SIDED and len(applied) == 1 and (extended := _extend_change(reducer, failed, applied)):
-        return extended
-    return next((change for change in failed.changes if not change.keys() & applied.keys()), None)
+    if (
+        failed_check.key != TWO_SIDED
+        and len(applied_change) == 1
+        and (extended_change := _extend_change(reducer, failed_check, applied_change))
+    ):
+        return extended_change
+    return next((change for change in failed_check.changes if not change.keys() & applied_change.keys()), None)
 
 
-def _extend_change(reducer: Reducer, failed: Check, applied: Change) -> Change | None:
+def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
     """Change one key by more, in the same direction, until a check passes: by growing strides, then bisection.
 
     Returns the value to four digits, or None if the check never passes.
     """
-    ((key, value),) = applied.items()
+    ((key, value),) = applied_change.items()
     original = value_of(reducer.design, key)
     decrease, is_integer = value < original, isinstance(original, int)
 
     def passes(candidate: float) -> bool:
-        after = quick_checks(reducer, {key: candidate})
-        return bool(after and failed.name in after and after[failed.name].passed)
+        checks_after = quick_checks(reducer, {key: candidate})
+        return bool(checks_after and failed_check.name in checks_after and checks_after[failed_check.name].passed)
 
     failing = value
     for stride in ADVICE.strides:
@@ -153,21 +164,21 @@ def _extend_change(reducer: Reducer, failed: Check, applied: Change) -> Change |
     else:
         return None
     while abs(passing - failing) > max(ADVICE.rtol * abs(passing), float(is_integer)):
-        middle = float(round_beyond(0.5 * (failing + passing), decrease, is_integer))
-        if middle in (failing, passing):
+        midpoint = float(round_beyond(0.5 * (failing + passing), decrease, is_integer))
+        if midpoint in (failing, passing):
             break
-        failing, passing = (failing, middle) if passes(middle) else (middle, passing)
+        failing, passing = (failing, midpoint) if passes(midpoint) else (midpoint, passing)
     return {key: passing}
 
 
 def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
     """Check a changed design without statics; return the checks by name, or None if the file forbids the change."""
     try:
-        changed = Reducer(override(reducer.design, dict(change)))
-        sound = soundness(changed)
+        changed_reducer = Reducer(override(reducer.design, dict(change)))
+        sound = soundness(changed_reducer)
         if any(check.judgement is Judgement.FAILED for check in sound):
             return {check.name: check for check in sound}
-        return {check.name: check for check in (*sound, *evaluate(changed, margin_rules(changed)))}
+        return {check.name: check for check in (*sound, *evaluate(changed_reducer, margin_rules(changed_reducer)))}
     except CycloidError:
         return None
 

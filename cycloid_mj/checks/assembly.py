@@ -30,17 +30,17 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
     radius_errors = reducer.deviations.pin_radius
     thickest = int(np.argmax(radius_errors))
     play = reducer.design.clearance.pin_socket
-    passed = bool(radius_errors[thickest] < play)
-    got, limit = value_and_limit(float(radius_errors[thickest]), "less than", play, MICROMETRE)
-    enough = Limit("clearance.pin_socket", "more than", float(radius_errors[thickest]))
+    is_passed = bool(radius_errors[thickest] < play)
+    value_text, limit = value_and_limit(float(radius_errors[thickest]), "less than", play, MICROMETRE)
+    clearance_limit = Limit("clearance.pin_socket", "more than", float(radius_errors[thickest]))
     return Check(
         name="pin_in_socket",
-        passed=passed,
-        got=f"{got} (pin {thickest + 1})",
+        passed=is_passed,
+        got=f"{value_text} (pin {thickest + 1})",
         limit=f"{limit} (clearance.pin_socket_um)",
         why="a free pin must be smaller than its socket",
         key="errors.pin_dr_um",
-        **single_remedies(reducer, [] if passed else [enough], "lower the errors of the pins"),
+        **single_remedies(reducer, [] if is_passed else [clearance_limit], "lower the errors of the pins"),
     )
 
 
@@ -50,17 +50,19 @@ def _assembly_gap(reducer: Reducer) -> Check:
     Parts that overlap can run only under load.
     """
     poses = min(MAX_POSES, reducer.design.ring.teeth)
-    room = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
-    got, limit = value_and_limit(room, "at least", 0.0, MICROMETRE)
+    smallest_gap = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
+    value_text, limit = value_and_limit(smallest_gap, "at least", 0.0, MICROMETRE)
     pairs = (reducer.design.tooth_pair, "cam", "output")
-    wider = [Limit(f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) - room) for pair in pairs]
+    wider = [
+        Limit(f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) - smallest_gap) for pair in pairs
+    ]
     return Check(
         name="assembly",
-        passed=room >= 0.0,
-        got=f"{got} (smallest gap with the disc where it fits best, at the worst crank angle)",
+        passed=smallest_gap >= 0.0,
+        got=f"{value_text} (smallest gap with the disc where it fits best, at the worst crank angle)",
         limit=limit,
         why="errors and modification exceed the clearances: the parts can be assembled by force only",
         severity="warning",
         key="the gap left by errors and modification",
-        **joint_remedy(reducer, [] if room >= 0.0 else wider, "lower the errors"),
+        **joint_remedy(reducer, [] if smallest_gap >= 0.0 else wider, "lower the errors"),
     )

@@ -56,8 +56,8 @@ def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
     """
     if reducer.design.gear.discs > 1:
         return (bearing_room_rule(reducer),)
-    balanced = counterweight_rule(reducer)
-    return (balanced, bearing_room_rule(reducer)) if balanced.limit.is_met(reducer) else (balanced,)
+    balance_rule = counterweight_rule(reducer)
+    return (balance_rule, bearing_room_rule(reducer)) if balance_rule.limit.is_met(reducer) else (balance_rule,)
 
 
 def counterweight_rule(reducer: Reducer) -> Rule:
@@ -86,11 +86,13 @@ def bearing_room_rule(reducer: Reducer) -> Rule:
     design = reducer.design
     shaft = design.shaft
     moment, moment_per_length = _static_moments(reducer) if design.gear.discs == 1 else (0.0, 1.0)
-    second = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
+    second_bearing_length = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
     return Rule(
         "bearings",
         Limit(
-            "shaft.length", "at least", moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + second
+            "shaft.length",
+            "at least",
+            moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + second_bearing_length,
         ),
         "counterweight and bearings sit next to each other on the shaft"
         if design.gear.discs == 1
@@ -118,15 +120,20 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
     half_pitch = circle * math.sin(math.pi / output.pins)
 
     def limits(wall: float) -> tuple[Limit, ...]:
-        taken = _hole(reducer) + wall * E / 2
+        needed_radius = _hole(reducer) + wall * E / 2
         return (
             Limit("output.hole_radius", "less than", half_pitch - wall * E / 2 - design.clearance.output),
-            Limit("output.pins", "less than", circles_on_circle(taken / circle)),
-            Limit("output.pin_circle_radius", "more than", taken / math.sin(math.pi / output.pins)),
+            Limit("output.pins", "less than", circles_on_circle(needed_radius / circle)),
+            Limit("output.pin_circle_radius", "more than", needed_radius / math.sin(math.pi / output.pins)),
         )
 
     return wall_rule(
-        "neighbouring_holes", limits, TEETH.min_wall_share, E, "between neighbouring output holes", tied=True
+        "neighbouring_holes",
+        limits,
+        TEETH.min_wall_share,
+        E,
+        "between neighbouring output holes",
+        depends_on_others=True,
     )
 
 
@@ -135,18 +142,18 @@ def _check_hole_size(reducer: Reducer) -> Check:
     design = reducer.design
     orbit = design.output.pin_radius + design.gear.eccentricity
     hole = design.output.hole_radius
-    passed = abs(hole - orbit) <= RELATIVE_ROUNDING * orbit
+    is_passed = abs(hole - orbit) <= RELATIVE_ROUNDING * orbit
     key, number = "output.hole_radius_mm", f"{MILLIMETRE.from_si(orbit):.14g}"
     return Check(
         name="hole_size",
-        passed=passed,
+        passed=is_passed,
         got=f"{MILLIMETRE.from_si(hole):.14g} mm",
         limit=f"{number} mm (output pin + eccentricity)",
         why="an output pin that orbits at the eccentricity jams in a smaller hole;"
         " a larger hole adds clearance, which is set by clearance.output_um",
-        remedy="" if passed else f"{'raise' if hole < orbit else 'lower'} {key} to {number}",
+        remedy="" if is_passed else f"{'raise' if hole < orbit else 'lower'} {key} to {number}",
         key=key,
-        changes=() if passed else ({key: float(number)},),
+        changes=() if is_passed else ({key: float(number)},),
     )
 
 

@@ -18,19 +18,19 @@ def casing_checks(reducer: Reducer) -> Iterator[Check]:
     sizes, _ = casing_or_none(reducer)
     if sizes is None:
         return
-    broken = tuple(describe_violations(reducer, sizes))
+    violations = tuple(describe_violations(reducer, sizes))
     play = f"{MILLIMETRES * sizes.play:g} mm"
-    least = min(gap.distance for gap in running_gaps(reducer, sizes) if gap.axial)
+    smallest_axial_gap = min(gap.distance for gap in running_gaps(reducer, sizes) if gap.axial)
     yield Check(
         name="joints",
-        passed=not broken,
-        got=broken[0] if broken else f"axial play of discs, pins and crank of {play} at each end",
+        passed=not violations,
+        got=violations[0] if violations else f"axial play of discs, pins and crank of {play} at each end",
         limit=f"all rules for joints: moving parts are at least {play} apart, and every part can be assembled",
         why="covers, bearings, screws and dowels must fit, and the drive must turn with all screws tightened",
-        remedy="; ".join(broken),
+        remedy="; ".join(violations),
         severity="warning",
         key="drive with covers",
-        value=MILLIMETRES * least,
+        value=MILLIMETRES * smallest_axial_gap,
         bound=MILLIMETRES * sizes.play,
         unit="mm",
     )

@@ -118,7 +118,7 @@ class Limit:
         return field
 
 
-def joint_remedy(reducer: Reducer, limits: Sequence[Limit], otherwise: str = "") -> Remedy:
+def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = "") -> Remedy:
     """Return the change that satisfies all limits at once, with its description, and an alternative in words.
 
     Both are empty without limits. The text leaves out limits that no allowed change satisfies; then there is no change.
@@ -126,7 +126,7 @@ def joint_remedy(reducer: Reducer, limits: Sequence[Limit], otherwise: str = "")
     changes = [limit.change(reducer) for limit in limits]
     text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
     return {
-        "remedy": ", or ".join(filter(None, (text, otherwise))) if limits else "",
+        "remedy": ", or ".join(filter(None, (text, other_remedy))) if limits else "",
         "changes": (dict(filter(None, changes)),) if changes and all(changes) else (),
     }
 
@@ -158,10 +158,20 @@ def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[
 
     Where they are the same they are written in full: the number of a remedy then differs from them.
     """
-    symbol = SYMBOLS.get(unit.suffix, unit.suffix)
-    shown, limit = unit.from_si(value), unit.from_si(bound)
-    digits = next((n for n in range(4, LIMIT.full_digits) if decimal(shown, n) != decimal(limit, n)), LIMIT.full_digits)
-    return f"{decimal(shown, digits)} {symbol}".rstrip(), f"{side} {decimal(limit, digits)} {symbol}".rstrip()
+    unit_symbol = SYMBOLS.get(unit.suffix, unit.suffix)
+    shown_value, limit = unit.from_si(value), unit.from_si(bound)
+    digits = next(
+        (
+            digit_count
+            for digit_count in range(4, LIMIT.full_digits)
+            if decimal(shown_value, digit_count) != decimal(limit, digit_count)
+        ),
+        LIMIT.full_digits,
+    )
+    return (
+        f"{decimal(shown_value, digits)} {unit_symbol}".rstrip(),
+        f"{side} {decimal(limit, digits)} {unit_symbol}".rstrip(),
+    )
 
 
 def millimetres(length: float) -> str:

@@ -75,12 +75,12 @@ def _ring_tool(reducer: Reducer) -> Rule:
     return _cutter_rule("ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
 
 
-def _cutter_rule(name: str, radius: float, where: str) -> Rule:
+def _cutter_rule(name: str, radius: float, location: str) -> Rule:
     """Return the rule that a cutter of a radius [m] is long enough to reach through the face width."""
     return Rule(
         name,
         Limit("gear.face_width", "at most", MARGINS.cutter_reach * radius),
-        f"the {where} have a radius of {millimetres(radius)}, which limits the radius of a cutter, and a cutter reaches"
-        f" {MARGINS.cutter_reach / 2:g} diameters deep (assumed); wire erosion or broaching cuts deeper",
+        f"the {location} have a radius of {millimetres(radius)}, which limits the radius of a cutter, and a cutter "
+        f"reaches {MARGINS.cutter_reach / 2:g} diameters deep (assumed); wire erosion or broaching cuts deeper",
         severity="warning",
     )

@@ -71,8 +71,8 @@ def material_rules(table: str, material: Material) -> Iterator[Rule]:
     for name, (low, high) in PLAUSIBLE.items():
         side, bound = ("at most", high) if getattr(material, name) >= low else ("at least", low)
         limit = Limit(f"{table}.{name}", side, bound)
-        why = "no material from polymers to tungsten carbide is beyond this limit: check the unit"
-        yield Rule(f"{part}{name}", limit, why, severity="warning")
+        explanation = "no material from polymers to tungsten carbide is beyond this limit: check the unit"
+        yield Rule(f"{part}{name}", limit, explanation, severity="warning")
 
 
 def _output_root_rules(reducer: Reducer) -> Iterator[Rule]:
@@ -98,13 +98,13 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
     outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
     above = Limit("housing.bolt_circle_radius", "more than", root)
     limit = Limit(above.key, "less than", outer) if circle > root else above
-    why = f"the bolts are in the wall between the teeth (out to {millimetres(root)}) and the rim"
-    yield Rule("bolt_circle", limit, why)
-    room = min(outer - circle, circle - max(root, 0.0))
-    if not room > 0.0:
+    explanation = f"the bolts are in the wall between the teeth (out to {millimetres(root)}) and the rim"
+    yield Rule("bolt_circle", limit, explanation)
+    max_bolt_radius = min(outer - circle, circle - max(root, 0.0))
+    if not max_bolt_radius > 0.0:
         return
-    yield Rule("bolt_radius", Limit("housing.bolt_radius", "less than", room), why)
-    if design.bolt_radius < room:
+    yield Rule("bolt_radius", Limit("housing.bolt_radius", "less than", max_bolt_radius), explanation)
+    if design.bolt_radius < max_bolt_radius:
         yield Rule(
             "bolts",
             Limit("housing.bolts", "less than", circles_on_circle(design.bolt_radius / circle)),
@@ -150,13 +150,13 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     design = reducer.design
     names = design.pair_kinds
     total, allowed = _total_clearance(reducer)
-    got, limit = value_and_limit(total, "at most", allowed, MICROMETRE)
+    value_text, limit = value_and_limit(total, "at most", allowed, MICROMETRE)
     shares = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
     tighter = [] if total <= allowed else [share for share in shares if not share.is_met(reducer)]
     yield Check(
         name="play",
         passed=total <= allowed,
-        got=f"{got} ({' + '.join(names)})",
+        got=f"{value_text} ({' + '.join(names)})",
         limit=f"{limit} ({MECHANICS.max_clearance_share:.0%} of the smaller of c and rho, assumed)",
         why="with larger clearances the teeth are not in conjugate contact: statics and closed forms are estimates",
         severity="warning",
@@ -198,7 +198,7 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
     """Check that the disc cannot skip a tooth: its play must not turn it by a quarter of a lobe, where runs end."""
     design = reducer.design
     backlash, allowed = max(_largest_backlashes(reducer)), _half_lobe(reducer)
-    got, limit = value_and_limit(backlash, "at most", allowed, DEGREE)
+    value_text, limit = value_and_limit(backlash, "at most", allowed, DEGREE)
     share = (1.0 - MECHANICS.jump_margin) * allowed / backlash
     lower = [
         Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in design.pair_kinds
@@ -206,7 +206,7 @@ def _check_tooth_skip(reducer: Reducer) -> Check:
     return Check(
         name="jump",
         passed=backlash <= allowed,
-        got=f"{got} from stop to stop",
+        got=f"{value_text} from stop to stop",
         limit=f"{limit} (half a lobe)",
         why="with a larger backlash the disc skips a tooth",
         key="the backlash of the output",

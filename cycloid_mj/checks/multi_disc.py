@@ -16,16 +16,18 @@ def disc_checks(reducer: Reducer) -> Iterator[Check]:
     discs, pins, lobes = design.gear.discs, design.output.pins, design.lobes
     if discs == 1:
         return
-    passed = are_discs_identical(discs, pins, lobes)
-    more = next((count for count in range(pins, MAX_OUTPUT_PINS + 1) if are_discs_identical(discs, count, lobes)), 0)
+    is_passed = are_discs_identical(discs, pins, lobes)
+    next_pin_count = next(
+        (count for count in range(pins, MAX_OUTPUT_PINS + 1) if are_discs_identical(discs, count, lobes)), 0
+    )
     yield Check(
         name="identical_discs",
-        passed=passed,
+        passed=is_passed,
         got=f"{pins}, for {lobes} lobes",
         limit=f"divisible by {discs}, without the factors that {discs} shares with the lobes",
         why=f"then all {discs} discs are the same part; else each needs its own drawing",
-        remedy="" if passed or not more else f"raise output.pins to {more}",
+        remedy="" if is_passed or not next_pin_count else f"raise output.pins to {next_pin_count}",
         severity="warning",
         key="output.pins",
-        changes=() if passed or not more else ({"output.pins": more},),
+        changes=() if is_passed or not next_pin_count else ({"output.pins": next_pin_count},),
     )

@@ -34,25 +34,34 @@ class Rule:
 
 
 def wall_rule(
-    name: str, limits: Callable[[float], tuple[Limit, ...]], share: float, radius: float, where: str, tied: bool = False
+    name: str,
+    limits: Callable[[float], tuple[Limit, ...]],
+    share: float,
+    radius: float,
+    location: str,
+    depends_on_others: bool = False,
 ) -> Rule:
     """Return the rule of a wall: thinner than the assumed share of E is a warning, no wall an error.
 
     Parameters
     ----------
-    name, tied
+    name, depends_on_others
         As in `Rule`.
     limits
         Returns the limits that leave a wall of a share of E; the first is on the checked value.
     share, radius
         Assumed least share, and E [m].
-    where
+    location
         Position of the wall, in words.
     """
-    limit, *others = limits(share)
-    why = f"the wall {where} should be at least {millimetres(share * radius)} thick ({share:.0%} of E, assumed)"
-    no_wall = Rule(name, limits(0.0)[0], f"there is no wall left {where}")
-    return Rule(name, limit, why, tuple(others), severity="warning", tied=tied, failure=no_wall)
+    limit, *other_limits = limits(share)
+    explanation = (
+        f"the wall {location} should be at least {millimetres(share * radius)} thick ({share:.0%} of E, assumed)"
+    )
+    no_wall = Rule(name, limits(0.0)[0], f"there is no wall left {location}")
+    return Rule(
+        name, limit, explanation, tuple(other_limits), severity="warning", tied=depends_on_others, failure=no_wall
+    )
 
 
 def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]:
@@ -63,16 +72,16 @@ def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]
 def _evaluate(reducer: Reducer, rule: Rule) -> Check:
     """Evaluate one rule on a reducer; return its check with value, limit and remedy."""
     limit = rule.limit
-    passed = limit.is_met(reducer)
+    is_passed = limit.is_met(reducer)
     value_text, allowed = limit.texts(reducer)
-    remedies = [] if passed else [*([] if rule.tied else [limit]), *rule.alternatives]
+    remedies = [] if is_passed else [*([] if rule.tied else [limit]), *rule.alternatives]
     keys = " and ".join(remedy.file_key for remedy in remedies)
     remedy = single_remedies(reducer, remedies)
     if remedies and not remedy["remedy"]:
         remedy["remedy"] = f"no change of a single key is enough: change {keys} together"
     check = Check(
         name=rule.name,
-        passed=passed,
+        passed=is_passed,
         got=value_text,
         limit=allowed,
         why=rule.why,

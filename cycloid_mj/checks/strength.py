@@ -88,7 +88,7 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
     pressure = state.peak_pressure(kind)
     yields = _weaker_strength(reducer, kind, "yield_strength", "surface_strength")
     breaks = _weaker_strength(reducer, kind, "tensile_strength", "surface_tensile_strength")
-    for name, (key, strength, ratio), factor, where, what in (
+    for name, (key, strength, ratio), factor, location, consequence in (
         ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
         ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields in every load cycle"),
         (
@@ -100,24 +100,24 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
         ),
     ):
         allowed = factor * strength
-        passed = pressure <= allowed
+        is_passed = pressure <= allowed
         remedies: list[Limit] = []
-        beyond = f"above this pressure {what}"
-        if not passed:
+        consequence_text = f"above this pressure {consequence}"
+        if not is_passed:
             torque = state.torque_at(kind, allowed)
-            beyond = f"above {_newton_metres(torque)} {what}" if math.isfinite(torque) else what
+            consequence_text = f"above {_newton_metres(torque)} {consequence}" if math.isfinite(torque) else consequence
             remedies = [
                 _face_width_limit(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", ratio * pressure / factor),
                 Limit("drive.torque", "at most", (1.0 - STRENGTH.statics_rtol) * torque / design.reduction),
             ]
-        got, limit = value_and_limit(pressure, "at most", allowed, MEGAPASCAL)
+        value_text, limit = value_and_limit(pressure, "at most", allowed, MEGAPASCAL)
         yield Check(
             name=f"{part}_{name}",
-            passed=passed,
-            got=got,
-            limit=f"{limit} ({factor:.3g} {where})",
-            why=beyond,
+            passed=is_passed,
+            got=value_text,
+            limit=f"{limit} ({factor:.3g} {location})",
+            why=consequence_text,
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
             **single_remedies(reducer, remedies),
@@ -134,8 +134,8 @@ def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strengt
     The value is that of the material over the ratio, which is 1 except for bare rollers, see `roller_contacts`.
     """
     design = reducer.design
-    bare = kind == "cam" and has_bare_rollers(reducer)
-    sides = roller_contacts(reducer) if bare else ((part, 1.0) for part in PARTNERS[kind])
+    has_bare_rollers_on_disc = kind == "cam" and has_bare_rollers(reducer)
+    sides = roller_contacts(reducer) if has_bare_rollers_on_disc else ((part, 1.0) for part in PARTNERS[kind])
     strengths = []
     for part, ratio in sides:
         material = design.material_of(part)
@@ -164,26 +164,26 @@ def _check_load_sharing(state: RatedLoad) -> Check:
     """Check the largest tooth force relative to that of ideal load sharing."""
     reducer, design, ratio = state.reducer, state.reducer.design, state.concentration
     names = _clearances(reducer)
-    passed = ratio <= STRENGTH.max_concentration
-    got, limit = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
+    is_passed = ratio <= STRENGTH.max_concentration
+    value_text, limit = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
 
     def tighter(share: float) -> Reducer:
         return reducer.but(clearance={name: share * getattr(design.clearance, name) for name in names})
 
     share = (
         1.0
-        if passed
+        if is_passed
         else _find_threshold(lambda share: rated_load(tighter(share)).concentration <= STRENGTH.max_concentration)
     )
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
-    remedy = joint_remedy(reducer, [] if passed else limits)
+    remedy = joint_remedy(reducer, [] if is_passed else limits)
     if not share:
         stiffer = "a wider face or more rollers make the cam stiffer (gear.face_width_mm, contact.cam_rollers)"
         remedy = {"remedy": f"smaller clearances are not enough: {stiffer}", "changes": ()}
     return Check(
         name="load_concentration",
-        passed=passed,
-        got=got,
+        passed=is_passed,
+        got=value_text,
         limit=f"{limit} (assumed)",
         why="with clearances and a compliant cam, few teeth carry what ideal sharing distributes over half of them",
         severity="warning",
@@ -203,12 +203,12 @@ def _clearances(reducer: Reducer) -> tuple[str, ...]:
 def _check_pressure_angle(state: RatedLoad) -> Check:
     """Check the mean pressure angle of the tooth forces, averaged by force."""
     reducer, design, angle = state.reducer, state.reducer.design, state.pressure_angle
-    passed = angle <= STRENGTH.max_pressure_angle
-    got, limit = value_and_limit(angle, "at most", STRENGTH.max_pressure_angle, DEGREE)
-    least, most = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
+    is_passed = angle <= STRENGTH.max_pressure_angle
+    value_text, limit = value_and_limit(angle, "at most", STRENGTH.max_pressure_angle, DEGREE)
+    current_eccentricity, max_eccentricity = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
 
     def steeper(share: float) -> Reducer:
-        eccentricity = most + share * (least - most)
+        eccentricity = max_eccentricity + share * (current_eccentricity - max_eccentricity)
         return reducer.but(
             gear={"eccentricity": eccentricity}, output={"hole_radius": design.output.pin_radius + eccentricity}
         )
@@ -216,19 +216,19 @@ def _check_pressure_angle(state: RatedLoad) -> Check:
     def is_met(share: float) -> bool:
         return rated_load(steeper(share)).pressure_angle <= STRENGTH.max_pressure_angle
 
-    share = 1.0 if passed else _find_threshold(is_met)
-    better = steeper(share).design if share else design
+    share = 1.0 if is_passed else _find_threshold(is_met)
+    improved_design = steeper(share).design if share else design
     limits = [
-        Limit("gear.eccentricity", "at least", better.gear.eccentricity),
-        Limit("output.hole_radius", "at least", better.output.hole_radius),
+        Limit("gear.eccentricity", "at least", improved_design.gear.eccentricity),
+        Limit("output.hole_radius", "at least", improved_design.output.hole_radius),
     ]
-    remedy = joint_remedy(reducer, [] if passed else limits)
+    remedy = joint_remedy(reducer, [] if is_passed else limits)
     if not share:
         remedy = {"remedy": "a larger eccentricity is not enough: lower the clearances", "changes": ()}
     return Check(
         name="pressure_angle",
-        passed=passed,
-        got=f"{got} (weighted by force)",
+        passed=is_passed,
+        got=f"{value_text} (weighted by force)",
         limit=f"{limit} (assumed)",
         why="with a larger angle the tooth forces load cam and housing instead of turning the disc",
         severity="warning",
@@ -249,8 +249,8 @@ def _find_threshold(is_met: Callable[[float], bool]) -> float:
 
     low, high = 0.0, 1.0
     while high - low > STRENGTH.bisection_rtol * high and high > STRENGTH.bisection_rtol:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if is_met_safely(middle) else (low, middle)
+        midpoint = 0.5 * (low + high)
+        low, high = (midpoint, high) if is_met_safely(midpoint) else (low, midpoint)
     return low
 
 
@@ -276,21 +276,21 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
     output, ring, gear = design.output, design.ring, design.gear
     hole = output.hole_radius + design.clearance.output
     root = ring.pin_circle_radius + design.modification.pin_circle - gear.eccentricity - reducer.profile_offset
-    outside = ring.pin_circle_radius + ring.pin_radius + design.socket_play
+    ring_root_radius = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     if ring.kind == "nonpin":
-        outside = ring.pin_circle_radius - ring.pin_radius + 2.0 * gear.eccentricity
+        ring_root_radius = ring.pin_circle_radius - ring.pin_radius + 2.0 * gear.eccentricity
     between = 2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole)
-    inside, beyond = output.pin_circle_radius - hole, root - output.pin_circle_radius - hole
-    ligament, tooth = design.housing.outer_radius - outside, design.tooth_pair
+    inner_wall, outer_wall = output.pin_circle_radius - hole, root - output.pin_circle_radius - hole
+    ligament, tooth = design.housing.outer_radius - ring_root_radius, design.tooth_pair
     return (
         Wall("hole_to_hole", "between neighbouring output holes", "gear", "output", between, TENSION),
-        Wall("hole_to_root", "between the output holes and the root of the lobes", "gear", "output", beyond, SHEAR),
+        Wall("hole_to_root", "between the output holes and the root of the lobes", "gear", "output", outer_wall, SHEAR),
         Wall(
             "bore_to_hole",
             "between the bore and the output holes",
             "gear",
             "output",
-            inside - gear.bore_radius - design.clearance.cam,
+            inner_wall - gear.bore_radius - design.clearance.cam,
             SHEAR,
         ),
         Wall("housing_ligament", "of the housing outside the ring's teeth", "housing", tooth, ligament, SHEAR),
@@ -307,17 +307,17 @@ def _check_wall(state: RatedLoad, wall: Wall) -> Check:
     stress = acting(state)
     material = design.material_of(wall.part)
     strength = wall.share * material.yield_strength / STRENGTH.wall_safety
-    passed = stress <= strength
+    is_passed = stress <= strength
     kind = "tension" if wall.share == TENSION else "shear"
-    got, limit = value_and_limit(stress, "at most", strength, MEGAPASCAL)
-    enough = Limit(
+    value_text, limit = value_and_limit(stress, "at most", strength, MEGAPASCAL)
+    thickness_limit = Limit(
         f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
     )
-    remedies = [] if passed else [_face_width_limit(reducer, acting, strength, 1.0), enough]
+    remedies = [] if is_passed else [_face_width_limit(reducer, acting, strength, 1.0), thickness_limit]
     return Check(
         name=wall.name,
-        passed=passed,
-        got=f"{got} of {kind}",
+        passed=is_passed,
+        got=f"{value_text} of {kind}",
         limit=f"{limit} (the yield strength in {kind} over {STRENGTH.wall_safety:g}, assumed)",
         why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the wall of"
         f" {1e3 * wall.thickness:.4g} mm",

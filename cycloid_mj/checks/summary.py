@@ -64,7 +64,7 @@ def summarize(reducer: Reducer) -> Summary:
     """Summarize a design that can be built: ratio, loads, pressures and sizes; errors as `rated_load`."""
     design = reducer.design
     state = rated_load(reducer)
-    turning = reducer if design.drive.speed else reducer.but(drive={"speed": CREEP_SPEED})
+    turning_reducer = reducer if design.drive.speed else reducer.but(drive={"speed": CREEP_SPEED})
     weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / reducer.contacts[kind].strength)
     return Summary(
         ratio=design.reduction,
@@ -75,8 +75,8 @@ def summarize(reducer: Reducer) -> Summary:
         rated_torque=design.rated_torque,
         loaded_teeth=state.loaded_teeth,
         pressure_angle=state.pressure_angle,
-        backlash=ARCMINUTE * figure("backlash_arcmin").value(turning),
-        capacity=_capacity(turning),
+        backlash=ARCMINUTE * figure("backlash_arcmin").value(turning_reducer),
+        capacity=_capacity(turning_reducer),
         weakest=weakest,
         material_limits=describe_plastic_limits(design),
     )

@@ -99,11 +99,13 @@ def _pin_wall_rule(reducer: Reducer) -> Rule:
     socket = design.ring.pin_radius + play
 
     def limits(wall: float) -> tuple[Limit, ...]:
-        room = math.sin(math.pi / N) - wall / 2
+        relative_radius = math.sin(math.pi / N) - wall / 2
         return (
-            Limit("ring.pin_radius", "less than", E * room - play),
+            Limit("ring.pin_radius", "less than", E * relative_radius - play),
             Limit("ring.teeth", "less than", circles_on_circle(socket / E + wall / 2)),
-            Limit("ring.pin_circle_radius", "more than", socket / room if room > 0.0 else math.inf),
+            Limit(
+                "ring.pin_circle_radius", "more than", socket / relative_radius if relative_radius > 0.0 else math.inf
+            ),
         )
 
     return wall_rule("neighbouring_pins", limits, TEETH.min_wall_share, E, "between the sockets of neighbouring pins")
@@ -136,13 +138,13 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
 
     def remaining_angle(pin_radius: float, eccentricity: float) -> float:
         """Compute the angle [rad] of the socket's support beyond the largest direction of the force."""
-        changed = design.model_copy(
+        changed_design = design.model_copy(
             update={
                 "ring": design.ring.model_copy(update={"pin_radius": pin_radius}),
                 "gear": design.gear.model_copy(update={"eccentricity": eccentricity}),
             }
         )
-        return socket_half_angle(changed) - math.asin(min(1.0, eccentricity * N / E))
+        return socket_half_angle(changed_design) - math.asin(min(1.0, eccentricity * N / E))
 
     remedies = (
         (
@@ -171,16 +173,16 @@ def _housing_wall_rule(reducer: Reducer) -> Rule:
     sockets = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     root = ring.pin_circle_radius - ring.pin_radius + 2 * c
     outermost = sockets if ring.kind == "pin" else root
-    beyond = outermost - ring.pin_circle_radius
+    wall_thickness = outermost - ring.pin_circle_radius
 
     def limits(wall: float) -> tuple[Limit, ...]:
         return (
             Limit("housing.outer_radius", "more than", outermost + wall * ring.pin_circle_radius),
-            Limit("ring.pin_circle_radius", "less than", (outer - beyond) / (1 + wall)),
+            Limit("ring.pin_circle_radius", "less than", (outer - wall_thickness) / (1 + wall)),
         )
 
-    where = f"outside the ring's teeth (out to {millimetres(outermost)})"
-    return wall_rule("housing", limits, TEETH.min_wall_share, ring.pin_circle_radius, where)
+    location = f"outside the ring's teeth (out to {millimetres(outermost)})"
+    return wall_rule("housing", limits, TEETH.min_wall_share, ring.pin_circle_radius, location)
 
 
 def circles_on_circle(half_pitch_share: float) -> float:
@@ -194,6 +196,6 @@ def _find_decreasing_root(function: Callable[[float], float], high: float) -> fl
     The lower end is returned: the function is positive there. A root below 1e-12 of `high` counts as none.
     """
     low, floor = 0.0, 1e-12 * high
-    while max(low, floor) < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if function(middle) > 0 else (low, middle)
+    while max(low, floor) < (midpoint := (low + high) / 2) < high:
+        low, high = (midpoint, high) if function(midpoint) > 0 else (low, midpoint)
     return low

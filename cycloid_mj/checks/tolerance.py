@@ -29,8 +29,10 @@ def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
     yield from _check_error(reducer, "disc_tolerance", "the flanks of a disc", flanks, pair, mesh)
     cams = _tolerance_of(errors.cam_position, errors.cam_x, errors.cam_y)
     yield from _check_error(reducer, "cam_tolerance", "the position of a cam", cams, "cam", clearance.cam + mesh)
-    off = abs(errors.eccentricity)
-    yield from _check_error(reducer, "eccentricity_tolerance", "the eccentricity", off, "cam", clearance.cam + mesh)
+    eccentricity_errors = abs(errors.eccentricity)
+    yield from _check_error(
+        reducer, "eccentricity_tolerance", "the eccentricity", eccentricity_errors, "cam", clearance.cam + mesh
+    )
 
 
 def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
@@ -45,7 +47,7 @@ def _check_error(
     """Check that an error [m] is at most `available` [m], which includes the clearance of a `pair`."""
     if error == 0.0:
         return
-    passed = error <= available
+    is_passed = error <= available
     size_text, limit_text = value_and_limit(error, "at most", available, MICROMETRE)
     clearance_limit = Limit(
         f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) + error - available
@@ -53,11 +55,11 @@ def _check_error(
     error_remedy = f"reduce the errors to {available / error:.0%} of their present values"
     yield Check(
         name=name,
-        passed=passed,
+        passed=is_passed,
         got=f"{size_text} ({SIGMAS:g} standard deviations, or the largest listed)",
         limit=f"{limit_text} (the clearance)",
         why="a part whose error exceeds its clearance is pressed and takes load from the others",
         severity="warning",
         key=f"the error of {quantity}",
-        **single_remedies(reducer, [] if passed else [clearance_limit], error_remedy),
+        **single_remedies(reducer, [] if is_passed else [clearance_limit], error_remedy),
     )

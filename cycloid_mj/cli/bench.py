@@ -109,7 +109,7 @@ CALIBRATED, COMPARED = CalibrationDelivery(), BenchDelivery()
 
 
 def calibrate(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     loop: LoopFlag,
     fit: FitFlag = "",
@@ -142,26 +142,26 @@ def calibrate(
         )
     keys = tuple(key.strip() for key in fit.split(",") if key.strip()) if fit else DEFAULT
     loops = _read_loops(loop)
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     fit_parameters(Reducer(design), keys, loops)  # raises for an unknown or repeated key
     name = calibrated_name(Reducer(design))
     destination = claim_destination(delivery, name, [f"{name}{ending}" for ending in FILES], OUT, with_page=True)
-    silent, progress = replace(delivery, quiet=True), count_progress("calibrate", delivery.quiet)
+    quiet_delivery, progress = replace(delivery, quiet=True), count_progress("calibrate", delivery.quiet)
     try:
         calibration = fit_model(design, loops, keys, held, math.radians(crank_deg), progress)
     except CalibrationStopped as stop:
-        write(_calibration_outcome(stop.calibration, destination), destination, silent)
+        write(_calibration_outcome(stop.calibration, destination), destination, quiet_delivery)
         raise RunError(
             f"stopped by {signal_name(stop)}; the values fitted so far are in {destination.folder}. Run the command "
             "again for the complete calibration"
         ) from stop
     if losses:
-        write(_calibration_outcome(calibration, destination), destination, silent)
+        write(_calibration_outcome(calibration, destination), destination, quiet_delivery)
         calibration = _fit_loss_models(calibration, destination, delivery)
     try:
         unusable = _find_defects(calibration, delivery.quiet)
     except KeyboardInterrupt as stop:
-        write(_calibration_outcome(calibration, destination), destination, silent)
+        write(_calibration_outcome(calibration, destination), destination, quiet_delivery)
         raise RunError(
             f"stopped by {signal_name(stop)}; the calibration is in {destination.folder}, but its design was not "
             "tested. Test it with `cycloid-mj design check`, `statics` and `reduce`"
@@ -196,12 +196,14 @@ def _fit_loss_models(
     from cycloid_mj.bench import compare_losses
     from cycloid_mj.cli.progress import count_progress
 
-    silent = replace(delivery, quiet=True)
+    quiet_delivery = replace(delivery, quiet=True)
     try:
         return compare_losses(
             calibration,
             count_progress("calibrate: losses", delivery.quiet),
-            lambda so_far: write(_calibration_outcome(so_far, destination), destination, silent),
+            lambda partial_calibration: write(
+                _calibration_outcome(partial_calibration, destination), destination, quiet_delivery
+            ),
         )
     except KeyboardInterrupt as stop:
         raise RunError(
@@ -223,13 +225,13 @@ def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
         defect = _first_defect(Reducer(calibration.design), torque)
     if defect is None:
         return ()
-    fitted, causes = calibration.fitted, []
-    for number, parameter in enumerate(fitted.parameters, 1):
-        model = fitted.model
-        for replaced, value in zip(fitted.parameters, fitted.values.tolist(), strict=True):
+    fit, causes = calibration.fitted, []
+    for number, parameter in enumerate(fit.parameters, 1):
+        model = fit.model
+        for replaced, value in zip(fit.parameters, fit.values.tolist(), strict=True):
             model = model if replaced == parameter else replaced.apply(model, value)
         with show_activity(
-            f"calibrate: testing it with the drawn {parameter.key}, {number} of {len(fitted.parameters)}", quiet
+            f"calibrate: testing it with the drawn {parameter.key}, {number} of {len(fit.parameters)}", quiet
         ):
             is_usable = _first_defect(model.reducer, torque) is None
         if is_usable:
@@ -279,14 +281,16 @@ def _calibration_outcome(
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.report.results import calibration_page
 
-    name, fitted = calibration.design.name, calibration.fitted
+    name, fit = calibration.design.name, calibration.fitted
     figures = quantities(Reducer(calibration.design))
     rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
-    for loop, model_angles in zip(fitted.loops, fitted.turns, strict=True):
-        measured, model = loop.deflection / DEGREE, model_angles / DEGREE
+    for loop, model_angles in zip(fit.loops, fit.turns, strict=True):
+        measured_angles, model = loop.deflection / DEGREE, model_angles / DEGREE
         rows += [
-            f"{loop.name},{torque!r},{value!r},{modelled!r},{value - modelled!r}"
-            for torque, value, modelled in zip(loop.torque.tolist(), measured.tolist(), model.tolist(), strict=True)
+            f"{loop.name},{torque!r},{value!r},{modelled_angle!r},{value - modelled_angle!r}"
+            for torque, value, modelled_angle in zip(
+                loop.torque.tolist(), measured_angles.tolist(), model.tolist(), strict=True
+            )
         ]
     draw = cache(partial(encode_figure, calibration_figure(calibration)))
     files = {
@@ -299,9 +303,9 @@ def _calibration_outcome(
         failures=unusable or (),
         warnings=[
             *(
-                f"the loop does not distinguish {first} and {second} (correlation {correlation:.3f}): fit one of them, "
-                "or measure another loop"
-                for first, second, correlation in calibration.indistinguishable
+                f"the loop does not distinguish {first_key} and {second_key} (correlation {correlation:.3f}): fit one "
+                "of them, or measure another loop"
+                for first_key, second_key, correlation in calibration.indistinguishable
             ),
             *(
                 [f"not determined by the loop: {', '.join(calibration.unidentified)}"]
@@ -329,7 +333,7 @@ def _headline(calibration: "Calibration") -> dict[str, str]:
     from cycloid_mj.base.units import DEGREE
 
     measured_figures, model_figures = calibration.measured, calibration.modelled
-    derived = {
+    derived_rows = {
         "play, from the loaded branches": _value_and_model(
             measured_figures.play.value / DEGREE, model_figures.play.value / DEGREE, "deg"
         ),
@@ -340,12 +344,12 @@ def _headline(calibration: "Calibration") -> dict[str, str]:
         "Coulomb friction": _value_and_model(measured_figures.coulomb.value, model_figures.coulomb.value, "N m"),
         "residual, rms": f"{calibration.rms / DEGREE:.3g} deg",
     }
-    fitted = {
+    fitted_rows = {
         key: f"{item.value:.4g} {'' if item.unit == '1' else item.unit}".strip()
         + ("" if item.identified else " (not determined by the loop)")
         for key, item in calibration.estimates.items()
     }
-    return dict(islice((derived | fitted).items(), MOST_FIGURES))
+    return dict(islice((derived_rows | fitted_rows).items(), MOST_FIGURES))
 
 
 def _value_and_model(measured: float, model: float, unit: str) -> str:
@@ -354,7 +358,7 @@ def _value_and_model(measured: float, model: float, unit: str) -> str:
 
 
 def compare_bench(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     te: TeFlag,
     load_nm: LoadFlag = None,
@@ -372,7 +376,7 @@ def compare_bench(
     from cycloid_mj.plots.save import encode_figure
 
     measured = read_te(te)
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     stem = f"{design.name}-{measured.name}"
     destination = claim_destination(delivery, stem, [f"{stem}.png"], OUT_TE)
     comparison = compared(design, measured, load_nm)

@@ -51,7 +51,7 @@ PlainFlag = Annotated[
 
 
 def build(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     out: OutFlag,
     timestep_us: Annotated[float | None, TIMESTEP.flag(f"Time step of the model{STEP}")] = None,
@@ -73,7 +73,7 @@ def build(
     from cycloid_mj.dynamics.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
     from cycloid_mj.parts.convex import ConvexSettings
 
-    reducer = Reducer(chosen.resolve_checked([(TIMESTEP, timestep_us)]))
+    reducer = Reducer(design_options.resolve_checked([(TIMESTEP, timestep_us)]))
     _require_writable(out)
     claim_outputs(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-model")

@@ -203,10 +203,12 @@ def compare(
         usual = f"{logs[0].removesuffix('.mcap')}-compare"
         destination = _claim(claim_folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
         return deliver(_compare_logs(logs, q, destination), destination, delivery)
-    first = load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
-    loaded = [load_design(name, options.set_, (), options.at_c) for name in designs]
-    require_distinct_names(loaded)
-    plan = _plan_runs(list_cases(loaded, first, options.load_nm, options.solver, options.hold_given), options)
+    first_design = load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
+    compared_designs = [load_design(name, options.set_, (), options.at_c) for name in designs]
+    require_distinct_names(compared_designs)
+    plan = _plan_runs(
+        list_cases(compared_designs, first_design, options.load_nm, options.solver, options.hold_given), options
+    )
     warn_of_overloads(plan.starts)
     names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]
     destination = _claim(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)
@@ -281,15 +283,16 @@ def _compare_runs(
     paths = map(Path, destination.paths(f"{name}.mcap" for name in plan.names.values()))
     logs = dict(zip(plan.names, paths, strict=True))
     run_all(logs, delivery.force, delivery.quiet, plan.solver, viewable=plan.starts)
-    motions, measured = {}, {}
+    motions, measures_by_design = {}, {}
     for design, log in logs.items():
         motion, trial = _measure_trial(log, q)
-        measured[design] = trial.measures
+        measures_by_design[design] = trial.measures
         if design in plan.starts:
             motions[design] = motion
-    comparison = plan.compare(measured, motions)
+    comparison = plan.compare(measures_by_design, motions)
     verdicts = judge_runs(
-        comparison.trials, {variation: plan.trials(measured, cases, variation) for variation in plan.variations}
+        comparison.trials,
+        {variation: plan.trials(measures_by_design, cases, variation) for variation in plan.variations},
     )
     pictures = _draw_figures(comparison, [motions[design] for design in cases]) | _draw_paper_figures(verdicts)
     return outcome_of(comparison, verdicts, pictures, destination)
@@ -317,8 +320,8 @@ def _draw_figures(comparison: "Comparison", motions: "Sequence[Series]") -> dict
     from cycloid_mj.plots.save import encode_figure
 
     figures = comparison_figures(motions)
-    unloaded = comparison.at(comparison.loads[0])
-    figures["compare_curvature"] = curvature_figure([trial.design for trial in unloaded])
+    unloaded_trials = comparison.at(comparison.loads[0])
+    figures["compare_curvature"] = curvature_figure([trial.design for trial in unloaded_trials])
     return {name: partial(encode_figure, figure) for name, figure in figures.items()}
 
 

@@ -35,7 +35,7 @@ EXAMPLES = """Examples:
 
 
 def datasheet(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     life_h: LifeFlag = None,
     delivery: Annotated[Sheets, FLAT] = SHEETS,
@@ -53,14 +53,14 @@ def datasheet(
         raise UsageError(
             f"--life-h {life_h:g} is out of range: give a finite number of hours greater than 0, e.g. --life-h 6000"
         )
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     stem = f"{design.name}-datasheet"
     destination = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, with_page=True)
     progress = count_progress("data sheet", delivery.quiet)
     sheet = computed(Reducer(design), life_h or 0.0, progress)
-    inherited = chosen.inheritance()
-    if inherited and inherited.note:
-        sheet = replace(sheet, notes=(*sheet.notes, inherited.note))
+    inheritance = design_options.inheritance()
+    if inheritance and inheritance.note:
+        sheet = replace(sheet, notes=(*sheet.notes, inheritance.note))
     return deliver(_outcome(sheet, destination), destination, delivery)
 
 

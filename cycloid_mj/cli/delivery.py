@@ -110,17 +110,21 @@ def claim_page(
     """
     if flags.html is None and not with_page:
         return None
-    named = flags.html or ()
-    if len(named) > 1:
+    page_names = flags.html or ()
+    if len(page_names) > 1:
         raise UsageError(
-            f"--html takes one file, but {len(named)} are given ({', '.join(named)}): give only one of them"
+            f"--html takes one file, but {len(page_names)} are given ({', '.join(page_names)}): give only one of them"
         )
-    if named and named[0] in PRESETS:
+    if page_names and page_names[0] in PRESETS:
         raise UsageError(
-            f"--html {named[0]} would name the page after a preset: name the page {named[0]}.html, or move the design "
-            f"{named[0]} in front of the flags"
+            f"--html {page_names[0]} would name the page after a preset: name the page {page_names[0]}.html, or move "
+            f"the design {page_names[0]} in front of the flags"
         )
-    path = Path(named[0]) if named else (directory or claim_folder(RUNS, "the page", (), flags.force)) / f"{stem}.html"
+    path = (
+        Path(page_names[0])
+        if page_names
+        else (directory or claim_folder(RUNS, "the page", (), flags.force)) / f"{stem}.html"
+    )
     require_ending(path, ".html")
     if not resumed:
         claim_outputs(path, force=flags.force)
@@ -184,8 +188,8 @@ def write(outcome: Outcome, destination: Destination, flags: CommonFlags) -> Non
     if files:
         with defer_signals():
             write_files(files)
-        if not flags.quiet and (unnamed := [path for path in files if str(path) not in (outcome.text or ())]):
-            tell(f"wrote {_list_files(unnamed)}")
+        if not flags.quiet and (unlisted_files := [path for path in files if str(path) not in (outcome.text or ())]):
+            tell(f"wrote {_list_files(unlisted_files)}")
 
 
 def _list_files(files: Collection[Path]) -> str:
@@ -217,13 +221,13 @@ def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[
         yield destination.page, encodable_text(outcome.page() if outcome.page else outcome_page(outcome)).encode()
 
 
-def show_outcome(outcome: Outcome, everything: bool) -> None:
+def show_outcome(outcome: Outcome, show_hidden: bool) -> None:
     """Print an outcome as text: headline, failures, warnings and summary; tables and notes if they fit into 25 lines.
 
-    With `everything` (``--all``), all tables, notes and passed checks are printed.
+    With `show_hidden` (``--all``), all tables, notes and passed checks are printed.
     """
-    passes = outcome.passes if everything else ()
-    everything = everything or _count_lines(outcome) <= TEXT.max_lines
+    passes = outcome.passes if show_hidden else ()
+    show_hidden = show_hidden or _count_lines(outcome) <= TEXT.max_lines
     title = ", ".join(filter(None, (outcome.title, outcome.condition)))
     for line in [title] if outcome.text is None else outcome.text:
         say(line)
@@ -233,13 +237,13 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
         say(f"FAIL  {line}")
     used_lines = TEXT.frame_lines + sum(map(len, (outcome.headline, outcome.failures, outcome.summary)))
     shown_warnings = (
-        outcome.warnings if everything else outcome.warnings[: max(TEXT.min_warnings, TEXT.max_lines - used_lines)]
+        outcome.warnings if show_hidden else outcome.warnings[: max(TEXT.min_warnings, TEXT.max_lines - used_lines)]
     )
     for line in shown_warnings:
         say(f"warn  {line}")
     for line in passes:
         say(f"ok    {line}")
-    if everything:
+    if show_hidden:
         for table in outcome.tables:
             show(table)
         for note in outcome.notes:
@@ -247,8 +251,8 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
     hidden = {
         "more warning": len(outcome.warnings) - len(shown_warnings),
         "passed check": len(outcome.passes) - len(passes),
-        "table row": 0 if everything else sum(len(table.rows) for table in outcome.tables),
-        "note": 0 if everything else len(outcome.notes),
+        "table row": 0 if show_hidden else sum(len(table.rows) for table in outcome.tables),
+        "note": 0 if show_hidden else len(outcome.notes),
     }
     if hidden_text := ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in hidden.items() if count):
         say(f"--all also shows {hidden_text}")

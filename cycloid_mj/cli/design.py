@@ -49,14 +49,14 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+def show(design_options: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Print the complete, commented design file of a preset or a file, including changes by --set.
 
     Values that the paper (Hsieh 2014) does not state are marked as assumed. Keys that a file omits have the values of
     the preset pin. JSON has the tables and keys of the file; --out writes the file as well.
     """
-    design = chosen.resolve()
-    text, file = dump(design, preset_reasons(chosen.design, design)), f"{design.name}.toml"
+    design = design_options.resolve()
+    text, file = dump(design, preset_reasons(design_options.design, design)), f"{design.name}.toml"
     destination = claim_destination(delivery, f"{design.name}-design", [file])
     outcome = Outcome(
         title=f"design: {design.name}",
@@ -71,7 +71,7 @@ StrictFlag = Annotated[bool, Parameter(name="--strict", negative="", help="Exit 
 
 
 def check(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     strict: StrictFlag = False,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
@@ -89,16 +89,16 @@ def check(
     """
     from cycloid_mj.life.checks import check_design
 
-    design = chosen.resolve()
+    design = design_options.resolve()
     destination = claim_destination(delivery, f"{design.name}-check")
-    checks, inherited = check_design(design), chosen.inheritance()
+    checks, inheritance = check_design(design), design_options.inheritance()
     reducer = reducer_of(design)
     if isinstance(reducer, RvReducer):
-        outcome = replace(_outcome(design, checks, None, None, inherited), summary=_rv_lines(reducer, checks))
+        outcome = replace(_outcome(design, checks, None, None, inheritance), summary=_rv_lines(reducer, checks))
         return deliver(_strictly(outcome, strict), destination, delivery)
-    summed = None if checks.failures else _compute_summary(design)
-    rating = _compute_rating(design) if summed else None
-    return deliver(_strictly(_outcome(design, checks, summed, rating, inherited), strict), destination, delivery)
+    summary = None if checks.failures else _compute_summary(design)
+    rating = _compute_rating(design) if summary else None
+    return deliver(_strictly(_outcome(design, checks, summary, rating, inheritance), strict), destination, delivery)
 
 
 def _strictly(outcome: Outcome, strict: bool) -> Outcome:

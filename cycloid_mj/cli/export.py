@@ -284,7 +284,7 @@ EXPORT = ExportFlags()
 
 
 def export(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     format_: FormatFlag = "stl",
     out: OutFlag = None,
@@ -314,7 +314,7 @@ def export(
     fit, mass_kg) and consumables.
     """
     flags.require_consistent(format_)
-    design, motor = chosen.resolve_checked().at_reference, flags.interface.chosen()
+    design, motor = design_options.resolve_checked().at_reference, flags.interface.chosen()
     reducer = reducer_of(design)
     flags.require_supported(reducer)
     if flags.has_casing:
@@ -360,9 +360,9 @@ def _drive_files(
 
     if sizes is None:
         return {}
-    widened = widen_clearances(reducer, flags.offset)
+    widened_reducer = widen_clearances(reducer, flags.offset)
     return drive_files(
-        widened,
+        widened_reducer,
         file_format,
         sizes,
         flags.chord_error,

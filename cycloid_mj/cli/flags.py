@@ -292,14 +292,15 @@ class DesignOptions:
 
     def warn_of_inherited_motor(self, design: Design) -> None:
         """Warn if the design file states no motor torque, so that that of its preset applies."""
-        inherited = self.inheritance()
-        if inherited and MOTOR_TORQUE in inherited.motor:
+        inheritance = self.inheritance()
+        if inheritance and MOTOR_TORQUE in inheritance.motor:
             warn(
                 design.name,
                 [
                     f"the nominal torque of {design.rated_torque:.4g} N m is that of the motor of the preset "
-                    f"{inherited.preset}, {design.drive.torque:.4g} N m times the ratio, because {self.design} states "
-                    f'neither {MOTOR_TORQUE} nor load.torque_nm: set one, or [base] preset = "{inherited.preset}"'
+                    f"{inheritance.preset}, {design.drive.torque:.4g} N m times the ratio, because {self.design} "
+                    "states "
+                    f'neither {MOTOR_TORQUE} nor load.torque_nm: set one, or [base] preset = "{inheritance.preset}"'
                 ],
             )
 
@@ -377,9 +378,9 @@ class ClusterDelivery(Delivery):
 def require_distinct_names(designs: Iterable[Design]) -> None:
     """Raise UsageError if two designs have the same name and would overwrite each other's files."""
     names = [design.name for design in designs]
-    if repeated := next((name for name in names if names.count(name) > 1), None):
+    if repeated_name := next((name for name in names if names.count(name) > 1), None):
         raise UsageError(
-            f"two designs have the name {repeated!r}, so they would overwrite each other's files: change the key "
+            f"two designs have the name {repeated_name!r}, so they would overwrite each other's files: change the key "
             "`name` in one of the design files"
         )
 

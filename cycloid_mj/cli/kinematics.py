@@ -52,7 +52,7 @@ StepFlag = Annotated[
 
 
 def kinematics(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     q: PointFlag = None,
     csv: CsvFlag,
@@ -72,7 +72,7 @@ def kinematics(
     positions from the axis of the reducer. Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers are written
     with all digits.
     """
-    design = chosen.resolve([(RAMP, ramp_s), (SPEED, speed_rpm)])
+    design = design_options.resolve([(RAMP, ramp_s), (SPEED, speed_rpm)])
     columns = _compute_motion(design, parse_point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{design.name}-kinematics")
@@ -97,7 +97,7 @@ def _compute_motion(design: Design, q: tuple[float, float], until: float | None,
     t = step * np.arange(_count_samples(until, step))
     crank = law.angle_at(t)
     path = point_path(Reducer(design), np.array(q), 0, crank, law.speed_at(t), law.acceleration_at(t))
-    (x, y), (vx, vy), (ax, ay) = (1e3 * v.T for v in (path.position, path.velocity, path.acceleration))
+    (x, y), (vx, vy), (ax, ay) = (1e3 * vectors.T for vectors in (path.position, path.velocity, path.acceleration))
     names = ("t_s", "crank_rad", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "ax_mm_s2", "ay_mm_s2")
     return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))
 

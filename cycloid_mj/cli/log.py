@@ -79,15 +79,17 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
     state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
     span = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} per second"
     topics = [(topic, f"{len(names)} columns", f"{len(run):,}") for topic, names in run.topics.items()]
-    topics += [(topic, shown.schema, f"{shown.messages:,}") for topic, shown in contents.viewers.items()]
-    attached = tuple((name, f"{len(data):,}") for name, data in run.attachments.items())
+    topics += [
+        (topic, viewer_topic.schema, f"{viewer_topic.messages:,}") for topic, viewer_topic in contents.viewers.items()
+    ]
+    attachment_rows = tuple((name, f"{len(data):,}") for name, data in run.attachments.items())
     outcome = Outcome(
         title=f"log: {log}",
         condition=f"{contents.size:,} bytes, {state}",
         text=[f"{log}: {contents.size:,} bytes, {state}", span],
         tables=[
             Table("topics", ("topic", "holds", "messages"), tuple(topics)),
-            Table("attachments", ("file", "bytes"), attached),
+            Table("attachments", ("file", "bytes"), attachment_rows),
             Table("provenance", ("what", "value"), tuple(sorted(run.provenance.items()))),
         ],
         result={"log": log, **_describe_contents(contents)},
@@ -127,10 +129,10 @@ def csv(
 ) -> int:
     """Write time [s] and columns of a log as CSV, with all digits."""
     run = _read(log)
-    written = {"time": run.time, **{name: run[name] for name in _names(columns) or run.columns}}
+    columns_by_name = {"time": run.time, **{name: run[name] for name in _names(columns) or run.columns}}
     claim_csv(out, delivery.force, "--out")
     page = claim_page(delivery, f"{Path(log).stem}-columns")
-    return deliver_columns(f"columns: {log}", written, out, page, delivery)
+    return deliver_columns(f"columns: {log}", columns_by_name, out, page, delivery)
 
 
 def parquet(
@@ -246,7 +248,7 @@ def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene
 
-    rates = [shown.rate for shown in log.viewers.values() if shown.rate]
+    rates = [viewer_topic.rate for viewer_topic in log.viewers.values() if viewer_topic.rate]
     try:
         return Scene(design_of(log.run), rate or (rates[0] if rates else RATE))
     except CycloidError as problem:
@@ -269,7 +271,7 @@ def _describe_contents(log: "Log") -> dict[str, Any]:
         "end_s": float(run.time[-1]),
         "rate_hz": _rate(run),
         "topics": {topic: list(names) for topic, names in run.topics.items()},
-        "viewers": {topic: vars(shown) for topic, shown in log.viewers.items()},
+        "viewers": {topic: vars(viewer_topic) for topic, viewer_topic in log.viewers.items()},
         "attachments": {name: len(data) for name, data in run.attachments.items()},
         "provenance": dict(run.provenance),
     }

@@ -396,8 +396,8 @@ def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptio
     for design in designs:
         name_in_progress = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
         progress = count_progress(name_in_progress, delivery.quiet)
-        published = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
-        measurements.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
+        published_values = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
+        measurements.append(MEASURES[name](design, **options.arguments(), **published_values, progress=progress))
     for measurement, destination in zip(measurements, destinations, strict=True):
         _deliver_measurement(measurement, destination, delivery)
     if delivery.json:

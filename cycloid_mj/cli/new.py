@@ -278,7 +278,7 @@ def new(
     requirement = size.requirement(set_)
     destination = _claim_files(stem, delivery)
     with show_activity("searching for a drive", delivery.quiet):
-        answer = size_drive(requirement, lambda found: None if delivery.quiet else tell(_best_so_far(found)))
+        answer = size_drive(requirement, lambda drives: None if delivery.quiet else tell(_best_so_far(drives)))
     if answer.drives:
         return _deliver_drives(stem, answer, destination, delivery)
     if delivery.json:
@@ -452,9 +452,9 @@ def _motor_speed(motor: str, torque: float, process: "Process") -> float:
             "torque_nm"
         ) from error
     speeds = [speed for speed, available in curve if available >= torque and speed > 0.0]
-    for (speed, before), (next_speed, after) in itertools.pairwise(curve):
-        if after < torque <= before:
-            speeds.append(speed + (next_speed - speed) * (before - torque) / (before - after))
+    for (speed, before), (next_speed, next_torque) in itertools.pairwise(curve):
+        if next_torque < torque <= before:
+            speeds.append(speed + (next_speed - speed) * (before - torque) / (before - next_torque))
     if not speeds:
         largest = max((available for _, available in curve), default=0.0)
         raise UsageError(

@@ -107,7 +107,7 @@ DELIVERED = OptimizeDelivery()
 
 
 def optimize(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     vary: VaryFlag = (),
     minimize: MinimizeFlag = (),
@@ -144,7 +144,9 @@ def optimize(
     from cycloid_mj.explore.problem import define_problem
 
     engine = delivery.engine()
-    task = define_problem(Reducer(chosen.resolve()), _parse_ranges(vary), minimize, maximize, limit, strict, follow)
+    task = define_problem(
+        Reducer(design_options.resolve()), _parse_ranges(vary), minimize, maximize, limit, strict, follow
+    )
     resumed = has_study(Path(delivery.out or OUT), STUDY)
     destination = claim_destination(
         delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, with_page=True, resumed=resumed
@@ -172,15 +174,15 @@ def _parse_ranges(vary: tuple[str, ...]) -> dict[str, str]:
     """Split the texts of ``--vary`` into key -> range; raise UsageError for a wrong form or a repeated key."""
     ranges: dict[str, str] = {}
     for text in vary:
-        key, equals, wanted = text.partition("=")
+        key, equals, range_text = text.partition("=")
         key = key.strip()
-        if not equals or not key or not wanted.strip():
+        if not equals or not key or not range_text.strip():
             raise UsageError(
                 f"--vary {text!r} is not a range: give KEY=LO:HI, e.g. --vary gear.eccentricity_mm=0.5:1.1"
             )
         if key in ranges:
             raise UsageError(f"--vary {key} is repeated: give one range for this key")
-        ranges[key] = wanted.strip()
+        ranges[key] = range_text.strip()
     return ranges
 
 

@@ -41,8 +41,8 @@ def fold_line(line: str) -> str:
     """Break a command line that is wider than a page between its flags, with backslashes of a shell."""
     if len(line) <= WIDEST:
         return line
-    first, *flags = re.split(r" (?=--|&& )", line)
-    lines = [first]
+    command, *flags = re.split(r" (?=--|&& )", line)
+    lines = [command]
     for flag in flags:
         if len(lines[-1]) + len(flag) + len(FOLD) < WIDEST:
             lines[-1] += f" {flag}"

@@ -51,15 +51,15 @@ def plot(
 
     motion = series(read(log), point_q)
     warn(motion.design.name, judge(motion).warnings)
-    shown = figures(motion)
-    names = [f"{name}.{format_}" for name in shown]
-    into = claim_folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, delivery.force)
+    figures_by_name = figures(motion)
+    names = [f"{name}.{format_}" for name in figures_by_name]
+    folder = claim_folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, delivery.force)
     stem = f"{Path(log).stem}-figures"
-    destination = Destination(stem, into, claim_page(delivery, stem, into))
+    destination = Destination(stem, folder, claim_page(delivery, stem, folder))
     outcome = Outcome(
         title=f"figures: {log}",
         text=destination.paths(names),
-        pictures={name: partial(encode_figure, figure) for name, figure in shown.items()},
+        pictures={name: partial(encode_figure, figure) for name, figure in figures_by_name.items()},
         formats=(format_,),
         result={"files": destination.paths(names)},
         filed=False,

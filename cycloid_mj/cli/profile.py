@@ -44,7 +44,7 @@ PartFlag = Annotated[
 
 
 def profile(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     csv: CsvFlag,
     points: PointsFlag = None,
@@ -69,7 +69,7 @@ def profile(
     relative_curvature_per_mm (disc plus ring) and pressure_mpa (Hertz pressure if the line carries the working force
     of the teeth at the nominal torque: working_force.*_n and contact.working_force_n, or ideal sharing).
     """
-    reducer = Reducer(chosen.resolve())
+    reducer = Reducer(design_options.resolve())
     columns = {"gear": _gear, "ring": _ring_columns, "curvature": _curvature_columns}[part](reducer, points)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-{part}")

@@ -22,13 +22,13 @@ def show_activity(activity: str, quiet: bool = False) -> Iterator[None]:
     if quiet:
         yield
         return
-    finished = Event()
+    is_finished = Event()
     tell(activity)
-    Thread(target=_repeat_activity, args=(activity, finished), daemon=True).start()
+    Thread(target=_repeat_activity, args=(activity, is_finished), daemon=True).start()
     try:
         yield
     finally:
-        finished.set()
+        is_finished.set()
 
 
 def _repeat_activity(activity: str, finished: Event) -> None:
@@ -70,19 +70,19 @@ class Progress:
         if not self._quiet:
             tell(text)
 
-    def report_time(self, simulated: float) -> None:
-        """Show on stderr that the simulation has reached the time `simulated` [s]."""
+    def report_time(self, simulated_time: float) -> None:
+        """Show on stderr that the simulation has reached the time `simulated_time` [s]."""
         self._waiting.close()
         if self._quiet:
             return
         if self._first is None:
-            self._first = monotonic(), simulated
+            self._first = monotonic(), simulated_time
         if sys.stderr.isatty():
             self._bar = self._bar or _start_bar(self._end)
-            self._bar.update(self._bar.task_ids[0], completed=simulated)
+            self._bar.update(self._bar.task_ids[0], completed=simulated_time)
         elif monotonic() - self._told > SECONDS_BETWEEN_LINES:
             self._told = monotonic()
-            tell(self._line(simulated))
+            tell(self._line(simulated_time))
 
     def judging(self) -> None:
         """Show that the last sample is there, and is judged with all others."""
@@ -91,14 +91,14 @@ class Progress:
             self._bar = None
         self._waiting.enter_context(show_activity(JUDGING, self._quiet))
 
-    def _line(self, simulated: float) -> str:
+    def _line(self, simulated_time: float) -> str:
         """Return a line with the finished share and the time left, estimated from the speed since the first sample."""
-        line = f"{simulated / self._end:4.0%}  {simulated:.3f} of {self._end:g} s simulated"
-        start, first = self._first or (0.0, simulated)
-        if simulated <= first:
+        line = f"{simulated_time / self._end:4.0%}  {simulated_time:.3f} of {self._end:g} s simulated"
+        start, start_time = self._first or (0.0, simulated_time)
+        if simulated_time <= start_time:
             return line
-        left = seconds_left(start, (simulated - first) / (self._end - first))
-        return f"{line}, about {left:.0f} s left"
+        remaining = seconds_left(start, (simulated_time - start_time) / (self._end - start_time))
+        return f"{line}, about {remaining:.0f} s left"
 
 
 def seconds_left(start: float, share: float) -> float:

@@ -77,7 +77,7 @@ EXAMPLES = """Examples:
 
 
 def protocol(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     loop: LoopFlag = (),
     te: TeFlag = None,
@@ -108,7 +108,7 @@ def protocol(
     files = BenchFiles(
         tuple(read_loop(path) for path in loop), read_te(te) if te else None, starting, running, back_driving
     )
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     destination = claim_destination(
         delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")]
     )
@@ -125,14 +125,14 @@ def _outcome(sheet: "Protocol") -> Outcome:
     from cycloid_mj.plots.bench import protocol_figure
     from cycloid_mj.plots.save import encode_figure
 
-    measured = {key for key, item in sheet.bench.items() if not isnan(item.value)}
-    first = {key: sheet.bench[key] if key in measured else item for key, item in sheet.model.items()}
+    measured_keys = {key for key, item in sheet.bench.items() if not isnan(item.value)}
+    first_items = {key: sheet.bench[key] if key in measured_keys else item for key, item in sheet.model.items()}
     return Outcome(
         title=f"protocol of {sheet.design}",
         condition=f"rated torque {sheet.rated:.4g} N m",
         headline={
-            f"{LINES[key].name}{', bench' if key in measured else ''}": f"{item.value:.4g} {LINES[key].unit}"
-            for key, item in first.items()
+            f"{LINES[key].name}{', bench' if key in measured_keys else ''}": f"{item.value:.4g} {LINES[key].unit}"
+            for key, item in first_items.items()
         },
         tables=[sheet.table()],
         frame=sheet.frame,

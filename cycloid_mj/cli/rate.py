@@ -51,7 +51,7 @@ EXAMPLES = """Examples:
 
 
 def rate(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     load_nm: LoadFlag = None,
     speed_rpm: SpeedFlag = None,
@@ -81,7 +81,7 @@ def rate(
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
             raise UsageError(f"{flag} {value:g} is out of range: give a finite number greater than 0")
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
     destination = claim_destination(delivery, f"{design.name}-rating")

@@ -102,7 +102,7 @@ DELIVERED = ReduceDelivery()
 
 
 def reduce(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     level: LevelFlag = "full",
     timestep_ms: StepFlag = None,
@@ -140,19 +140,19 @@ def reduce(
 
     _require_scene_values(timestep_ms, load_inertia_kgm2)
     samples, seed = _choose_samples(spread, samples, seed)
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     destination = claim_destination(delivery, STEM, _list_files(design.name, format_, spread), OUT, with_page=True)
-    reduced = identify(design, level, count_progress("reduce", delivery.quiet))
+    joint = identify(design, level, count_progress("reduce", delivery.quiet))
     reducer, on_drive = Reducer(design), count_progress("spread", delivery.quiet)
     drives = draw_population(reducer, samples, seed, on_drive) if spread else None
-    free = without_slip(reduced)
+    free = without_slip(joint)
     comparison, steps = compare_with_full_model(reducer, free), study_time_steps(free)
     timestep = None if timestep_ms is None else 1e-3 * timestep_ms
-    scene, lossy = choose_scenes(reduced, load_inertia_kgm2, timestep, integrator)
+    scene, lossy = choose_scenes(joint, load_inertia_kgm2, timestep, integrator)
     differing = [f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds]
     warn(design.name, [*describe_inaccuracy(scene, timestep_ms, integrator), *differing])
-    files = _encode_files(reducer, reduced, format_, (scene, lossy), drives)
-    return deliver(_outcome(reduced, comparison, steps, scene, lossy, drives, files), destination, delivery)
+    files = _encode_files(reducer, joint, format_, (scene, lossy), drives)
+    return deliver(_outcome(joint, comparison, steps, scene, lossy, drives, files), destination, delivery)
 
 
 def _list_files(name: str, file_format: "Format", spread: bool) -> list[str]:
@@ -167,7 +167,7 @@ def _list_files(name: str, file_format: "Format", spread: bool) -> list[str]:
 
 def _encode_files(
     reducer: Reducer,
-    reduced: "ReducedJoint",
+    joint: "ReducedJoint",
     file_format: "Format",
     scenes: "tuple[StepTrial, StepTrial | None]",
     drives: "Population | None",
@@ -181,8 +181,8 @@ def _encode_files(
     from cycloid_mj.robot.randomization import randomization_files
 
     mjcf = file_format == "mjcf"
-    files = joint_files(reduced, *scenes) if mjcf else write_descriptions(reduced, reducer, file_format)
-    return files | (randomization_files(reduced, drives, file_format) if drives else {})
+    files = joint_files(joint, *scenes) if mjcf else write_descriptions(joint, reducer, file_format)
+    return files | (randomization_files(joint, drives, file_format) if drives else {})
 
 
 def _require_scene_values(timestep_ms: float | None, load_inertia: float | None) -> None:
@@ -216,7 +216,7 @@ def _choose_samples(spread: bool, samples: int | None, seed: int | None) -> tupl
 
 
 def _outcome(
-    reduced: "ReducedJoint",
+    joint: "ReducedJoint",
     comparison: "ModelComparison",
     steps: "tuple[StepTrial, ...]",
     scene: "StepTrial",
@@ -231,19 +231,19 @@ def _outcome(
     from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_table
     from cycloid_mj.robot.stability import recommend_time_steps, recommended_table, trials_table
 
-    quantities = reduced.quantities
-    efficiencies = lossy_efficiencies(reduced) if lossy else []
+    quantities = joint.quantities
+    efficiencies = lossy_efficiencies(joint) if lossy else []
     sample_files = {SAMPLES: drives.frame.as_csv().encode()} if drives else {}
     return Outcome(
-        title=f"reduce: {reduced.name}",
-        condition=f"level {reduced.level}",
+        title=f"reduce: {joint.name}",
+        condition=f"level {joint.level}",
         headline=headline(quantities.values()),
         summary=[
             f"scene: {scene.integrator}, {1e3 * scene.timestep:g} ms, {scene.inertia:.4g} kg m2 on the output: "
             f"{scene.sentence}"
         ],
         tables=[
-            quantity_table(f"reduce: {reduced.name}, level {reduced.level}", quantities.values()),
+            quantity_table(f"reduce: {joint.name}, level {joint.level}", quantities.values()),
             comparison.table(),
             *([lossy_table(efficiencies)] if efficiencies else []),
             recommended_table(steps),
@@ -256,10 +256,10 @@ def _outcome(
         ],
         frame=quantity_frame(quantities),
         files={**files, **sample_files},
-        page=partial(joint_page, reduced, comparison, steps, scene, fit_bam_models(reduced), drives),
+        page=partial(joint_page, joint, comparison, steps, scene, fit_bam_models(joint), drives),
         result=to_json_values(
             {
-                **reduced.as_json(),
+                **joint.as_json(),
                 "scene": scene.as_json(),
                 "comparison": comparison.as_json(),
                 "stock_efficiency": [item._asdict() for item in efficiencies],
@@ -277,8 +277,8 @@ def describe_inaccuracy(scene: "StepTrial", timestep_ms: float | None, integrato
     if scene.accurate:
         return []
     flags = {"--timestep-ms": timestep_ms, "--integrator": integrator}
-    omitted = " and ".join(flag for flag, value in flags.items() if value is not None)
-    remedies = [f"leave out {omitted}"] * bool(omitted) + ["use a larger --load-inertia-kgm2"]
+    omitted_flags = " and ".join(flag for flag, value in flags.items() if value is not None)
+    remedies = [f"leave out {omitted_flags}"] * bool(omitted_flags) + ["use a larger --load-inertia-kgm2"]
     return [
         f"{scene.integrator} at {1e3 * scene.timestep:g} ms with {scene.inertia:.4g} kg m2 on the output: "
         f"{scene.sentence}; {', or '.join(remedies)}"

@@ -86,6 +86,6 @@ def render(
     picture = rendered(run, Reducer(design_of(run)), sample, (width, height), (azimuth, elevation))
     from PIL import Image
 
-    with atomic_file(out) as beside:
-        Image.fromarray(picture).save(beside)
+    with atomic_file(out) as temporary_path:
+        Image.fromarray(picture).save(temporary_path)
     return deliver_files(f"picture: {log}", [out], page, delivery)

@@ -40,13 +40,13 @@ def report(
     point_q = parse_point(q)
     if not logs:
         raise UsageError("no log is given: name at least one log, e.g. cycloid-mj report runs/pin.mcap")
-    if repeated := next((log for index, log in enumerate(logs) if log in logs[:index]), None):
-        raise UsageError(f"log {repeated} is given twice: name each log once")
+    if repeated_log := next((log for index, log in enumerate(logs) if log in logs[:index]), None):
+        raise UsageError(f"log {repeated_log} is given twice: name each log once")
     # a page is UTF-8, which names of files need not be
     runs = {printable(log): read(log) for log in logs}
-    named = tuple(dict.fromkeys((*([out] if out else ()), *(delivery.html or ()))))
-    named = named or (str(Path(logs[0]).with_suffix(".html")),)
-    destination = Destination("report", None, claim_page(replace(delivery, html=named), "report"))
+    page_names = tuple(dict.fromkeys((*([out] if out else ()), *(delivery.html or ()))))
+    page_names = page_names or (str(Path(logs[0]).with_suffix(".html")),)
+    destination = Destination("report", None, claim_page(replace(delivery, html=page_names), "report"))
     review = reviewed(runs, point_q)
-    outcome = Outcome(title="review", text=named, result={"files": list(named)}, page=lambda: review)
+    outcome = Outcome(title="review", text=page_names, result={"files": list(page_names)}, page=lambda: review)
     return deliver(outcome, destination, delivery)

@@ -19,7 +19,7 @@ BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open a
 
 
 def app(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     port: PortFlag = PORT,
     no_browser: BrowserFlag = False,
@@ -33,7 +33,7 @@ def app(
     """
     if not 1 <= port <= 65535:
         raise UsageError(f"--port {port} is out of range: give a number from 1 to 65535")
-    design = chosen.resolve()
+    design = design_options.resolve()
     from cycloid_mj.app.server import new_token, open_socket, page_address, serve
 
     token = new_token()

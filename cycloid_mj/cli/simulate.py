@@ -98,7 +98,7 @@ LOADED_FIGURES = {
 
 
 def simulate(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     contact: ContactFlag = "profile",
     solver: SolverFlag = "mujoco",
@@ -123,23 +123,23 @@ def simulate(
     samples up to that time. Two runs never write the same log: the second uses the next name, or ends with an error.
     """
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
-    design = chosen.resolve(values)
-    chosen.warn_of_inherited_motor(design)
+    design = design_options.resolve(values)
+    design_options.warn_of_inherited_motor(design)
     require_runnable(design, solver)
     force = delivery.force
-    into = claim_folder(delivery.out or RUNS, "the log", (), force)
-    page = claim_page(delivery, design.name, into)
-    names: Iterable[Path] = [into / f"{design.name}.mcap"]
+    folder = claim_folder(delivery.out or RUNS, "the log", (), force)
+    page = claim_page(delivery, design.name, folder)
+    names: Iterable[Path] = [folder / f"{design.name}.mcap"]
     if delivery.out is None and not force:
-        names = _unused_logs(into, design.name)
+        names = _unused_logs(folder, design.name)
     else:
         claim_outputs(*names, *(review_of(log) for log in names if page is None and not delivery.json), force=force)
     with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
-        ran = run_into_log(design, names, force, progress, contact, solver, keep_run=True)
-    findings = ran.require_findings()
+        logged_run = run_into_log(design, names, force, progress, contact, solver, keep_run=True)
+    findings = logged_run.require_findings()
     warn(findings.design, findings.warnings)
-    page = page or (None if delivery.json else review_of(ran.log))
-    outcome = _with_explanations(outcome_of(findings), findings, ran, page, chosen, delivery.quiet)
+    page = page or (None if delivery.json else review_of(logged_run.log))
+    outcome = _with_explanations(outcome_of(findings), findings, logged_run, page, design_options, delivery.quiet)
     if not delivery.all:
         outcome = replace(outcome, tables=(), notes=())  # the page has them
     return deliver(outcome, Destination(design.name, None, page), delivery)
@@ -151,7 +151,12 @@ def review_of(log: Path) -> Path:
 
 
 def _with_explanations(
-    outcome: Outcome, findings: "Findings", ran: "Ran", page: Path | None, chosen: DesignOptions, quiet: bool
+    outcome: Outcome,
+    findings: "Findings",
+    logged_run: "Ran",
+    page: Path | None,
+    design_options: DesignOptions,
+    quiet: bool,
 ) -> Outcome:
     """Return the outcome with an explanation of its figures in place of the headline.
 
@@ -160,19 +165,19 @@ def _with_explanations(
     """
     from cycloid_mj.analysis import explain
 
-    log = ran.log
-    written = f"log: {log}{f'; page for a browser: {page}' if page else ''}"
+    log = logged_run.log
+    log_text = f"log: {log}{f'; page for a browser: {page}' if page else ''}"
     return replace(
         outcome,
         condition=f"{outcome.condition}, {findings.steps} steps in {findings.wall_s:.1f} s of wall time",
         headline={},
         summary=[
             *explain(findings),
-            *([] if findings.condition.load else _explain_unloaded_run(chosen.resolve())),
-            written,
-            *(f"next: {words}" for words in _suggest_commands(findings, chosen)),
+            *([] if findings.condition.load else _explain_unloaded_run(design_options.resolve())),
+            log_text,
+            *(f"next: {words}" for words in _suggest_commands(findings, design_options)),
         ],
-        page=lambda: _draw_page(ran, quiet),
+        page=lambda: _draw_page(logged_run, quiet),
     )
 
 
@@ -186,9 +191,9 @@ def _explain_unloaded_run(design: Design) -> Iterator[str]:
 
     reducer = Reducer(design)
     figures = [(words, quantity(reducer, key)) for words, key in LOADED_FIGURES.items()]
-    known = [f"{words} {figure.value:.3g} {figure.unit}" for words, figure in figures if not isnan(figure.value)]
-    if known:
-        yield f"at the nominal torque of {design.rated_torque:.4g} N m, by statics: {', '.join(known)}"
+    figure_texts = [f"{words} {figure.value:.3g} {figure.unit}" for words, figure in figures if not isnan(figure.value)]
+    if figure_texts:
+        yield f"at the nominal torque of {design.rated_torque:.4g} N m, by statics: {', '.join(figure_texts)}"
 
 
 def _draw_page(ran: "Ran", quiet: bool) -> str:
@@ -198,14 +203,14 @@ def _draw_page(ran: "Ran", quiet: bool) -> str:
         return review_page(ran.log, ran.run)
 
 
-def _suggest_commands(findings: "Findings", chosen: DesignOptions) -> Iterator[str]:
+def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> Iterator[str]:
     """Yield commands to continue with: the run under load or its rating, then one for each kind of user."""
-    design = [chosen.design, *(word for change in chosen.set_ for word in ("--set", change))]
+    design = [design_options.design, *(word for change in design_options.set_ for word in ("--set", change))]
     if findings.condition.load:
         yield _command(["rate", *design], "life, and the weakest part")
     else:
-        loaded = ["--load-nm", f"{chosen.resolve().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
-        yield _command(["simulate", *design, *loaded], "the same drive under its nominal torque")
+        load_flags = ["--load-nm", f"{design_options.resolve().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
+        yield _command(["simulate", *design, *load_flags], "the same drive under its nominal torque")
     yield _command(["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive to order")
     yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
     yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")
@@ -287,8 +292,10 @@ def logs_folder(default_folder: str, out: str | None, names: Sequence[str], forc
         The requested folder contains one of the files, and `force` is not set.
     """
     if out is None and not force:
-        numbered = (f"{default_folder}-{number}" for number in count(2))
-        return next(path for name in chain([default_folder], numbered) if (path := create_folder(name, "the logs")))
+        numbered_folders = (f"{default_folder}-{number}" for number in count(2))
+        return next(
+            path for name in chain([default_folder], numbered_folders) if (path := create_folder(name, "the logs"))
+        )
     return claim_folder(default_folder if out is None else out, "the logs", names, force)
 
 

@@ -63,7 +63,7 @@ MapFlag = Annotated[
 
 
 def statics(
-    chosen: Annotated[DesignOptions, FLAT],
+    design_options: Annotated[DesignOptions, FLAT],
     *,
     load_nm: LoadFlag = None,
     map_: MapFlag = False,
@@ -83,19 +83,19 @@ def statics(
     from cycloid_mj.figures.film_map import compute_film_map
     from cycloid_mj.statics.sheet import sheet
 
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     destination = claim_destination(delivery, f"{design.name}-statics")
-    loaded = design if load_nm is None else design.but(load={"torque": load_nm})
+    loaded_design = design if load_nm is None else design.but(load={"torque": load_nm})
     static = sheet(reducer_of(design), load_nm)
     points = compute_film_map(reducer_of(design.at_reference)) if map_ else ()
-    outcome = _outcome(static, quantities(reducer_of(loaded)), chosen.inheritance(), points)
+    outcome = _outcome(static, quantities(reducer_of(loaded_design)), design_options.inheritance(), points)
     return deliver(outcome, destination, delivery)
 
 
 def _outcome(
     static: "Sheet",
     figures: Mapping[str, Quantity],
-    inherited: Inheritance | None,
+    inheritance: Inheritance | None,
     points: Sequence["MapPoint"],
 ) -> Outcome:
     """Convert the statics of a design to an `Outcome`: figures, and the efficiency map if it was computed."""
@@ -106,12 +106,18 @@ def _outcome(
 
     rows = []
     for quantity in static.quantities.values():
-        known = static.known_difference(quantity)
+        known_difference = static.known_difference(quantity)
         value = "-" if quantity.value != quantity.value else four_digits(quantity.value)
         if quantity.low is not None and quantity.high is not None:
             value = f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g})"
         rows.append(
-            (quantity.name, value, quantity.unit, "" if known is None else f"{100.0 * known:g} %", static.parts)
+            (
+                quantity.name,
+                value,
+                quantity.unit,
+                "" if known_difference is None else f"{100.0 * known_difference:g} %",
+                static.parts,
+            )
         )
     return Outcome(
         title=f"statics: {static.design}",
@@ -125,7 +131,7 @@ def _outcome(
         summary=[f"{item.name}: {item.note}" for item in static.quantities.values() if item.low is not None],
         notes=[
             f"load: {SOURCES[static.load_source]}",
-            *([inherited.note] if inherited and inherited.note else []),
+            *([inheritance.note] if inheritance and inheritance.note else []),
             *(f"{item.name}: {item.note}" for item in static.quantities.values() if item.note and item.low is None),
             *([f"known difference: the largest, relative, from {COMPARED}"] if static.has_known_differences else []),
             *(f"assumed: {sentence}" for sentence in static.assumptions),

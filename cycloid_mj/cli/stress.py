@@ -191,7 +191,7 @@ def stress(
     extra `fem`: gmsh, scikit-fem.
     """
     names = (*designs, *design)
-    _require_consistent(names, log, changed=bool(set_ or load_nm is not None))
+    _require_consistent(names, log, has_changes=bool(set_ or load_nm is not None))
     from cycloid_mj.base.memory import keep_freed
     from cycloid_mj.stress.packages import import_package
     from cycloid_mj.stress.study import QUICK, StudySettings
@@ -200,9 +200,9 @@ def stress(
         import_package(module)
     keep_freed()
     if springs or mounts is not None:
-        _require_springs(springs, selected=bool(log or part or figure or solid or angle_deg is not None))
-        loaded = [load_design(name, set_, (), at_c) for name in names]
-        return _write_springs(loaded, load_nm, mounts, delivery)
+        _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
+        loaded_designs = [load_design(name, set_, (), at_c) for name in names]
+        return _write_springs(loaded_designs, load_nm, mounts, delivery)
     angle = None if angle_deg is None else math.radians(angle_deg)
     settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=angle)
     if log:
@@ -214,11 +214,11 @@ def stress(
     return deliver(outcome_of(studies, job.destination, figures), job.destination, delivery)
 
 
-def _require_consistent(designs: Sequence[str], logs: Sequence[str], changed: bool) -> None:
-    """Raise UsageError unless there are designs or logs; `changed`: whether flags change the designs."""
+def _require_consistent(designs: Sequence[str], logs: Sequence[str], has_changes: bool) -> None:
+    """Raise UsageError unless there are designs or logs; `has_changes`: whether flags change the designs."""
     if not designs and not logs:
         raise UsageError("no design or log is given: name one, e.g. cycloid-mj stress --design pin")
-    if logs and changed:
+    if logs and has_changes:
         raise UsageError("--set and --load-nm have no effect on logs: remove them, or remove --log")
     if logs and designs and len(logs) != len(designs):
         raise UsageError(
@@ -227,11 +227,11 @@ def _require_consistent(designs: Sequence[str], logs: Sequence[str], changed: bo
         )
 
 
-def _require_springs(springs: bool, selected: bool) -> None:
+def _require_springs(springs: bool, has_selection: bool) -> None:
     """Raise UsageError if ``--mounts`` lacks ``--springs``, or flags have selected parts, logs or figures."""
     if not springs:
         raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
-    if selected:
+    if has_selection:
         raise UsageError(
             "--springs always covers all parts of the designs and cannot be combined with --log, --part, --figure, "
             "--solid or --angle-deg: remove those flags"
@@ -378,11 +378,11 @@ def _read_log(path: Path, design: str) -> Logged:
     from cycloid_mj.stress.turn import require_same
 
     run = read(path)
-    logged = design_of(run)
-    warn(logged.name, run.warnings)
+    logged_design = design_of(run)
+    warn(logged_design.name, run.warnings)
     if design:
-        require_same(Reducer(load_design(design, (), ())), Reducer(logged))
-    return logged, run, path
+        require_same(Reducer(load_design(design, (), ())), Reducer(logged_design))
+    return logged_design, run, path
 
 
 def _study_parts(

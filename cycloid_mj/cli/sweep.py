@@ -110,7 +110,7 @@ DELIVERED = SweepDelivery()
 
 
 def sweep(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     vary: VaryFlag = (),
     table: TableFlag = None,
@@ -142,16 +142,16 @@ def sweep(
     from cycloid_mj.explore.ranks import select_quantities
     from cycloid_mj.explore.sweeps import define_task, sweep_in_folder
 
-    wanted = _choose_points(vary, table, sample, points, seed)
+    points_to_evaluate = _choose_points(vary, table, sample, points, seed)
     engine = delivery.engine()
-    task = define_task(Reducer(chosen.resolve()), wanted, measure, quick, real_pins, follow, solver)
+    task = define_task(Reducer(design_options.resolve()), points_to_evaluate, measure, quick, real_pins, follow, solver)
     resumed = has_study(Path(delivery.out or OUT), SWEEP)
     destination = claim_destination(delivery, STEM, FILES, OUT, with_page=True, resumed=resumed)
     directory = destination.folder or Path(OUT)
     if delivery.force:
         remove_study(directory, SWEEP)
     try:
-        swept = sweep_in_folder(task, wanted, directory, engine, count_progress("sweep", delivery.quiet))
+        swept = sweep_in_folder(task, points_to_evaluate, directory, engine, count_progress("sweep", delivery.quiet))
     except KeyboardInterrupt as stop:
         raise RunError(
             f"stopped by {signal_name(stop)}; the points evaluated so far are in {directory}. Run the same command "
@@ -183,8 +183,8 @@ def _choose_points(
         ranges[key.strip()] = values.strip()
     if table is not None and not (vary or sample or points):
         return read_table(table)
-    drawn = (POINTS if points is None else points) if sample else (points or 0)
-    return choose_points(ranges, None if table is None else [], sample, drawn, seed)  # type: ignore[arg-type]  # cyclopts checks
+    draw_count = (POINTS if points is None else points) if sample else (points or 0)
+    return choose_points(ranges, None if table is None else [], sample, draw_count, seed)  # type: ignore[arg-type]  # cyclopts checks
 
 
 def _outcome(sweep: "Sweep", quantities: tuple[str, ...], destination: Destination) -> Outcome:
@@ -198,11 +198,11 @@ def _outcome(sweep: "Sweep", quantities: tuple[str, ...], destination: Destinati
     directory = destination.folder or Path(OUT)
     table, parquet = directory / TABLE, directory / PARQUET
     draw = cache(partial(encode_figure, sweep_figure(sweep, quantities)))
-    without = "sweep.parquet was not written: it requires DuckDB, pip install 'cycloid-mj[parquet]'"
+    missing_parquet_note = "sweep.parquet was not written: it requires DuckDB, pip install 'cycloid-mj[parquet]'"
     return Outcome(
         title=f"sweep of {sweep.task.reducer.design.name}",
         headline={"points": str(len(sweep.points)), "failed": str(sweep.failed), "rows": str(table)},
-        warnings=[] if parquet.exists() else [without],
+        warnings=[] if parquet.exists() else [missing_parquet_note],
         summary=[f"{len(sweep.points)} points, {sweep.failed} failed"],
         tables=tabulate_quantities(sweep, quantities),
         notes=[f"assumed: {sentence}" for sentence in sweep.assumptions],

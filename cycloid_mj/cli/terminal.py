@@ -92,9 +92,9 @@ def say_groups(
             table.add_row(*map(printable, row))
     width = None if sys.stdout.isatty() else PIPE_WIDTH
     console = Console(file=sys.stdout, width=width, markup=False, highlight=False)
-    with console.capture() as captured:
+    with console.capture() as captured_output:
         console.print(table)
-    _write(captured.get().rstrip("\n"))
+    _write(captured_output.get().rstrip("\n"))
 
 
 def printable(text: str) -> str:
@@ -121,7 +121,7 @@ def collect_warnings(show: Callable[[str], None] | None) -> Iterator[None]:
 
     Other Python warnings are shown as usual.
     """
-    issued: dict[str, None] = {}
+    unique_warnings: dict[str, None] = {}
     with warnings.catch_warnings():
         warnings.simplefilter("always", CycloidWarning)
         show_other_warning = warnings.showwarning
@@ -129,13 +129,13 @@ def collect_warnings(show: Callable[[str], None] | None) -> Iterator[None]:
         def collect(message: Warning | str, category: type[Warning], *location: Any, **options: Any) -> None:
             if not issubclass(category, CycloidWarning):
                 show_other_warning(message, category, *location, **options)
-            elif (text := str(message)) not in issued:
-                issued[text] = None
+            elif (text := str(message)) not in unique_warnings:
+                unique_warnings[text] = None
                 if show:
                     show(f"warning: {text}")
 
         warnings.showwarning = collect
-        token = _seen.set(issued)
+        token = _seen.set(unique_warnings)
         try:
             yield
         finally:

@@ -19,7 +19,7 @@ EXAMPLES = """Examples:
 
 
 def thermal(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     load_nm: LoadFlag = None,
     speed_rpm: SpeedFlag = None,
@@ -38,7 +38,7 @@ def thermal(
     """
     from cycloid_mj.life.thermal import thermal as compute
 
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
     destination = claim_destination(delivery, f"{design.name}-thermal")
     return deliver(_outcome(compute(design, cycle), destination), destination, delivery)

@@ -64,7 +64,7 @@ DELIVERED = ToleranceDelivery()
 
 
 def tolerance(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     samples: SamplesFlag = 10_000,
     seed: SeedFlag = 0,
@@ -104,7 +104,7 @@ def tolerance(
 
     _require_in_range(samples, seed)
     engine = delivery.engine("threads")
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     limits = [parse_limit(text, reducer_of(design)) for text in limit]
     files = [f"{design.name}-worst-1.toml", f"{design.name}-samples.csv"]
     destination = claim_destination(delivery, f"{design.name}-tolerance", files, OUT, with_page=True)

@@ -54,16 +54,16 @@ def _run_parts(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -
     from cycloid_mj.validate.suite import run_parts, sort_rows
 
     start, total = monotonic(), sum(part.cost[not quick] for part in parts)
-    done, finished = 0.0, []
+    done, finished_parts = 0.0, []
     for index, rows in run_parts(parts, quick, workers):
-        finished.append((index, rows))
+        finished_parts.append((index, rows))
         done += parts[index].cost[not quick]
         remaining = seconds_left(start, done / total)
         note(
-            f"{len(finished)} of {len(parts)} parts of the validation finished, last: {parts[index].rung}; about "
+            f"{len(finished_parts)} of {len(parts)} parts of the validation finished, last: {parts[index].rung}; about "
             f"{remaining:.0f} s left"
         )
-    return sort_rows(finished)
+    return sort_rows(finished_parts)
 
 
 def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
@@ -74,16 +74,16 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
 
     numbers = {name: number for number, name in enumerate(STEP_NAMES, start=1)}
     steps = dict.fromkeys(row.rung for row in rows)
-    counts = {each: sum(row.verdict == each for row in rows) for each in RowOutcome}
-    failed = [_format_row(numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
+    counts = {row_outcome: sum(row.verdict == row_outcome for row in rows) for row_outcome in RowOutcome}
+    failed_rows = [_format_row(numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
     table = [row.as_json() for row in rows]
     return Outcome(
         title="validation: " + ", ".join(f"{numbers[name]} {name}" for name in steps),
         failures=[
-            f"{name}: {ours}, {source}: {reference}; difference {off}"
-            for name, ours, reference, source, off, *_ in failed
+            f"{name}: {result}, {source}: {reference}; difference {deviation}"
+            for name, result, reference, source, deviation, *_ in failed_rows
         ],
-        summary=[f"{', '.join(f'{count} {each}' for each, count in counts.items())}; {wall:.0f} s"],
+        summary=[f"{', '.join(f'{count} {row_outcome}' for row_outcome, count in counts.items())}; {wall:.0f} s"],
         tables=[Table("every row", HEADER, tuple(_format_row(numbers[row.rung], row) for row in rows))],
         notes=[
             f"{numbers[row.rung]} {row.measured.name} ({row.measured.source}): {row.measured.note}"
@@ -91,8 +91,8 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
             if row.measured.note
         ],
         frame=make_frame(table, table[0] if table else (), {}),
-        result={"passed": not failed, "quick": quick, "wall_s": wall, "rows": table},
-        code=1 if failed else 0,
+        result={"passed": not failed_rows, "quick": quick, "wall_s": wall, "rows": table},
+        code=1 if failed_rows else 0,
     )
 
 

@@ -33,16 +33,16 @@ def correct_case(error: CoercionError, words: Sequence[str]) -> list[str] | None
     """
     if error.token is None or error.argument is None:
         return None
-    flag, wrong = error.token.keyword or "", error.token.value
-    choice = match_case(wrong, _choices(error.argument.hint))
-    corrected, current = list(words), ""
+    flag, wrong_value = error.token.keyword or "", error.token.value
+    choice = match_case(wrong_value, _choices(error.argument.hint))
+    corrected_words, current = list(words), ""
     for index, word in enumerate(words):
         current = word if word.startswith("--") else current
-        if word == f"{flag}={wrong}":
-            corrected[index] = f"{flag}={choice}"
-        elif word == wrong and current == flag:
-            corrected[index] = choice
-    return corrected if corrected != words else None
+        if word == f"{flag}={wrong_value}":
+            corrected_words[index] = f"{flag}={choice}"
+        elif word == wrong_value and current == flag:
+            corrected_words[index] = choice
+    return corrected_words if corrected_words != words else None
 
 
 def _choices(hint: Any) -> tuple[str, ...]:
@@ -63,7 +63,9 @@ def _describe(error: CycloptsError) -> str:
         return _describe_missing(argument.name, error.unused_tokens or [], position)
     if isinstance(error, UnknownOptionError):
         word = error.token.keyword or error.token.value
-        flags = [name for each in error.argument_collection for name in each.names if name.startswith("--")]
+        flags = [
+            name for flag_argument in error.argument_collection for name in flag_argument.names if name.startswith("--")
+        ]
         # without the dashes, which all of them share
         nearest = get_close_matches(word.lstrip("-"), [name[2:] for name in flags], n=1)
         return _unknown_option(word, [f"--{name}" for name in nearest])

@@ -38,11 +38,11 @@ def catalogue_table(by_design: Mapping[str, Mapping[str, Quantity]]) -> Table:
 
     `by_design` has the figures of each design by its name and their keys.
     """
-    first = next(iter(by_design.values()))
+    first_row = next(iter(by_design.values()))
     rows: list[tuple[str | float, ...]] = []
     for key in HEADLINE:
         values = [figures[key].value for figures in by_design.values()]
-        rows.append((key, *values, *ratios(values), first[key].unit))
+        rows.append((key, *values, *ratios(values), first_row[key].unit))
     header = ("figure", *by_design, *ratio_columns(tuple(by_design)), "unit")
     return Table("by geometry and statics: see `cycloid-mj figures`", header, tuple(rows))
 
@@ -72,17 +72,17 @@ def outcome_of(
 
     for trial in comparison.trials:
         warn(trial.name, tuple(dict.fromkeys(warning for start in trial.starts for warning in start.findings.warnings)))
-    loaded = comparison.at(comparison.loads[-1])
-    by_statics = catalogue_figures([trial.design for trial in loaded])
-    exceeded = overloads(trial.design for trial in loaded)
-    statics = {name: values_json(computed) for name, computed in by_statics.items()}
+    loaded_trials = comparison.at(comparison.loads[-1])
+    by_statics = catalogue_figures([trial.design for trial in loaded_trials])
+    overload_warnings = overloads(trial.design for trial in loaded_trials)
+    statics = {name: values_json(quantities) for name, quantities in by_statics.items()}
     return Outcome(
         title=f"compare: {' / '.join(comparison.designs)}",
         condition=f"runs under {load_words(comparison.loads[-1])}, {SOLVERS[comparison.solver]}",
-        headline=_headline(loaded, by_statics),
+        headline=_headline(loaded_trials, by_statics),
         headline_columns=(*by_statics, *ratio_columns(tuple(by_statics)), "unit"),
         tables=[*comparison.tables, catalogue_table(by_statics)],
-        warnings=[f"{name}: {words}" for name, words in exceeded.items()],
+        warnings=[f"{name}: {words}" for name, words in overload_warnings.items()],
         notes=[_differences(comparison), *verdicts.notes],
         summary=[
             *verdicts.summary,
@@ -96,7 +96,7 @@ def outcome_of(
         | dict(verdicts.content)
         | {
             "by_statics": statics,
-            "exceeded": exceeded,
+            "exceeded": overload_warnings,
             "figures": destination.paths(f"{name}.{form}" for name in pictures for form in FORMATS),
         },
     )
@@ -143,9 +143,13 @@ def _headline(
     """
     from cycloid_mj.comparison.table import HEADLINE as OF_RUNS
 
-    first = next(iter(by_statics.values()))
+    first_quantities = next(iter(by_statics.values()))
     rows = [
-        (first[key].name, [figures[key].value for figures in by_statics.values()], first[key].unit)
+        (
+            first_quantities[key].name,
+            [figures[key].value for figures in by_statics.values()],
+            first_quantities[key].unit,
+        )
         for key in HEADLINE[:6]
     ]
     for figure in OF_RUNS:

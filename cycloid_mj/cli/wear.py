@@ -32,7 +32,7 @@ EXAMPLES = """Examples:
 
 
 def wear(
-    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    design_options: Annotated[PresetOptions, FLAT] = PRESET,
     *,
     hours: HoursFlag = 1000.0,
     growth_percent: GrowthFlag = 100.0,
@@ -58,7 +58,7 @@ def wear(
     for flag, value in (("--hours", hours), ("--growth-percent", growth_percent)):
         if not 0.0 < value < float("inf"):
             raise UsageError(f"{flag} {value:g} is out of range: give a finite number greater than 0")
-    design = chosen.resolve_checked()
+    design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
     destination = claim_destination(delivery, f"{design.name}-wear")
     count = count_progress("wear, percent", delivery.quiet)
@@ -79,15 +79,15 @@ def _outcome(result: "WearLife", destination: Destination) -> Outcome:
     from cycloid_mj.plots.wear import wear_figure
 
     typical, name = result.courses["typical"], f"{result.design}-wear"
-    first, last = typical.lost_motion[0] / ARCMINUTE, typical.lost_motion[-1] / ARCMINUTE
+    initial_lost_motion, final_lost_motion = typical.lost_motion[0] / ARCMINUTE, typical.lost_motion[-1] / ARCMINUTE
     return Outcome(
         title=f"wear: {result.design}",
         condition=result.condition,
         headline={
             f"accuracy life (lost motion {result.growth:+.0%})": result.life_text(),
             "its 5 to 95 % interval": result.interval_text,
-            "lost motion, new": f"{first:.4g} arcmin",
-            f"lost motion after {typical.hours[-1]:.4g} h": f"{last:.4g} arcmin",
+            "lost motion, new": f"{initial_lost_motion:.4g} arcmin",
+            f"lost motion after {typical.hours[-1]:.4g} h": f"{final_lost_motion:.4g} arcmin",
             "worn volume by run-in": f"{result.run_in_share:.0%}",
         },
         warnings=["stopped before all courses were finished"] if result.interrupted else [],

@@ -110,13 +110,15 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
     """
     designs = comparable([trial.design for trial in trials])
     loads = sorted({trial.load for trial in trials})
-    ordered = tuple(next(t for t in trials if (t.name, t.load) == (name, load)) for load in loads for name in designs)
+    ordered_trials = tuple(
+        next(t for t in trials if (t.name, t.load) == (name, load)) for load in loads for name in designs
+    )
     return Comparison(
         designs=tuple(designs),
-        conditions=conditions(Reducer(ordered[-1].design)),
+        conditions=conditions(Reducer(ordered_trials[-1].design)),
         differences=differences(list(designs.values())),
-        trials=ordered,
-        solver=_same_solver(ordered),
+        trials=ordered_trials,
+        solver=_same_solver(ordered_trials),
         sensitivity=tuple(sensitivity),
     )
 
@@ -190,14 +192,14 @@ def _run_json(trial: Trial) -> dict[str, Any]:
     """Convert a trial to JSON values: measures of its first start, and at no load the spread of each figure."""
     spreads = [
         {"quantity": words, "unit": unit, **spread.as_json()}
-        for words, unit, measured in ROWS
-        if trial.load == 0.0 and (spread := trial.over_starts(measured)) is not None
+        for words, unit, compared in ROWS
+        if trial.load == 0.0 and (spread := trial.over_starts(compared)) is not None
     ]
     return {
         "design": trial.name,
         "load_nm": trial.load,
         **to_json_values(trial.measures),
         "starts": len(trial.starts),
-        "start_logs": [each.findings.log for each in trial.starts],
+        "start_logs": [findings_of_start.findings.log for findings_of_start in trial.starts],
         "spreads": spreads,
     }

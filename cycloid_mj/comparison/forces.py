@@ -44,11 +44,11 @@ def forces(motion: Series) -> ForceSummary:
     rows = slice(parts[0].start, parts[-1].stop)
     teeth, cams = tooth_forces(motion)[rows], _force_sizes(motion, "cam")[rows]
     output_pins = _force_sizes(motion, "output")[rows]
-    loaded, largest_force = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
+    loaded_teeth, largest_force = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
     return ForceSummary(
-        teeth_mean=float(loaded.mean()),
-        teeth_least=int(loaded.min()),
-        teeth_most=int(loaded.max()),
+        teeth_mean=float(loaded_teeth.mean()),
+        teeth_least=int(loaded_teeth.min()),
+        teeth_most=int(loaded_teeth.max()),
         tooth_mean_n=float(largest_force.mean()),
         tooth_peak_n=float(largest_force.max()),
         cam_mean_n=float(cams.max(axis=1).mean()),

@@ -41,8 +41,8 @@ def settling_time(reducer: Reducer) -> float:
     At no load a disc that starts in the centre takes about a turn until it rattles steadily.
     """
     design = reducer.design
-    loaded = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING.min_time * slowness(reducer)
-    return loaded + (2 * math.pi / abs(design.drive.speed) if design.drive.speed else 0.0)
+    load_settling = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING.min_time * slowness(reducer)
+    return load_settling + (2 * math.pi / abs(design.drive.speed) if design.drive.speed else 0.0)
 
 
 def settle_run(run: Run, q: npt.ArrayLike | None = None) -> Series:
@@ -71,7 +71,8 @@ def _fluctuation(motion: Series) -> Fluctuation:
     angle = motion.crank_angle[rows]
     ideal_angle = motion.reducer.member.gear_angle(angle)
     path, velocity = (
-        remove_steady_shifts(q.error[rows], angle, ideal_angle) for q in (motion.q_position, motion.q_velocity)
+        remove_steady_shifts(point_motion.error[rows], angle, ideal_angle)
+        for point_motion in (motion.q_position, motion.q_velocity)
     )
     return Fluctuation(
         gear_speed_rad_s=compute_level(motion.gear_speed.error, parts),

@@ -71,12 +71,12 @@ def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, 
             tuple(
                 SensitivityPoint(variation.parameter, variation.value, varied_figure)
                 for variation, trials in varied_trials.items()
-                if (varied_figure := read(trials[index].measures)) is not None
+                if (varied_figure := read_measure(trials[index].measures)) is not None
             ),
         )
-        for quantity, unit, read in DYNAMIC
+        for quantity, unit, read_measure in DYNAMIC
         for index, trial in enumerate(reference)
-        if (figure := read(trial.measures)) is not None
+        if (figure := read_measure(trial.measures)) is not None
     ]
 
 

@@ -118,7 +118,7 @@ def _octave_bands(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
     for centre_frequency in OCTAVES:
         low, high = centre_frequency / np.sqrt(2.0), centre_frequency * np.sqrt(2.0)
         if low >= width and high <= spectrum.frequency[-1]:
-            inside = (spectrum.frequency >= low) & (spectrum.frequency < high)
-            centre, output = (np.sqrt(width * part[inside].sum()) for part in (spectrum.centre, spectrum.output))
+            in_band = (spectrum.frequency >= low) & (spectrum.frequency < high)
+            centre, output = (np.sqrt(width * part[in_band].sum()) for part in (spectrum.centre, spectrum.output))
             bands.append(OctaveBand(float(centre_frequency), float(centre), float(output)))
     return tuple(bands)

@@ -99,25 +99,25 @@ def load(path: Path) -> Design:
     return loads(text, str(path), path.parent)
 
 
-def loads(text: str, where: str = "the design", folder: Path | None = None) -> Design:
+def loads(text: str, source: str = "the design", folder: Path | None = None) -> Design:
     """Parse the design of a TOML text; keys left out have the values of the preset in ``[base]``, or of ``pin``.
 
-    Without ``[base]``, a text that states a load but no motor gets a motor for that load. `where` names the text in
+    Without ``[base]``, a text that states a load but no motor gets a motor for that load. `source` names the text in
     errors. Files of measurements are relative to the `folder`; without one, as in a log, the text lists the measured
     values.
     """
-    tables = parse_toml(text, where)
+    tables = parse_toml(text, source)
     if not tables:
         raise DesignError(
-            f"{where} is empty: write the values of a design into it, or create a complete design file with "
+            f"{source} is empty: write the values of a design into it, or create a complete design file with "
             "`cycloid-mj design new my`"
         )
     if folder is not None and isinstance(tables.get("measured"), Mapping):
         tables["measured"] = read_measurements(tables["measured"], folder)
     if BASE in tables:
-        return _apply_changes(_base(tables.pop(BASE), where), list(_flat(tables)), where, folder)
-    values = _read_table(Design, tables, where)
-    design = _validate(Design, _expand_sparse_lists(values, where), where)
+        return _apply_changes(_base(tables.pop(BASE), source), list(_flat(tables)), source, folder)
+    values = _read_table(Design, tables, source)
+    design = _validate(Design, _expand_sparse_lists(values, source), source)
     return design if "torque" in values.get("drive", {}) else _add_motor(design, values)
 
 
@@ -130,12 +130,12 @@ def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def _base(table: Any, where: str) -> Design:
+def _base(table: Any, source: str) -> Design:
     """Return the preset that ``[base]`` names."""
     name = table.get("preset") if isinstance(table, Mapping) and len(table) == 1 else None
     if not isinstance(name, str) or name.casefold() not in PRESETS:
         raise DesignError(
-            f'{where}: the table [base] must contain only preset = "NAME". Choose NAME from {", ".join(PRESETS)}'
+            f'{source}: the table [base] must contain only preset = "NAME". Choose NAME from {", ".join(PRESETS)}'
         )
     return PRESETS[name.casefold()]
 
@@ -154,11 +154,11 @@ def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
 
 
 def parse_toml(
-    text: str, where: str, example: str = "`cycloid-mj design show pin` prints a complete design file"
+    text: str, source: str, example: str = "`cycloid-mj design show pin` prints a complete design file"
 ) -> dict[str, Any]:
     """Parse a TOML text that a user wrote to a dict.
 
-    In errors, `where` names the text and `example` says where a correct file is shown.
+    In errors, `source` names the text and `example` says where a correct file is shown.
 
     Raises
     ------
@@ -167,7 +167,7 @@ def parse_toml(
     """
     if len(text) > LIMITS.size:
         raise DesignError(
-            f"{where} has {len(text):,} characters, but at most {LIMITS.size:,} are allowed. Check that it is a TOML "
+            f"{source} has {len(text):,} characters, but at most {LIMITS.size:,} are allowed. Check that it is a TOML "
             f"file; {example}"
         )
     try:
@@ -176,11 +176,11 @@ def parse_toml(
         return tomllib.loads(text)
     except RecursionError as error:
         raise DesignError(
-            f"{where} is nested too deeply: a design file contains tables with keys, and no tables inside tables. "
+            f"{source} is nested too deeply: a design file contains tables with keys, and no tables inside tables. "
             f"Remove the inner tables; {example}"
         ) from error
     except ValueError as error:
-        raise DesignError(f"{where} is not valid TOML: {error}. Correct this line; {example}") from error
+        raise DesignError(f"{source} is not valid TOML: {error}. Correct this line; {example}") from error
 
 
 def record(kind: type[S], tables: Mapping[str, Any], where: str) -> S:
@@ -206,35 +206,35 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
     return _apply_changes(design, [_pair(change) for change in changes], "--set", Path())
 
 
-def _apply_changes(design: Design, pairs: Sequence[tuple[str, Any]], where: str, folder: Path | None) -> Design:
+def _apply_changes(design: Design, pairs: Sequence[tuple[str, Any]], source: str, folder: Path | None) -> Design:
     """Return the design with changed values, checked like a file.
 
-    `pairs` are paths such as ``load.torque_nm`` and values in the units of the file; `where` names their origin in
+    `pairs` are paths such as ``load.torque_nm`` and values in the units of the file; `source` names their origin in
     errors. Measurements that they name are read from the `folder`.
     """
     tables_changed = {keys[0] for path, _ in pairs if (keys := _keys(path))}
-    tables, changed = dict(_file_tables(design, tables_changed)), dict[str, dict[str, Any]]()
+    tables, changed_tables = dict(_file_tables(design, tables_changed)), dict[str, dict[str, Any]]()
     for path, value in pairs:
         keys = _keys(path)
         if not keys:
-            raise UsageError(f"{where} {path!r} is not a key: give table.key, e.g. load.torque_nm")
+            raise UsageError(f"{source} {path!r} is not a key: give table.key, e.g. load.torque_nm")
         if len(keys) == 1:
             tables[path] = value
         elif isinstance(tables.get(keys[0], {}), dict):
-            changed.setdefault(keys[0], {})[keys[1]] = value
+            changed_tables.setdefault(keys[0], {})[keys[1]] = value
         else:
             raise UsageError(
-                f"{where} {path!r} is not a key, because {keys[0]} is a value and not a table: give {keys[0]} alone"
+                f"{source} {path!r} is not a key, because {keys[0]} is a value and not a table: give {keys[0]} alone"
             )
-    for name, change in changed.items():
+    for name, change in changed_tables.items():
         section = section_of(field) if (field := Design.model_fields.get(name)) else None
         tables[name] = (section or Section).merge_change(tables.get(name, {}), change)
-    if "measured" in changed and folder is not None:
+    if "measured" in changed_tables and folder is not None:
         tables["measured"] = read_measurements(tables["measured"], folder)
     if not pairs:
         return design
-    values = _values_except(design, tables_changed) | _read_table(Design, tables, where)
-    return _validate(Design, _expand_sparse_lists(values, where), where)
+    values = _values_except(design, tables_changed) | _read_table(Design, tables, source)
+    return _validate(Design, _expand_sparse_lists(values, source), source)
 
 
 def declaration_of(path: str) -> FieldInfo:
@@ -258,9 +258,9 @@ def value_of(design: Design, path: str) -> Any:
     A part without a material table of its own has the values of `material`. Errors are those of `declaration_of`.
     """
     declaration_of(path)
-    first, *rest = _keys(path)
-    chosen: dict[str, Any] = dict(_file_tables(design, (first, "material")))
-    return chosen.get(first, chosen["material"])[rest[0]] if rest else chosen[path]
+    table_name, *inner_keys = _keys(path)
+    tables: dict[str, Any] = dict(_file_tables(design, (table_name, "material")))
+    return tables.get(table_name, tables["material"])[inner_keys[0]] if inner_keys else tables[path]
 
 
 def _field_of(section: type[Section] | None, key: str, path: str, prefix: str) -> FieldInfo:
@@ -302,10 +302,10 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     ]
     for name, field, value in _fields(design):
         if isinstance(value, Section):
-            used = [row for row in _fields(value) if applies(design.layout, name, row[0])]
-            if used:
+            used_rows = [row for row in _fields(value) if applies(design.layout, name, row[0])]
+            if used_rows:
                 lines += ["", f"# {field.description or _summary(type(value))}", f"[{name}]"]
-            lines += [_line(key, inner, item, reasons.get(f"{name}.{key}", "")) for key, inner, item in used]
+            lines += [_line(key, inner, item, reasons.get(f"{name}.{key}", "")) for key, inner, item in used_rows]
         elif applies(design.layout, "", name):
             lines.append(_line(name, field, value, reasons.get(name, "")))
     return "\n".join(lines) + "\n"
@@ -350,10 +350,10 @@ def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
             yield name, field, value
 
 
-def _file_tables(section: Section, selected: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
+def _file_tables(section: Section, table_names: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
     """Yield the file keys of a section with their values in the units of the file, or only those of selected names."""
     for name, field, value in _fields(section):
-        if selected is not None and name not in selected:
+        if table_names is not None and name not in table_names:
             continue
         if isinstance(value, Section):
             yield name, dict(_file_tables(value))
@@ -377,27 +377,27 @@ def _keys_of(section: type[Section]) -> dict[str, tuple[str, FieldInfo]]:
 
 
 def _read_table(
-    section: type[Section], table: Mapping[str, Any], where: str, prefix: str = "", root: type[Section] = Design
+    section: type[Section], table: Mapping[str, Any], source: str, prefix: str = "", root: type[Section] = Design
 ) -> dict[str, Any]:
     """Convert a table of a file to values of the model: names instead of file keys, SI instead of file units.
 
-    `where` names the file in errors, `prefix` the table that contains this one, `root` the model of the whole file.
+    `source` names the file in errors, `prefix` the table that contains this one, `root` the model of the whole file.
     """
-    known = _keys_of(section)
+    known_keys = _keys_of(section)
     values: dict[str, Any] = {}
     for key, value in table.items():
-        if key not in known:
-            hint = unsupported_key(f"{prefix}{key}") or _suggest_key(key, list(known), prefix, root)
-            raise DesignError(f"{where}: unknown key {prefix}{key:.80}; {hint}")
-        name, field = known[key]
+        if key not in known_keys:
+            hint = unsupported_key(f"{prefix}{key}") or _suggest_key(key, list(known_keys), prefix, root)
+            raise DesignError(f"{source}: unknown key {prefix}{key:.80}; {hint}")
+        name, field = known_keys[key]
         annotation, table_of = field.annotation, section_of(field)
         if table_of:
             if not isinstance(value, Mapping):
                 raise DesignError(
-                    f"{where}: {key} is a table, but is given as a value: write [{key}], and its keys on the lines "
+                    f"{source}: {key} is a table, but is given as a value: write [{key}], and its keys on the lines "
                     "below"
                 )
-            values[name] = _read_table(table_of, value, where, f"{prefix}{key}.", root)
+            values[name] = _read_table(table_of, value, source, f"{prefix}{key}.", root)
         elif get_origin(annotation) is tuple and isinstance(value, Mapping):
             values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
         elif get_origin(annotation) is tuple and isinstance(value, (list, tuple)):
@@ -420,7 +420,7 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
     return unit.to_si(float(value))
 
 
-def _expand_sparse_lists(values: dict[str, Any], where: str) -> dict[str, Any]:
+def _expand_sparse_lists(values: dict[str, Any], source: str) -> dict[str, Any]:
     """Expand lists such as ``{3 = 5.0}``, in place, to full ones: the third value 5 and the others 0.
 
     `values` are the tables of the file; the lengths of lists follow from counts such as ``ring.teeth``.
@@ -432,7 +432,7 @@ def _expand_sparse_lists(values: dict[str, Any], where: str) -> dict[str, Any]:
             counts = [_count(values, *key) for key in counted_by(fields[name])]
             if counts:
                 key = f"{table}.{file_key(name, fields[name])}"
-                section[name] = _expand_list(section[name], counts, f"{where}: {key}")
+                section[name] = _expand_list(section[name], counts, f"{source}: {key}")
     return values
 
 
@@ -441,10 +441,10 @@ def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
     return values.get(table, {}).get(name, section_of(Design.model_fields[table]).model_fields[name].default)
 
 
-def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> tuple[Any, ...]:
+def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], source: str) -> tuple[Any, ...]:
     """Return a list with a value for each part: 0, or the one that `sparse` has under the part's number, from 1 on.
 
-    The number of parts is the product of `counts`; `where` names the key in errors.
+    The number of parts is the product of `counts`; `source` names the key in errors.
     """
     if not all(isinstance(count, int) and count <= LIMITS.list_length for count in counts):
         return tuple(sparse.values())  # the validation reports the number of parts, which is out of range
@@ -452,7 +452,7 @@ def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -
     parts = [str(part) for part in range(1, number + 1)]
     for part in sparse:
         if part not in parts:
-            raise DesignError(f"{where}: part {part:.40} does not exist: use part numbers from 1 to {len(parts)}")
+            raise DesignError(f"{source}: part {part:.40} does not exist: use part numbers from 1 to {len(parts)}")
     return tuple(sparse.get(part, 0.0) for part in parts)
 
 
@@ -463,23 +463,25 @@ def _validate(kind: type[S], values: dict[str, Any], where: str) -> S:
         raise as_design_error(error, kind, where) from error
 
 
-def _suggest_key(key: str, known: list[str], prefix: str, root: type[Section] = Design) -> str:
+def _suggest_key(key: str, known_keys: list[str], prefix: str, root: type[Section] = Design) -> str:
     """Suggest the key that was meant: the same with another unit, the same in another table, or the most similar one.
 
-    `known` are the keys of the table, `prefix` its name and a point, `root` the model of the file.
+    `known_keys` are the keys of the table, `prefix` its name and a point, `root` the model of the file.
     """
     stems = (key, key.rsplit("_", 1)[0])
     other_unit = next(
-        filter(None, ([prefix + name for name in known if name.rsplit("_", 1)[0] == stem] for stem in stems)), []
+        filter(None, ([prefix + name for name in known_keys if name.rsplit("_", 1)[0] == stem] for stem in stems)), []
     )
     tables = ((name, section_of(field)) for name, field in root.model_fields.items())
     everywhere = [f"{table}.{name}" for table, section in tables if section for name in _keys_of(section)]
-    same = [name for name in everywhere if name.endswith(f".{key}")]
-    here = [prefix + name for name in difflib.get_close_matches(key, known, n=1)]
-    meant = other_unit or same or here or difflib.get_close_matches(prefix + key, everywhere, n=1)
-    if meant:
-        return f"did you mean {' or '.join(meant)}?"
-    return "available keys: " + ", ".join(prefix + name for name in known)
+    same_name_keys = [name for name in everywhere if name.endswith(f".{key}")]
+    similar_keys = [prefix + name for name in difflib.get_close_matches(key, known_keys, n=1)]
+    suggestions = (
+        other_unit or same_name_keys or similar_keys or difflib.get_close_matches(prefix + key, everywhere, n=1)
+    )
+    if suggestions:
+        return f"did you mean {' or '.join(suggestions)}?"
+    return "available keys: " + ", ".join(prefix + name for name in known_keys)
 
 
 def _unknown_design(path: Path) -> str:

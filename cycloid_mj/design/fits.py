@@ -122,12 +122,12 @@ def _upper_hole_deviation(letter: str, grade: int, size: float) -> float:
     finest = 8 if letter in "kmn" else 7
     if letter == "n" and grade > finest:
         return 0.0 if size > 3e-3 else -_deviation(letter, grade, size)
-    mirrored = -_deviation(letter, 7 if grade == finest else grade, size)  # K8 has the k of the finer grades
+    mirrored_deviation = -_deviation(letter, 7 if grade == finest else grade, size)  # K8 has the k of the finer grades
     if not (size > 3e-3 and 3 <= grade <= finest):
-        return mirrored
+        return mirrored_deviation
     if letter == "m" and grade == 6 and 250e-3 < size <= 315e-3:
         return -9e-6  # the standard's one exception
-    return mirrored + grade_width(grade, size) - grade_width(grade - 1, size)
+    return mirrored_deviation + grade_width(grade, size) - grade_width(grade - 1, size)
 
 
 def _deviation(letter: str, grade: int, size: float) -> float:

@@ -73,23 +73,23 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
     if isinstance(named, Design) or preset(str(named)):
         return None
     tables = tomllib.loads(note_input(Path(named)).read_text(encoding="utf-8-sig"))
-    stated = {change.partition("=")[0].strip() for change in changes}
-    stated |= {f"{table}.{key}" for table, keys in tables.items() if isinstance(keys, Mapping) for key in keys}
-    if "load.torque_nm" in stated and BASE not in tables:
-        stated |= {"drive.torque_nm", "drive.power_kw"}  # from the load
-    if any(key.startswith("material.") for key in stated):
-        stated.add("material.name")
-    base = str(tables.get(BASE, {}).get("preset", "pin"))
-    source = PRESETS[base.casefold()] if BASE in tables else Design()
+    stated_keys = {change.partition("=")[0].strip() for change in changes}
+    stated_keys |= {f"{table}.{key}" for table, keys in tables.items() if isinstance(keys, Mapping) for key in keys}
+    if "load.torque_nm" in stated_keys and BASE not in tables:
+        stated_keys |= {"drive.torque_nm", "drive.power_kw"}  # from the load
+    if any(key.startswith("material.") for key in stated_keys):
+        stated_keys.add("material.name")
+    base_preset = str(tables.get(BASE, {}).get("preset", "pin"))
+    source = PRESETS[base_preset.casefold()] if BASE in tables else Design()
     design = resolve(named, changes)
     kinds = design.pair_kinds
-    unused = {f"clearance.{kind}_um" for kind in PARTNERS if kind not in kinds}
+    unused_keys = {f"clearance.{kind}_um" for kind in PARTNERS if kind not in kinds}
     values = {
         key: value
         for key in _describing_keys(design)
-        if key not in stated | unused and (value := value_of(source, key))
+        if key not in stated_keys | unused_keys and (value := value_of(source, key))
     }
-    return Inheritance(base, BASE in tables, values)
+    return Inheritance(base_preset, BASE in tables, values)
 
 
 def _describing_keys(design: Design) -> list[str]:

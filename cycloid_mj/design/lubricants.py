@@ -105,13 +105,20 @@ def lubricants() -> Mapping[str, Lubricant]:
     """Load all oils and greases by name; an oil is named by base oil and ISO viscosity grade, such as ``PAO 150``."""
     table = _table()
     properties = {
-        base: {name: row[name] for name in ("density", "pressure_factor", "pressure_exponent", "gear_factor")}
-        for base, row in table["base_oil"].items()
+        base_oil: {name: row[name] for name in ("density", "pressure_factor", "pressure_exponent", "gear_factor")}
+        for base_oil, row in table["base_oil"].items()
     }
     oils = [
-        Lubricant(f"{base} {grade}", base, float(grade), hot, source=row["source"], **properties[base])
-        for base, row in table["base_oil"].items()
-        for grade, hot in row["viscosity_100"].items()
+        Lubricant(
+            f"{base_oil} {grade}",
+            base_oil,
+            float(grade),
+            viscosity_at_100,
+            source=row["source"],
+            **properties[base_oil],
+        )
+        for base_oil, row in table["base_oil"].items()
+        for grade, viscosity_at_100 in row["viscosity_100"].items()
     ]
     greases = [Lubricant(**row, **properties[row["base"]]) for row in table["grease"]]
     return {item.name: item for item in (*oils, *greases)}
@@ -125,10 +132,10 @@ def lubricant(name: str) -> Lubricant:
     DesignError
         No lubricant has this name.
     """
-    names = {known.casefold(): known for known in lubricants()}
+    names = {lubricant_name.casefold(): lubricant_name for lubricant_name in lubricants()}
     if name.casefold() not in names:
-        near = get_close_matches(name.casefold(), names, n=1)
-        hint = f'did you mean "{names[near[0]]}"? ' if near else ""
+        similar_names = get_close_matches(name.casefold(), names, n=1)
+        hint = f'did you mean "{names[similar_names[0]]}"? ' if similar_names else ""
         raise DesignError(f"unknown lubricant {name!r}; {hint}choose one of {', '.join(lubricants())}")
     return lubricants()[names[name.casefold()]]
 

@@ -70,8 +70,8 @@ def _entry(
 ) -> Entry:
     """Build a library entry in SI from moduli, strengths and pressures in MPa, and expansion in um/(m K)."""
     strengths = (tensile * 1e6, yield_strength * 1e6)
-    hard = (surface_yield * 1e6, endurance_pressure * 1e6)
-    return Entry(modulus * 1e6, poisson, density, *strengths, hottest, expansion / 1e6, source, *hard)
+    surface_strength = (surface_yield * 1e6, endurance_pressure * 1e6)
+    return Entry(modulus * 1e6, poisson, density, *strengths, hottest, expansion / 1e6, source, *surface_strength)
 
 
 SOFTEST_METAL = 3e10

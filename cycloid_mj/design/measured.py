@@ -135,25 +135,25 @@ def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def _read_gear(path: Path) -> Columns:
     """Read the columns of a measured profile: `ANGLES` or `POINTS`; without a header, numbers are x, y (and z)."""
     lines = list(_read_rows(path))
-    number, first = lines[0]
-    header = tuple(cell.lower() for cell in first)
-    if all(_number(cell) is not None for cell in first) and len(first) in (2, 3):
+    number, header_cells = lines[0]
+    header = tuple(cell.lower() for cell in header_cells)
+    if all(_number(cell) is not None for cell in header_cells) and len(header_cells) in (2, 3):
         names = POINTS
     elif header == ANGLES:
         names, lines = ANGLES, lines[1:]
     elif header[:2] in (POINTS, ("x", "y")) and len(header) in (2, 3):
         names, lines = POINTS, lines[1:]
     else:
-        raise _wrong_header(path, number, first, [ANGLES, POINTS])
+        raise _wrong_header(path, number, header_cells, [ANGLES, POINTS])
     return _parse_columns(path, names, lines)
 
 
 def _read_pins(path: Path) -> Columns:
     """Read the columns of measured ring pins, listed once each in any order; return them in the order of the pins."""
     lines = list(_read_rows(path))
-    number, first = lines[0]
-    if tuple(cell.lower() for cell in first) != PINS:
-        raise _wrong_header(path, number, first, [PINS])
+    number, header_cells = lines[0]
+    if tuple(cell.lower() for cell in header_cells) != PINS:
+        raise _wrong_header(path, number, header_cells, [PINS])
     columns = _parse_columns(path, PINS, lines[1:])
     order = {pin: index for index, pin in enumerate(columns["pin"])}
     for pin in range(1, len(columns["pin"]) + 1):
@@ -214,8 +214,8 @@ def _parse_columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int
                 f"{path}, line {number}: {','.join(cells)[:60]!r} is not valid. Write {len(names)} numbers: "
                 f"{','.join(names)}"
             )
-        if (wrong := _describe_out_of_range(dict(zip(names, values, strict=False)))) is not None:
-            raise DesignError(f"{path}, line {number}: {wrong}")
+        if (range_error := _describe_out_of_range(dict(zip(names, values, strict=False)))) is not None:
+            raise DesignError(f"{path}, line {number}: {range_error}")
         rows.append(values[: len(names)])
     return dict(zip(names, zip(*rows, strict=True), strict=True))
 

@@ -108,8 +108,8 @@ class Ring(Section):
     @model_validator(mode="after")
     def _check_preload(self) -> Self:
         """Refuse a preload of an undivided ring, and a preload that is set both as an angle and as a torque."""
-        named = {"preload_arcmin": self.preload, "preload_torque_nm": self.preload_torque}
-        set_keys = [key for key, value in named.items() if value]
+        preload_values = {"preload_arcmin": self.preload, "preload_torque_nm": self.preload_torque}
+        set_keys = [key for key, value in preload_values.items() if value]
         if set_keys and self.halves == 1:
             raise ValueError(f"{set_keys[0]} applies to two halves of a ring only: set halves = 2 as well")
         if len(set_keys) > 1:
@@ -718,11 +718,11 @@ class Material(Section):
     def _refuse_unknown_material(cls, name: str) -> str:
         """Return the name of a material; refuse one that is not in the library."""
         if name and name not in MATERIALS:
-            near = get_close_matches(name.casefold(), BY_CASEFOLD, n=1)
-            meant = f'did you mean "{BY_CASEFOLD[near[0]]}"? ' if near else ""
+            similar_names = get_close_matches(name.casefold(), BY_CASEFOLD, n=1)
+            suggestion = f'did you mean "{BY_CASEFOLD[similar_names[0]]}"? ' if similar_names else ""
             raise ValueError(
-                f"unknown material; {meant}Available: {', '.join(MATERIALS)}. For any other, leave the name empty and "
-                "set the numbers of this table"
+                f"unknown material; {suggestion}Available: {', '.join(MATERIALS)}. For any other, leave the name empty "
+                "and set the numbers of this table"
             )
         return name
 
@@ -1072,12 +1072,12 @@ class Design(Section, Presented):
     @classmethod
     def _inherit_material(cls, value: Any) -> Any:
         """Fill the material tables of parts that have no material name from the table `material`."""
-        unnamed = [f"{part}_material" for part in PARTS]
-        tables = {key: value[key] for key in unnamed if isinstance(value.get(key), Mapping)}
-        base = value.get("material", {})
-        if not tables or not isinstance(base, Mapping):
+        part_keys = [f"{part}_material" for part in PARTS]
+        tables = {key: value[key] for key in part_keys if isinstance(value.get(key), Mapping)}
+        base_material = value.get("material", {})
+        if not tables or not isinstance(base_material, Mapping):
             return value
-        return {**value, **{key: {**base, **table} for key, table in tables.items() if "name" not in table}}
+        return {**value, **{key: {**base_material, **table} for key, table in tables.items() if "name" not in table}}
 
     @model_validator(mode="before")
     @classmethod
@@ -1326,7 +1326,7 @@ def describe_plastic_limits(design: Design) -> tuple[str, ...]:
     for material, parts_of in by_material.items():
         entry = MATERIALS.get(material.name)
         if material.is_plastic:
-            what = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
+            material_text = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
             hottest = f" and is usable up to {entry.hottest:g} °C ({entry.source})" if entry else ""
-            limits.append(f"{what} creeps{hottest}: its stiffness and strength are those of a short load")
+            limits.append(f"{material_text} creeps{hottest}: its stiffness and strength are those of a short load")
     return tuple(limits)

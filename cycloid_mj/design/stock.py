@@ -344,28 +344,30 @@ def single_pin(diameter: float, length: float) -> Dowel | None:
     return None
 
 
-def free_pin(diameter: float, room: float, play: float) -> Roller | None:
+def free_pin(diameter: float, width: float, play: float) -> Roller | None:
     """Find the needle roller or pin gauge for a free pin between two covers; None if none in stock has the diameter.
 
-    It is shorter than the `room` [m] between the covers, by at most five times the axial `play` [m] at each end; a
+    It is shorter than the `width` [m] between the covers, by at most five times the axial `play` [m] at each end; a
     longer one is cut to the room less the play, and several are in line where none is long enough. `diameter` [m] is
     that of the pin.
     """
-    size_mm, room_mm = round(diameter / MM, 6), room / MM
+    size_mm, room_mm = round(diameter / MM, 6), width / MM
     if size_mm in _ROLLERS:
         shortest, longest = _ROLLERS[size_mm]
         lengths = [length for length in _ROLLER_LENGTHS if shortest <= length <= longest]
         count = max(-(-(room_mm - 5.0 * play / MM) // longest), 1)
-        sold = next((item for item in lengths if 0.0 <= room_mm / count - item <= 5.0 * play / MM), 0.0)
-        cut = 0.0 if sold else room / count - 2.0 * play
-        length = sold or next(item for item in lengths if item >= room_mm / count - 2.0 * play / MM - 1e-6)
-        return Roller(f"ISO 3096 - {size_mm:g} x {length:g} - G2", "0/-2 um", diameter, length * MM, int(count), cut)
+        stock_length = next((item for item in lengths if 0.0 <= room_mm / count - item <= 5.0 * play / MM), 0.0)
+        cut_length = 0.0 if stock_length else width / count - 2.0 * play
+        length = stock_length or next(item for item in lengths if item >= room_mm / count - 2.0 * play / MM - 1e-6)
+        return Roller(
+            f"ISO 3096 - {size_mm:g} x {length:g} - G2", "0/-2 um", diameter, length * MM, int(count), cut_length
+        )
     longest = next((gauges.length for gauges in (_GAUGES, _LONG_GAUGES) if gauges.includes(size_mm)), 0)
     if not longest:
         return None
     count = int(max(-(-(room_mm - 2.0 * play / MM) // longest), 1))
     designation = f"{GAUGES} - {size_mm:.2f} x {longest:g}"
-    return Roller(designation, "+-1 um", diameter, longest * MM, count, room / count - 2.0 * play)
+    return Roller(designation, "+-1 um", diameter, longest * MM, count, width / count - 2.0 * play)
 
 
 def key_for(shaft: float, max_length: float) -> StockKey | None:
@@ -391,8 +393,8 @@ def stock_pin_length(diameter: float, length: float, max_count: int = 4) -> floa
     shortest, longest = _DOWELS[size]
     usual = [dowel for dowel in _LENGTHS if shortest <= dowel <= longest]
     counts = range(1, max_count + 1)
-    filled = [count * dowel for count in counts for dowel in usual if -(-count * dowel // longest) == count]
-    nearest = min(filled, key=lambda item: abs(math.log(item * MM / length)), default=0.0) * MM
+    stack_lengths = [count * dowel for count in counts for dowel in usual if -(-count * dowel // longest) == count]
+    nearest = min(stack_lengths, key=lambda item: abs(math.log(item * MM / length)), default=0.0) * MM
     return round(nearest, 9) if length / OFF <= nearest <= length * OFF else length
 
 
@@ -405,12 +407,12 @@ def bar_diameters() -> tuple[float, ...]:
 def needle_bearings() -> tuple[StockBearing, ...]:
     """List the needle roller bearings without inner ring in stock by size: drawn cups, then machined rings."""
     cups = [
-        StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, out, width), dynamic * KN, static * KN)
-        for bore, out, width, dynamic, static in _rows(_DRAWN_CUPS, 5)
+        StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
+        for bore, outer_diameter, width, dynamic, static in _rows(_DRAWN_CUPS, 5)
     ]
     rings = [
-        StockBearing(f"RNA49{number:02g}", *_si(bore, out, width), dynamic * KN, static * KN)
-        for number, bore, out, width, dynamic, static in _rows(_NEEDLE_BEARINGS, 6)
+        StockBearing(f"RNA49{number:02g}", *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
+        for number, bore, outer_diameter, width, dynamic, static in _rows(_NEEDLE_BEARINGS, 6)
     ]
     largest = max(cup.outside for cup in cups)
     bearings = [*cups, *(ring for ring in rings if ring.outside > largest)]
@@ -433,8 +435,8 @@ def thin_ball_bearings() -> tuple[StockBearing, ...]:
     fields = _THIN_BALL_BEARINGS.split()
     numbers = (list(map(float, fields[start + 1 : start + 6])) for start in range(0, len(fields), 6))
     return tuple(
-        StockBearing(designation, *_si(bore, outside, width), dynamic * KN, static * KN)
-        for designation, (bore, outside, width, dynamic, static) in zip(fields[::6], numbers, strict=True)
+        StockBearing(designation, *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
+        for designation, (bore, outer_diameter, width, dynamic, static) in zip(fields[::6], numbers, strict=True)
     )
 
 

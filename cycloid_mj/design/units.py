@@ -38,10 +38,12 @@ class Unit:
         Every value that came from a file has one. An SI value that falls between two of the file's floats has none:
         then the nearest number is returned, whose SI value differs in the last bit.
         """
-        converted = value * self.divisor / self.multiplier
-        shortened = (float(f"{converted:.{digits}g}") for digits in (14, 15, 16))
-        neighbours = (converted + step * math.ulp(converted) for step in (0, -1, 1, -2, 2, -3, 3))
-        return next((number for number in chain(shortened, neighbours) if self.to_si(number) == value), converted)
+        value_in_unit = value * self.divisor / self.multiplier
+        rounded_values = (float(f"{value_in_unit:.{digits}g}") for digits in (14, 15, 16))
+        neighbours = (value_in_unit + step * math.ulp(value_in_unit) for step in (0, -1, 1, -2, 2, -3, 3))
+        return next(
+            (number for number in chain(rounded_values, neighbours) if self.to_si(number) == value), value_in_unit
+        )
 
 
 NONE = Unit("")

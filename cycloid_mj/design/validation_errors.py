@@ -49,23 +49,23 @@ REQUIREMENTS = {
 """Error type of pydantic -> what the value must be."""
 
 
-def as_design_error(error: ValidationError, root: type[BaseModel], where: str) -> DesignError:
+def as_design_error(error: ValidationError, root: type[BaseModel], source: str) -> DesignError:
     """Convert a validation error to a DesignError that lists key, value and allowed values of each wrong value.
 
     Parameters
     ----------
     root
         The model that was validated.
-    where
+    source
         Origin of the values, such as the name of a file.
     """
     sentences = [_describe_error(details, root) for details in error.errors()[: LISTING.errors]]
     if len(sentences) == 1:
-        return DesignError(f"{where}: {sentences[0]}")
-    count, rest = error.error_count(), error.error_count() - len(sentences)
+        return DesignError(f"{source}: {sentences[0]}")
+    count, unlisted = error.error_count(), error.error_count() - len(sentences)
     return DesignError(
-        f"{where} has {count:,} wrong values. Correct them as follows:",
-        [*sentences, f"and {rest:,} more"] if rest else sentences,
+        f"{source} has {count:,} wrong values. Correct them as follows:",
+        [*sentences, f"and {unlisted:,} more"] if unlisted else sentences,
     )
 
 
@@ -84,11 +84,11 @@ def _describe_error(details: ErrorDetails, root: type[BaseModel]) -> str:
     if details["type"] == "missing":
         return f"{key} is missing ({field.description})"
     unit, value = unit_of(field), details["input"]
-    written = _quote(unit.from_si(value) if isinstance(value, float) else value)
-    if isinstance(value, str) and (unsupported := unsupported_value(key, value)):
-        return f"{key} = {written} is not supported: {unsupported}"
+    value_text = _quote(unit.from_si(value) if isinstance(value, float) else value)
+    if isinstance(value, str) and (unsupported_text := unsupported_value(key, value)):
+        return f"{key} = {value_text} is not supported: {unsupported_text}"
     meaning = "" if details["type"] == "value_error" else f" ({field.description})"
-    return f"{key} = {written} is not allowed: {_describe_allowed(details, field, unit)}{meaning}"
+    return f"{key} = {value_text} is not allowed: {_describe_allowed(details, field, unit)}{meaning}"
 
 
 def _quote(value: Any) -> str:
@@ -117,8 +117,8 @@ def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> st
     value, choices = details["input"], literal_choices(field)
     if details["type"] == "literal_error" and choices:
         similar = get_close_matches(value.casefold(), choices, n=1) if isinstance(value, str) else []
-        meant = f'; did you mean "{similar[0]}"?' if similar else ""
-        return f"it must be {_either(choices)}{meant}"
+        suggestion = f'; did you mean "{similar[0]}"?' if similar else ""
+        return f"it must be {_either(choices)}{suggestion}"
     if details["type"] in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
         # the bounds of the items of a list stand in the error alone
         bounds = bounds_of(field) or details.get("ctx", {})

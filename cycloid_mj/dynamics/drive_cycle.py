@@ -74,7 +74,7 @@ def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
     return DriveCycle(angle, 0.0, lambda time: angle + servo_target(compiled, law, time), torque)
 
 
-def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> DriveCycle:
+def braked_output(model: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> DriveCycle:
     """Return a drive cycle with constant output speed, for the design's crank speed, and a torque on the crank [N m].
 
     The servo of the model must be on the output: ``build(design, held="output")``. The crank starts at `angle` [rad],
@@ -83,7 +83,7 @@ def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float
     design = reducer.design
     speed = design.drive.speed
     law = CrankLaw(speed / design.ratio, 0.0)
-    return DriveCycle(angle, speed, torque, lambda time: servo_target(compiled, law, time) + angle / design.ratio)
+    return DriveCycle(angle, speed, torque, lambda time: servo_target(model, law, time) + angle / design.ratio)
 
 
 def rising(torque: float, rise: float) -> Signal:
@@ -91,11 +91,11 @@ def rising(torque: float, rise: float) -> Signal:
     return lambda time: torque * 0.5 * (1.0 - np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
 
 
-def initial_state(compiled: ReducerModel, reducer: Reducer, course: DriveCycle | None = None) -> Any:
+def initial_state(model: ReducerModel, reducer: Reducer, cycle: DriveCycle | None = None) -> Any:
     """Return MuJoCo's data with the closed-form positions and speeds at the start of a drive cycle."""
-    course = course or ramp_and_hold(compiled, reducer)
-    data = mujoco.MjData(compiled.model)
-    position, velocity = joint_state(reducer, course.angle, course.speed)
+    cycle = cycle or ramp_and_hold(model, reducer)
+    data = mujoco.MjData(model.model)
+    position, velocity = joint_state(reducer, cycle.angle, cycle.speed)
     for joint, value in position.items():
         data.joint(joint).qpos[0] = value
     for joint, value in velocity.items():

@@ -135,8 +135,8 @@ def look_up(table: int, kind: int, cosine: float, force: float) -> float:
     force_index = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP
     i, j = min(int(phase_index), _PHASES - 2), min(int(force_index), _FORCES - 2)
     x, y = phase_index - i, min(force_index - j, 1.0)
-    first = table + 8 * ((kind * _PHASES + i) * _FORCES + j)
-    second = first + 8 * _FORCES
-    low = (1.0 - y) * read_float(first) + y * read_float(first + 8)
-    high = (1.0 - y) * read_float(second) + y * read_float(second + 8)
+    lower_entry = table + 8 * ((kind * _PHASES + i) * _FORCES + j)
+    upper_entry = lower_entry + 8 * _FORCES
+    low = (1.0 - y) * read_float(lower_entry) + y * read_float(lower_entry + 8)
+    high = (1.0 - y) * read_float(upper_entry) + y * read_float(upper_entry + 8)
     return (1.0 - x) * low + x * high

@@ -30,8 +30,8 @@ def assumptions(reducer: Reducer, what: str) -> tuple[str, ...]:
     return (f"{what}: {ASSUMPTION}",) if reducer.design.ring.has_pin_bodies else ()
 
 
-def require_pin_bodies(reducer: Reducer, what: str) -> None:
-    """Raise an error if a measure (`what`) is not valid for the pins of a design.
+def require_pin_bodies(reducer: Reducer, unsupported: str) -> None:
+    """Raise an error if a measure (`unsupported`) is not valid for the pins of a design.
 
     Raises
     ------
@@ -40,10 +40,10 @@ def require_pin_bodies(reducer: Reducer, what: str) -> None:
     """
     design = reducer.design
     if design.ring.has_massless_pins:
-        others = {without: real for real, without in MASSLESS.items()}
+        real_kinds = {massless_kind: real for real, massless_kind in MASSLESS.items()}
         raise DesignError(
             f'{design.name}: ring.pins = "{design.ring.pins}" is supported for mean values under load only, not for '
-            f'{what}. Set ring.pins = "{others[design.ring.pins]}"'
+            f'{unsupported}. Set ring.pins = "{real_kinds[design.ring.pins]}"'
         )
 
 

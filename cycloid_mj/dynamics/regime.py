@@ -68,19 +68,19 @@ class Compiled(Protocol):
         """The contact law of each kind of pair."""
 
 
-def model_warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
+def model_warnings(reducer: Reducer, model: Compiled) -> tuple[str, ...]:
     """Return all warnings about a design with its compiled MuJoCo model: time step, friction, clearances, bent pins."""
-    timestep_s = compiled.model.opt.timestep  # by mesh contact it may be shorter than the design's
+    timestep_s = model.model.opt.timestep  # by mesh contact it may be shorter than the design's
     stiffness_texts = [
-        text for kind, law in compiled.laws.items() for text in _stiffness_warning(reducer, kind, law, timestep_s)
+        text for kind, law in model.laws.items() for text in _stiffness_warning(reducer, kind, law, timestep_s)
     ]
     return (
         *_rolling_warnings(reducer, timestep_s),
         *stiffness_texts,
-        *_lead_warning(reducer, compiled),
-        *_orbit_warning(reducer, compiled),
-        *_raised_mass_warnings(compiled),
-        *static_warnings(reducer, compiled.laws),
+        *_lead_warning(reducer, model),
+        *_orbit_warning(reducer, model),
+        *_raised_mass_warnings(model),
+        *static_warnings(reducer, model.laws),
     )
 
 
@@ -201,15 +201,15 @@ def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, time
         )
 
 
-def _lead_warning(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
+def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
     """Yield a warning if friction reverses so much before the sliding does that losses are too low."""
-    lead_by_kind = friction_leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
+    lead_by_kind = friction_leads(reducer, model.laws, float(model.model.opt.impratio))
     kind = max(lead_by_kind, key=lambda item: lead_by_kind[item], default="")
     if kind and lead_by_kind[kind] > LIMITS.max_friction_lead:
         yield (
             f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead_by_kind[kind])):.3g} deg of crank "
             f"rotation at this speed and working force, so losses are too low; shorten settings.timestep_us to "
-            f"{_below(1e6 * compiled.model.opt.timestep * LIMITS.max_friction_lead / lead_by_kind[kind])}"
+            f"{_below(1e6 * model.model.opt.timestep * LIMITS.max_friction_lead / lead_by_kind[kind])}"
         )
 
 
@@ -226,12 +226,12 @@ def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> fl
     return law.friction * law.added_mass * design.gear.eccentricity * speed**3 * seconds / force
 
 
-def _orbit_warning(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
+def _orbit_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
     """Yield a warning if the discs' circular orbit is too fast for the time step."""
-    kind, timestep_s = reducer.design.tooth_pair, float(compiled.model.opt.timestep)
-    if kind not in compiled.laws or not compiled.model.nuser_geom or not reducer.design.drive.speed:
+    kind, timestep_s = reducer.design.tooth_pair, float(model.model.opt.timestep)
+    if kind not in model.laws or not model.model.nuser_geom or not reducer.design.drive.speed:
         return
-    lag, max_step = friction_lag(reducer, compiled.laws[kind], timestep_s), circling_limit(reducer)
+    lag, max_step = friction_lag(reducer, model.laws[kind], timestep_s), circling_limit(reducer)
     if lag > LIMITS.max_friction_lag:
         max_step = min(max_step, timestep_s * math.sqrt(LIMITS.max_friction_lag / lag))
     if timestep_s > max_step * (1.0 + 1e-9):

@@ -150,9 +150,9 @@ def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
     return Schedule(seconds, steps, min(stride, steps))
 
 
-def log_columns(compiled: Model, reducer: Reducer) -> Groups:
+def log_columns(model: Model, reducer: Reducer) -> Groups:
     """Return the log's columns with their units: topic -> column -> unit."""
-    kinds = sorted(compiled.laws)
+    kinds = sorted(model.laws)
     groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
     groups[REDUCER] |= {
         "contacts": "1",
@@ -163,10 +163,10 @@ def log_columns(compiled: Model, reducer: Reducer) -> Groups:
         "kinetic_energy": "J",
     }
     groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
-    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in compiled.drags}
+    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in model.drags}
     groups[REDUCER] |= POINT_Q
     force_units = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
-    groups[FORCES] = {column(pair.name, part): unit for pair in compiled.pairs for part, unit in force_units.items()}
+    groups[FORCES] = {column(pair.name, part): unit for pair in model.pairs for part, unit in force_units.items()}
     return groups
 
 
@@ -292,9 +292,9 @@ def provenance(
 
     `seconds` is as in `schedule`.
     """
-    stiffened = reducer.for_slices if contact == "mesh" else reducer
+    stiffened_reducer = reducer.for_slices if contact == "mesh" else reducer
     step_rule = STEP_RULES[solver]
-    step = step_rule.choose(stiffened)
+    step = step_rule.choose(stiffened_reducer)
     seconds = seconds or step.seconds
     return {
         "design": reducer.design.name,
@@ -303,29 +303,32 @@ def provenance(
         "timestep_s": repr(seconds),
         "timestep": str(step if step.seconds == seconds else TimeStep(seconds, "of the model")),
         "timestep_for": describe_accuracy(
-            stiffened if step.seconds == seconds else stiffened.but(settings={"timestep": seconds}), step_rule.accuracy
+            stiffened_reducer if step.seconds == seconds else stiffened_reducer.but(settings={"timestep": seconds}),
+            step_rule.accuracy,
         ),
         **({"measured": "; ".join(measurement_notes(reducer.design))} if not reducer.design.measured.is_empty else {}),
-        "working_forces": stiffened.contacts.working_forces_text(reducer.mechanism.kinds),
+        "working_forces": stiffened_reducer.contacts.working_forces_text(reducer.mechanism.kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,
     }
 
 
-def run_warnings(compiled: Model, reducer: Reducer, course: DriveCycle | None = None) -> tuple[str, ...]:
+def run_warnings(compiled: Model, reducer: Reducer, cycle: DriveCycle | None = None) -> tuple[str, ...]:
     """Return the warnings that are known before a run: of the model, of the step at its speed, and of idling.
 
-    `course` is the motion of the crank; None is that of the design. Warnings about the speed are omitted if the crank
-    starts from rest, and the one about idling if there is a `course`.
+    `cycle` is the motion of the crank; None is that of the design. Warnings about the speed are omitted if the crank
+    starts from rest, and the one about idling if there is a `cycle`.
     """
-    moving = course is None or course.speed != 0.0
-    sways = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and moving else ()
+    is_turning = cycle is None or cycle.speed != 0.0
+    sways = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and is_turning else ()
     min_steps = STEP_RULES[solver_name(compiled)].min_steps_per_tooth
-    paced = (
-        pace_warnings(reducer.for_slices if contact_kind(compiled) == "mesh" else reducer, min_steps) if moving else ()
+    pace_texts = (
+        pace_warnings(reducer.for_slices if contact_kind(compiled) == "mesh" else reducer, min_steps)
+        if is_turning
+        else ()
     )
-    return (*sways, *compiled.warnings, *paced, *(idle_warning(reducer) if course is None else ()))
+    return (*sways, *compiled.warnings, *pace_texts, *(idle_warning(reducer) if cycle is None else ()))
 
 
 def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
@@ -345,7 +348,7 @@ def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
 
 
 def blocks(
-    compiled: Model, reducer: Reducer, course: DriveCycle | None = None
+    compiled: Model, reducer: Reducer, cycle: DriveCycle | None = None
 ) -> Generator[SampleBlock, None, tuple[str, ...]]:
     """Run a model over a course, by default the design's own, and yield its samples block by block.
 
@@ -363,15 +366,15 @@ def blocks(
         As `simulate`.
     """
     plan = schedule(reducer, compiled.timestep)
-    warn(reducer.design.name, run_warnings(compiled, reducer, course))
-    has_own_cycle, course = course is None, course or ramp_and_hold(compiled, reducer)
+    warn(reducer.design.name, run_warnings(compiled, reducer, cycle))
+    has_own_cycle, cycle = cycle is None, cycle or ramp_and_hold(compiled, reducer)
     is_exact = contact_kind(compiled) == "profile"
     samples_per_call = max(1, RUN.steps_per_call // plan.stride) if is_exact else 1
     with ExitStack() as stack:
         if isinstance(compiled, PlanarModel):
-            stepping = _Stepping(compiled.stepper(course, plan.stride))
+            stepping = _Stepping(compiled.stepper(cycle, plan.stride))
         else:
-            stepping = _mujoco_stepping(compiled, reducer, initial_state(compiled, reducer, course), plan)
+            stepping = _mujoco_stepping(compiled, reducer, initial_state(compiled, reducer, cycle), plan)
             if is_exact:
                 stack.enter_context(collider.install(reducer.design.ring.kind == "nonpin"))
             stack.enter_context(each_step.install())
@@ -379,9 +382,9 @@ def blocks(
             stack.enter_context(_no_log_file.kept())
         recorder = _Recorder(compiled, reducer, stepping, plan, has_own_cycle)
         size = max(RUN.block_samples, samples_per_call)
-        for first in range(0, plan.samples, size):
-            samples = range(first, min(first + size, plan.samples))
-            block, problem = _advance_block(plan, course, samples, recorder, samples_per_call)
+        for first_sample in range(0, plan.samples, size):
+            samples = range(first_sample, min(first_sample + size, plan.samples))
+            block, problem = _advance_block(plan, cycle, samples, recorder, samples_per_call)
             if len(block.time):
                 yield block
             if problem:
@@ -392,19 +395,19 @@ def blocks(
 
 
 def _advance_block(
-    plan: Schedule, course: DriveCycle, samples: range, recorder: "_Recorder", samples_per_call: int
+    plan: Schedule, cycle: DriveCycle, samples: range, recorder: "_Recorder", samples_per_call: int
 ) -> tuple[SampleBlock, str]:
     """Take the time steps up to some samples; return the samples, and the problem that ended the run, "" for none."""
     first_step = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(first_step, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
-    recorder.steps.command(course.commands(time))
+    recorder.steps.command(cycle.commands(time))
     row_blocks, problem = list[Array](), ""
-    for first in samples[::samples_per_call]:
+    for first_sample in samples[::samples_per_call]:
         check_interrupt()
-        rows, problem = recorder.advance(min(samples_per_call, samples.stop - first))
+        rows, problem = recorder.advance(min(samples_per_call, samples.stop - first_sample))
         row_blocks.append(rows)
         if problem:
-            problem = f"at t = {plan.timestep * (first + len(rows) - 1) * plan.stride:.6f} s {problem}"
+            problem = f"at t = {plan.timestep * (first_sample + len(rows) - 1) * plan.stride:.6f} s {problem}"
             break
     rows = np.concatenate(row_blocks)
     time = time[-1 - (len(samples) - 1) * plan.stride :: plan.stride]
@@ -429,13 +432,13 @@ class _Stepping:
     warning: Callable[[], str] | None = None
     most_iterations: float = math.inf
 
-    def late_warnings(self, unconverged: int, plan: Schedule) -> tuple[str, ...]:
-        """Return the warnings at the end of a run; the contact geometry of `unconverged` steps did not converge."""
-        if self.warning or not unconverged:
+    def late_warnings(self, unconverged_count: int, plan: Schedule) -> tuple[str, ...]:
+        """Return the warnings at the end of a run in which the geometry of some contacts did not converge."""
+        if self.warning or not unconverged_count:
             return ()
         return (
-            f"in {unconverged} of {plan.steps} time steps the planar solver's contact geometry did not converge in "
-            f"{CONTACT_SEARCH.max_searches} searches: contact forces at these times may be wrong; shorten "
+            f"in {unconverged_count} of {plan.steps} time steps the planar solver's contact geometry did not converge "
+            f"in {CONTACT_SEARCH.max_searches} searches: contact forces at these times may be wrong; shorten "
             f"settings.timestep_us (now {1e6 * plan.timestep:g})",
         )
 
@@ -450,8 +453,8 @@ def _mujoco_stepping(compiled: ReducerModel, reducer: Reducer, data: Any, plan: 
     steps = EachStep(compiled.model, data, index, plan.stride, sources, [*drags.values()], impacts, orbits, film)
 
     def warning() -> str:
-        first = int(np.argmax(data.warning.number > 0))
-        return f"MuJoCo issued a warning: {mujoco.mju_warningText(first, data.warning[first].lastinfo)}"
+        first_warning = int(np.argmax(data.warning.number > 0))
+        return f"MuJoCo issued a warning: {mujoco.mju_warningText(first_warning, data.warning[first_warning].lastinfo)}"
 
     return _Stepping(steps, warning, compiled.model.opt.iterations)
 
@@ -494,23 +497,29 @@ class _Recorder:
         rows = self.steps.advance(samples)
         self.noted += int(rows[:, self.steps.solver][:, sample_layout.WARNINGS].sum())
         checks = list(self._checks(rows))
-        wrong = np.any([failed for failed, _ in checks], axis=0)
-        if not wrong.any():
+        is_wrong = np.any([is_failed for is_failed, _ in checks], axis=0)
+        if not is_wrong.any():
             return rows, ""
-        first = int(np.argmax(wrong))
-        return rows[: first + 1], next(describe(first) for failed, describe in checks if failed[first])
+        first_wrong = int(np.argmax(is_wrong))
+        return rows[: first_wrong + 1], next(
+            describe(first_wrong) for is_failed, describe in checks if is_failed[first_wrong]
+        )
 
     def tables(self, rows: Array) -> dict[str, Array]:
         """Compute the values of samples by topic, one row for each."""
-        copied, solver, drags = (rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags))
+        copied_columns, solver, drags = (
+            rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags)
+        )
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
         powers = np.stack(
             [pairs[:, of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for of_kind in self._kinds], axis=1
         )
-        energies = copied[:, self._read :]
-        pin_motion = point_motion((0.0, self._reducer.lever), copied[:, self._pose], copied[:, self._motion])
+        energies = copied_columns[:, self._read :]
+        pin_motion = point_motion(
+            (0.0, self._reducer.lever), copied_columns[:, self._pose], copied_columns[:, self._motion]
+        )
         parts = [
-            copied[:, : self._first_pin],
+            copied_columns[:, : self._first_pin],
             solver[:, :4],
             energies,
             powers.reshape(len(rows), -1),
@@ -519,14 +528,14 @@ class _Recorder:
         ]
         tables = {REDUCER: np.concatenate(parts, axis=1)}
         if self._has_pins:
-            tables[PINS] = copied[:, self._first_pin : self._read]
+            tables[PINS] = copied_columns[:, self._first_pin : self._read]
         return tables | {FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
         """Yield every check: which samples fail it, and a function that describes the problem of one."""
-        copied = rows[:, self.steps.copied]
+        copied_columns = rows[:, self.steps.copied]
         _, depth, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T
-        is_finite = np.isfinite(copied).all(axis=1) & np.isfinite(acceleration_sum)
+        is_finite = np.isfinite(copied_columns).all(axis=1) & np.isfinite(acceleration_sum)
         divergence = "the simulation diverged (NaN); shorten settings.timestep_us or lower the contact stiffness"
         yield ~is_finite, lambda sample: divergence
         if warning := self._warning:
@@ -560,7 +569,7 @@ class _Recorder:
             ),
         )
         if len(self._free_pins):
-            pin_distance = np.linalg.norm(copied[:, self._free_pins], axis=2)
+            pin_distance = np.linalg.norm(copied_columns[:, self._free_pins], axis=2)
             yield (
                 (pin_distance > self._design.ring.pin_radius).any(axis=1),
                 lambda sample: (
@@ -570,10 +579,10 @@ class _Recorder:
                 ),
             )
         member = self._reducer.member
-        ring, _ = member.ring_and_carrier(copied[:, self._output])
-        crank = member.mesh_angle(copied[:, self._input], ring)
+        ring, _ = member.ring_and_carrier(copied_columns[:, self._output])
+        crank = member.mesh_angle(copied_columns[:, self._input], ring)
         for number, gear in enumerate(self._gears, start=1):
-            error = copied[:, gear] - ring + crank / member.lobes
+            error = copied_columns[:, gear] - ring + crank / member.lobes
             disc_name = f"disc {number}" if len(self._gears) > 1 else "the disc"
             yield (np.abs(error) > 0.25 * 2.0 * math.pi / member.lobes, partial(_describe_skip, disc_name, error))
 

@@ -101,12 +101,12 @@ def compute_shares(
     if np.ptp(np.concatenate([figure.first, figure.second])) == 0.0:
         return tuple(Share(name, 0.0, 0.0, (0.0, 0.0)) for name in names)
     terms = _estimator_terms(figure, [_standardise(zones, departure, rows) for departure in departures])
-    first = terms.first.mean(axis=1) / terms.variance.mean()
+    first_order_share = terms.first.mean(axis=1) / terms.variance.mean()
     total, low, high = _jackknife_ratios(terms.total, terms.variance)
     shares = [
         Share(
             name,
-            _clip_share(first[i], _clip_share(total[i])),
+            _clip_share(first_order_share[i], _clip_share(total[i])),
             _clip_share(total[i]),
             (_clip_share(low[i]), _clip_share(high[i])),
         )
@@ -141,14 +141,14 @@ def _standardise(zones: Mapping[str, Zone], departures: Mapping[str, Array], row
 
     `departures` are in metres, by tolerance, shape (samples, ...); `rows` are the samples to use.
     """
-    scaled = []
+    standardised = []
     for key, zone in zones.items():
         values = departures[key][rows].reshape(rows.size, -1)
         if key.startswith(WAVE):  # the phase is uniform: cosine and sine have half of the mean square each
-            scaled.append(values / math.sqrt(0.5 * (zone.middle**2 + zone.deviation**2)))
+            standardised.append(values / math.sqrt(0.5 * (zone.middle**2 + zone.deviation**2)))
         else:
-            scaled.append((values - zone.middle) / (zone.deviation or 1.0))
-    return scaled
+            standardised.append((values - zone.middle) / (zone.deviation or 1.0))
+    return standardised
 
 
 def _estimator_terms(figure: _FigureSets, departures: Sequence[list[Array]]) -> _Terms:
@@ -158,11 +158,11 @@ def _estimator_terms(figure: _FigureSets, departures: Sequence[list[Array]]) -> 
     each.
     """
     centre, linear, variances = _fit_control_variate(figure, departures)
-    a, b, mixed = figure.first - centre, figure.second - centre, figure.mixed - centre
-    variance = 0.5 * (a**2 + b**2) - 0.5 * (linear.first**2 + linear.second**2) + variances.sum(axis=0)
-    first = b * (mixed - a) - linear.second * (linear.mixed - linear.first) + variances
-    total = 0.5 * (a - mixed) ** 2 - 0.5 * (linear.first - linear.mixed) ** 2 + variances
-    return _Terms(variance, first, total)
+    values_a, values_b, values_mixed = figure.first - centre, figure.second - centre, figure.mixed - centre
+    variance = 0.5 * (values_a**2 + values_b**2) - 0.5 * (linear.first**2 + linear.second**2) + variances.sum(axis=0)
+    first_order = values_b * (values_mixed - values_a) - linear.second * (linear.mixed - linear.first) + variances
+    total = 0.5 * (values_a - values_mixed) ** 2 - 0.5 * (linear.first - linear.mixed) ** 2 + variances
+    return _Terms(variance, first_order, total)
 
 
 def _fit_control_variate(figure: _FigureSets, departures: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
@@ -175,24 +175,26 @@ def _fit_control_variate(figure: _FigureSets, departures: Sequence[list[Array]])
     departures_a, departures_b = departures
     tolerances, count = figure.mixed.shape
     fold_of_sample = np.arange(count) % SOBOL.folds
-    a, b, variances = np.zeros((3, tolerances, count))
+    fit_a, fit_b, variances = np.zeros((3, tolerances, count))
     centre = np.zeros(count)
-    chosen = _choose_model_tolerances(figure, departures_a)
-    ends = np.cumsum([departures_a[i].shape[1] for i in chosen], dtype=int)
+    model_tolerances = _choose_model_tolerances(figure, departures_a)
+    ends = np.cumsum([departures_a[i].shape[1] for i in model_tolerances], dtype=int)
     for fold_index in range(SOBOL.folds):
         training, validation = fold_of_sample != fold_index, fold_of_sample == fold_index
-        columns = np.concatenate([_columns(departures_a, chosen, training), _columns(departures_b, chosen, training)])
+        columns = np.concatenate(
+            [_columns(departures_a, model_tolerances, training), _columns(departures_b, model_tolerances, training)]
+        )
         target = np.concatenate([figure.first[training], figure.second[training]])
         # normal equations: the columns are independent draws, four rows and more for each
         constant, *slopes = np.split(np.linalg.solve(columns.T @ columns, columns.T @ target), [1, *(1 + ends)])
         centre[validation] = constant[0]
-        for i, slope in zip(chosen, slopes[: len(chosen)], strict=True):
-            a[i, validation], b[i, validation] = (
+        for i, slope in zip(model_tolerances, slopes[: len(model_tolerances)], strict=True):
+            fit_a[i, validation], fit_b[i, validation] = (
                 departures_a[i][validation] @ slope,
                 departures_b[i][validation] @ slope,
             )
             variances[i, validation] = slope @ slope
-    return centre, _FigureSets(a.sum(axis=0), b.sum(axis=0), a.sum(axis=0) - a + b), variances
+    return centre, _FigureSets(fit_a.sum(axis=0), fit_b.sum(axis=0), fit_a.sum(axis=0) - fit_a + fit_b), variances
 
 
 def _choose_model_tolerances(figure: _FigureSets, departures: list[Array]) -> list[int]:
@@ -202,12 +204,12 @@ def _choose_model_tolerances(figure: _FigureSets, departures: list[Array]) -> li
     """
     rows = 2.0 * figure.first.size * (1.0 - 1.0 / SOBOL.folds)
     free_columns = SOBOL.max_columns * rows - 1.0
-    chosen = []
+    selected_tolerances = []
     for i in sorted(range(len(departures)), key=lambda i: departures[i].shape[1]):
         if np.any(figure.mixed[i] != figure.first) and departures[i].shape[1] <= free_columns:
-            chosen.append(i)
+            selected_tolerances.append(i)
             free_columns -= departures[i].shape[1]
-    return sorted(chosen)
+    return sorted(selected_tolerances)
 
 
 def _columns(departures: list[Array], chosen: Sequence[int], rows: Mask) -> Array:

@@ -62,26 +62,31 @@ class RunPlan:
         return [design for design in self.starts if design.load.torque]
 
     def trials(
-        self, measured: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
+        self, measures_by_design: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
         """List designs with one variation, and the measures of all their starts."""
         starts_by_design = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
         return [
-            Trial(first, measured[first], tuple(measured[repeat] for repeat in repeats))
-            for first, *repeats in starts_by_design
+            Trial(first_start, measures_by_design[first_start], tuple(measures_by_design[repeat] for repeat in repeats))
+            for first_start, *repeats in starts_by_design
         ]
 
-    def compare(self, measured: Mapping[Design, Measures], motions: Mapping[Design, Series]) -> Comparison:
+    def compare(self, measures_by_design: Mapping[Design, Measures], motions: Mapping[Design, Series]) -> Comparison:
         """Compare the designs by the measures of all runs.
 
-        `measured` has the measures of every simulated design, `motions` the logged motion of the first run of each
-        case.
+        `measures_by_design` has the measures of every simulated design, `motions` the logged motion of the first run of
+        each case.
         """
         changes = sensitivities(
-            self.trials(measured, self.loaded_designs),
-            {assumption: self.trials(measured, self.loaded_designs, assumption) for assumption in self.assumptions},
+            self.trials(measures_by_design, self.loaded_designs),
+            {
+                assumption: self.trials(measures_by_design, self.loaded_designs, assumption)
+                for assumption in self.assumptions
+            },
         )
-        comparison = compare_trials(self.trials(measured, list(self.starts)), changes if self.assumptions else ())
+        comparison = compare_trials(
+            self.trials(measures_by_design, list(self.starts)), changes if self.assumptions else ()
+        )
         return replace(comparison, motions=tuple(motions[trial.design] for trial in comparison.trials))
 
 
@@ -146,41 +151,44 @@ def compare(
 
 
 def list_cases(
-    designs: Sequence[Design], first: Design, load_nm: float | None, solver: Solver, fixed_hold: bool = False
+    designs: Sequence[Design], first_design: Design, load_nm: float | None, solver: Solver, fixed_hold: bool = False
 ) -> list[Design]:
-    """Return every design under the operating conditions of `first`, once without load and once under load.
+    """Return every design under the operating conditions of `first_design`, once without load and once under load.
 
     If a pin and a nonpin design are compared, the list also has the nonpin design with the total play and series
     stiffness of the pin design at that load: it separates the effect of the design from that of the clearance.
 
     Parameters
     ----------
-    designs, first
+    designs, first_design
         The designs, and the design whose speed, environment and settings apply to all.
     load_nm
-        Load torque [N m]; by default the rated torque of `first`.
+        Load torque [N m]; by default the rated torque of `first_design`.
     solver
         Solver of the runs.
     fixed_hold
-        Whether all runs last as long as that of `first` at constant speed, instead of a whole number of settled crank
-        turns.
+        Whether all runs last as long as that of `first_design` at constant speed, instead of a whole number of settled
+        crank turns.
 
     Raises
     ------
     UsageError
         There are fewer than two designs, or two designs have one name.
     """
-    shared = conditions(Reducer(first))
-    rated = round(first.rated_torque, 9) if load_nm is None else load_nm
-    compared = list(designs)
+    shared = conditions(Reducer(first_design))
+    rated_torque = round(first_design.rated_torque, 9) if load_nm is None else load_nm
+    compared_designs = list(designs)
     if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
-        compared.append(with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), shared, rated))))
+        compared_designs.append(
+            with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), shared, rated_torque)))
+        )
     by_load = [
-        [apply_conditions(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))
+        [apply_conditions(Reducer(design), shared, load) for design in compared_designs]
+        for load in dict.fromkeys((0.0, rated_torque))
     ]
     cases = [case for group in by_load for case in (group if fixed_hold else _with_settled_turns(group))]
-    if solver == "planar" and not first.settings.timestep:
+    if solver == "planar" and not first_design.settings.timestep:
         step = min(acceleration_timestep(Reducer(case)) for case in cases)
         cases = [Reducer(case).but(settings={"timestep": step}).design for case in cases]
     comparable(cases)
@@ -210,11 +218,14 @@ def plan_runs(
     by_case = {
         design: (design,) if design.load.torque else independent_starts(Reducer(design), starts) for design in cases
     }
-    loaded = [design for design in cases if design.load.torque]
+    loaded_cases = [design for design in cases if design.load.torque]
     names = {
         start: name_run(start, start_index) for group in by_case.values() for start_index, start in enumerate(group)
     }
-    for variation, designs in [*((group, cases) for group in variations), *((group, loaded) for group in assumptions)]:
+    for variation, designs in [
+        *((group, cases) for group in variations),
+        *((group, loaded_cases) for group in assumptions),
+    ]:
         for design in designs:
             suffix = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
             for start_index, start in enumerate(by_case[design]):

@@ -85,8 +85,8 @@ def require_consistent(limits: Iterable[FigureLimit]) -> None:
     highest: dict[str, FigureLimit] = {}
     for limit in limits:
         strictest = highest if limit.at_most else lowest
-        known = strictest.get(limit.key)
-        if known is None or (limit.bound < known.bound) == limit.at_most:
+        strictest_limit = strictest.get(limit.key)
+        if strictest_limit is None or (limit.bound < strictest_limit.bound) == limit.at_most:
             strictest[limit.key] = limit
     for key in lowest.keys() & highest.keys():
         if lowest[key].bound > highest[key].bound:

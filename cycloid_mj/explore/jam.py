@@ -54,11 +54,11 @@ def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
     if not PRELOADS.keys() <= figures.keys():
         return {}
     counts = {
-        PRELOADED_PARTS[free]: float(np.mean(figures[free] > JAM.share * figures[loaded]))
-        for free, loaded in PRELOADS.items()
+        PRELOADED_PARTS[free]: float(np.mean(figures[free] > JAM.share * figures[loaded_key]))
+        for free, loaded_key in PRELOADS.items()
     }
-    lost = float(np.mean(~np.isfinite(figures["preload_n"])))
-    return {pair: share for pair, share in {**counts, "no balance": lost}.items() if share}
+    failed_share = float(np.mean(~np.isfinite(figures["preload_n"])))
+    return {pair: share for pair, share in {**counts, "no balance": failed_share}.items() if share}
 
 
 def stops_study(jams: Mask) -> bool:
@@ -98,14 +98,19 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     sufficient = [
         f"tolerance.{key}"
         for key in zones
-        if max(_minimize_interference(reducer, {kept: departures[kept] for kept in zones if kept != key})[0]) <= 0.0
+        if max(
+            _minimize_interference(reducer, {kept_key: departures[kept_key] for kept_key in zones if kept_key != key})[
+                0
+            ]
+        )
+        <= 0.0
     ]
-    cause = f"without {' or '.join(sufficient)} the parts of these samples fit"
-    cause = cause if sufficient else "no single tolerance is the cause"
+    cause_text = f"without {' or '.join(sufficient)} the parts of these samples fit"
+    cause_text = cause_text if sufficient else "no single tolerance is the cause"
     return (
         f"in the first {rows.size} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
         f"{MICROMETRES * max(min(interferences), 0.0):.3g} to {MICROMETRES * max(interferences):.3g} um (rigid parts, "
-        f"in the position of least interference); {cause}"
+        f"in the position of least interference); {cause_text}"
     )
 
 

@@ -149,7 +149,7 @@ def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
     """
     file, rows = folder / plan_file(study), folder / rows_file(study)
     try:
-        recorded = json.loads(file.read_bytes())
+        recorded_study = json.loads(file.read_bytes())
     except FileNotFoundError:
         if rows.exists() and rows.stat().st_size:
             raise UsageError(
@@ -160,7 +160,9 @@ def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
     except (OSError, ValueError) as problem:
         raise CycloidError(f"cannot read {file}: {reason(problem)}. Choose another folder with --out") from problem
     differing = [
-        key for key in plan if not isinstance(recorded, dict) or recorded.get(key) != json.loads(json.dumps(plan[key]))
+        key
+        for key in plan
+        if not isinstance(recorded_study, dict) or recorded_study.get(key) != json.loads(json.dumps(plan[key]))
     ]
     if differing:
         raise UsageError(

@@ -91,7 +91,7 @@ class Link:
         return override(reducer.design, {self.key: int(value) if is_integer else value})
 
 
-def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterable[str]) -> tuple[Link, ...]:
+def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: Iterable[str]) -> tuple[Link, ...]:
     """Parse the keys that are computed from others: ``KEY=FORMULA``, or ``KEY`` for a key with a rule in `RULES`.
 
     Parameters
@@ -100,7 +100,7 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterab
         The drive that all points of the study change.
     requested
         Texts in the order in which the keys are set; a later formula may use an earlier key.
-    varied
+    varied_keys
         Keys whose values differ from point to point; they cannot be linked as well.
 
     Raises
@@ -109,7 +109,7 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterab
         There is no such key, it is varied itself or is not a number, or its formula is not valid.
     """
     links: dict[str, Link] = {}
-    varied = set(varied)
+    varied_keys = set(varied_keys)
     for text in (requested,) if isinstance(requested, str) else requested:
         key, equals, formula = (part.strip() for part in text.partition("="))
         option = f"--follow {text!r:.80}"
@@ -120,8 +120,8 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterab
                 f"{option}: the value of {key} is not a number, so a formula cannot set it. Choose a key that has a "
                 "single numeric value"
             )
-        if key in varied or key in links:
-            problem = "is varied by --vary" if key in varied else "is repeated"
+        if key in varied_keys or key in links:
+            problem = "is varied by --vary" if key in varied_keys else "is repeated"
             raise UsageError(f"{option}: {key} {problem}, but it can have only one value. Remove one of the two")
         if not formula and key not in RULES:
             raise UsageError(
@@ -180,11 +180,11 @@ def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> N
         ) from error
     if key in keys:
         raise UsageError(f"{option}: the formula of {key} contains {key} itself. Use other keys in it")
-    for used in keys:
-        value = value_of(reducer.design, used)
+    for used_key in keys:
+        value = value_of(reducer.design, used_key)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UsageError(
-                f"{option}: the value of {used} is not a number, so it cannot be used in a formula. Use only keys "
+                f"{option}: the value of {used_key} is not a number, so it cannot be used in a formula. Use only keys "
                 "that have a single numeric value"
             )
 

@@ -46,12 +46,12 @@ class MeasuredFigures:
 
 def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFigures:
     """Collect quantities as columns: the key of the catalogue, or else the quantity's key with its unit at the end."""
-    named = {
+    quantities_by_name = {
         quantity.key if quantity.key in FIGURES else with_unit(quantity.key, quantity.unit): quantity
         for quantity in quantities
     }
-    units = {name: quantity.unit for name, quantity in named.items() if quantity.unit not in ("", "1")}
-    return MeasuredFigures({name: quantity.value for name, quantity in named.items()}, units, **more)
+    units = {name: quantity.unit for name, quantity in quantities_by_name.items() if quantity.unit not in ("", "1")}
+    return MeasuredFigures({name: quantity.value for name, quantity in quantities_by_name.items()}, units, **more)
 
 
 def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
@@ -85,13 +85,13 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
         )
     is_massless = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
     simulated_reducer = massless(reducer) if is_massless else reducer
-    compiled = model_for(options.solver, simulated_reducer)
-    if (steps := schedule(simulated_reducer, compiled.timestep).steps) > RUN.max_steps:
+    model = model_for(options.solver, simulated_reducer)
+    if (steps := schedule(simulated_reducer, model.timestep).steps) > RUN.max_steps:
         raise RunError(
             f"the run of {reducer.design.name} would take {steps:.3g} time steps, but at most {RUN.max_steps:.0e} are "
             "allowed: reduce drive.hold_s"
         )
-    findings = analyze(simulate(simulated_reducer.design, compiled))
+    findings = analyze(simulate(simulated_reducer.design, model))
     pins = simulated_reducer.design.ring.pins if simulated_reducer.design.ring.kind == "pin" else "none"
     values = {"solver": options.solver, "pins": pins, **dict(_flatten_findings(findings.as_json()))}
     assumptions = (
@@ -129,11 +129,11 @@ def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     from cycloid_mj.checks import check
 
     results = check(reducer.design)
-    failed = [result for result in results if not result.passed]
+    failed_checks = [result for result in results if not result.passed]
     values: dict[str, Cell] = {
-        "failed_errors": sum(result.severity == "error" for result in failed),
-        "failed_warnings": sum(result.severity == "warning" for result in failed),
-        "failed_checks": "; ".join(result.name for result in failed),
+        "failed_errors": sum(result.severity == "error" for result in failed_checks),
+        "failed_warnings": sum(result.severity == "warning" for result in failed_checks),
+        "failed_checks": "; ".join(result.name for result in failed_checks),
     }
     units: dict[str, str] = {}
     for result in results:
@@ -163,8 +163,8 @@ def _summarize_design(reducer: Reducer) -> MeasuredFigures:
         Quantity("backlash", "", figures.backlash / ARCMINUTE, "arcmin"),
         Quantity("capacity", "", figures.capacity, "N m"),
     )
-    measured = _from_quantities(numbers)
-    return MeasuredFigures({**measured.values, "weakest": figures.weakest}, measured.units)
+    measured_figures = _from_quantities(numbers)
+    return MeasuredFigures({**measured_figures.values, "weakest": figures.weakest}, measured_figures.units)
 
 
 def _compute_figures(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
@@ -199,16 +199,16 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
     UsageError
         A name is neither a measure nor a figure of the catalogue, or there is no name.
     """
-    chosen = tuple(dict.fromkeys(names))
-    for name in chosen:
+    measure_names = tuple(dict.fromkeys(names))
+    for name in measure_names:
         if name not in MEASURED:
             _require_figure(name)
-    if not chosen:
+    if not measure_names:
         raise UsageError(
             f"no measure is named: choose at least one of {', '.join(MEASURED)}, or a figure listed by `cycloid-mj "
             "figures`"
         )
-    return chosen
+    return measure_names
 
 
 def _require_figure(name: str) -> None:

@@ -249,17 +249,19 @@ class _PointEvaluator:
 
     def evaluate_points(self, points: Sequence[Point]) -> list[PointResult]:
         """Evaluate points, record their results, and return these in order; recorded points are read again."""
-        first = self._count
+        first_index = self._count
         self._count += len(points)
-        missing = [index for index in range(first, self._count) if not self._is_known(index, points[index - first])]
+        missing = [
+            index for index in range(first_index, self._count) if not self._is_known(index, points[index - first_index])
+        ]
         engine = self._engine if self._slow else Engine(1)
-        remaining = [points[index - first] for index in missing]
+        remaining = [points[index - first_index] for index in missing]
 
-        def raise_lost(position: int, why: str) -> PointResult:
+        def raise_lost(position: int, cause: str) -> PointResult:
             pairs = zip(self._task.keys, remaining[position], strict=True)
             values = ", ".join(f"{key} = {value}" for key, value in pairs)
             raise RunError(
-                f"point {missing[position] + 1} of the search ({values}) could not be evaluated: {why}. Run the same "
+                f"point {missing[position] + 1} of the search ({values}) could not be evaluated: {cause}. Run the same "
                 "command again with fewer processes, such as --workers 1, to resume"
             )
 
@@ -267,7 +269,7 @@ class _PointEvaluator:
             self._rows.add(missing[position], row)
             if len(self._rows.by_index) <= self._total:  # the last generation may go beyond
                 self._progress(len(self._rows.by_index), self._total)
-        rows = [self._rows.by_index[index] for index in range(first, self._count)]
+        rows = [self._rows.by_index[index] for index in range(first_index, self._count)]
         self._slow = max(row.cpu for row in rows) > OPTIMIZER.min_point_cpu
         return rows
 

@@ -80,9 +80,11 @@ class Optimum(Tabular):
         head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} feasible"
         if self.best is None:
             return head
-        shown: dict[str, Cell] = {each.key: self.figures(self.best)[each.key] for each in self.task.objectives}
-        shown |= self.values(self.best)
-        return f"{head}; best: {', '.join(f'{key} {_format_cell(value)}' for key, value in shown.items())}"
+        shown_figures: dict[str, Cell] = {
+            objective.key: self.figures(self.best)[objective.key] for objective in self.task.objectives
+        }
+        shown_figures |= self.values(self.best)
+        return f"{head}; best: {', '.join(f'{key} {_format_cell(value)}' for key, value in shown_figures.items())}"
 
     @property
     def feasible(self) -> list[int]:
@@ -176,10 +178,10 @@ class Optimum(Tabular):
     def as_json(self) -> dict[str, Any]:
         """Convert best point, front, limits, rejections and checks to JSON values, without the list of evaluations."""
         best, objectives = self.best, self.task.objectives
-        reached = None if best is None else [self.figures(best)[objective.key] for objective in objectives]
+        objective_values = None if best is None else [self.figures(best)[objective.key] for objective in objectives]
         return {
             "best": {} if best is None else self.values(best),
-            "objective": reached[0] if reached and len(objectives) == 1 else reached,
+            "objective": objective_values[0] if objective_values and len(objectives) == 1 else objective_values,
             "objectives": [
                 {"key": objective.key, "sense": "least" if objective.sign > 0 else "largest"}
                 for objective in objectives
@@ -189,7 +191,7 @@ class Optimum(Tabular):
             "figures": {} if best is None else self.figures(best),
             "start": {"best": self.values(0), "figures": self.start_figures, "refused": self.start.values[REJECTED_BY]},
             "limits": [str(limit) for limit in self.task.limits],
-            "front": [{**self.values(each), **self.figures(each)} for each in self.front]
+            "front": [{**self.values(index), **self.figures(index)} for index in self.front]
             if len(objectives) > 1
             else [],
             "feasible": len(self.feasible),
@@ -228,10 +230,10 @@ class Optimum(Tabular):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Sentences about objectives that have the same value at every point."""
-        evaluated = [row for row in self.rows if all(key in row.values for key in self.task.figures)]
+        evaluated_rows = [row for row in self.rows if all(key in row.values for key in self.task.figures)]
         sentences = []
         for key in (objective.key for objective in self.task.objectives):
-            values = [value for row in evaluated if math.isfinite(value := float(row.values[key]))]
+            values = [value for row in evaluated_rows if math.isfinite(value := float(row.values[key]))]
             # rounding errors are below
             if len(values) > 1 and max(values) - min(values) <= 1e-9 * max(map(abs, values)):
                 sentences.append(
@@ -253,7 +255,7 @@ class Optimum(Tabular):
         if self.best is None:
             return ()
         values, figures = self.values(self.best), self.best_figures
-        spans = {each.key: (each.low, each.high) for each in self.task.ranges}
+        spans = {key_range.key: (key_range.low, key_range.high) for key_range in self.task.ranges}
         for choice in self.task.choices:
             numbers = [
                 value for value in choice.values if isinstance(value, (int, float)) and not isinstance(value, bool)
@@ -283,15 +285,15 @@ class Optimum(Tabular):
         )
         return self.active_bounds
 
-    def _checks_as_json(self, checked: BestChecks) -> dict[str, Any]:
+    def _checks_as_json(self, best_checks: BestChecks) -> dict[str, Any]:
         """Convert the checks of the best design to JSON values."""
-        dynamics = checked.dynamics
+        dynamics = best_checks.dynamics
         return {
-            "statics": {key: quantity.value for key, quantity in checked.sheet.quantities.items()}
-            if checked.sheet
+            "statics": {key: quantity.value for key, quantity in best_checks.sheet.quantities.items()}
+            if best_checks.sheet
             else None,
             "dynamics": {**vars(dynamics), "differences": dynamics.differences},
-            "tolerances": None if checked.tolerances is None else checked.tolerances.as_json(),
+            "tolerances": None if best_checks.tolerances is None else best_checks.tolerances.as_json(),
         }
 
 
@@ -333,20 +335,20 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
     return tuple(tables)
 
 
-def _tabulate_checks(checked: BestChecks) -> list[Table]:
+def _tabulate_checks(best_checks: BestChecks) -> list[Table]:
     """Tabulate the full statics of best and start, and of the best also its dynamics and its yield."""
     tables = []
-    if checked.sheet is not None:
-        start = checked.start.quantities if checked.start else {}
+    if best_checks.sheet is not None:
+        start = best_checks.start.quantities if best_checks.start else {}
         rows = tuple(
-            _comparison_row(quantity, start.get(quantity.key)) for quantity in checked.sheet.quantities.values()
+            _comparison_row(quantity, start.get(quantity.key)) for quantity in best_checks.sheet.quantities.values()
         )
         header = ("quantity", "start", "best", "change", "unit")
-        tables.append(Table(f"statics: {checked.sheet.condition}", header, rows))
-    if checked.dynamics.dynamics:
-        title = f"best design in full dynamics {SOLVERS[checked.dynamics.solver]}"
-        tables.append(Table(title, VERIFIED_HEADER, tuple(table_rows(checked.dynamics))))
-    return [*tables, *(checked.tolerances.tables()[:2] if checked.tolerances else ())]
+        tables.append(Table(f"statics: {best_checks.sheet.condition}", header, rows))
+    if best_checks.dynamics.dynamics:
+        title = f"best design in full dynamics {SOLVERS[best_checks.dynamics.solver]}"
+        tables.append(Table(title, VERIFIED_HEADER, tuple(table_rows(best_checks.dynamics))))
+    return [*tables, *(best_checks.tolerances.tables()[:2] if best_checks.tolerances else ())]
 
 
 def _comparison_row(best: Quantity, start: Quantity | None) -> tuple[str, ...]:

@@ -64,7 +64,7 @@ def grid_points(vary: Mapping[str, Wanted]) -> Points:
     UsageError
         There is no such key, it cannot have such values, or there are too many points.
     """
-    axes = [parse_axis(key, wanted) for key, wanted in vary.items()]
+    axes = [parse_axis(key, values) for key, values in vary.items()]
     if open_range := next((axis for axis in axes if not axis.values and not axis.count), None):
         low, high = f"{open_range.low:g}", f"{open_range.high:g}"
         raise UsageError(
@@ -93,7 +93,7 @@ def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: in
         As `grid_points`.
     """
     _require_few(count)
-    axes = [parse_axis(key, wanted) for key, wanted in vary.items()]
+    axes = [parse_axis(key, range_text) for key, range_text in vary.items()]
     shares = _draw_shares(method, count, len(axes), seed)
     columns = [_values_at_shares(axis, column) for axis, column in zip(axes, shares.T, strict=True)]
     return Points(tuple(vary), tuple(zip(*columns, strict=True)))
@@ -135,11 +135,11 @@ def read_table(path: Path) -> Points:
             f"cannot read --table {path}: {reason(problem)}. Choose a CSV file whose header contains keys of the "
             "design file"
         ) from problem
-    if repeated := next((key for key in header if header.count(key) > 1), None):
-        raise UsageError(f"--table {path}: the column {repeated!r} is repeated. Remove one of the two columns")
-    if bad := next((number for number, line in enumerate(lines, 1) if len(line) != len(header)), None):
+    if repeated_column := next((key for key in header if header.count(key) > 1), None):
+        raise UsageError(f"--table {path}: the column {repeated_column!r} is repeated. Remove one of the two columns")
+    if bad_line := next((number for number, line in enumerate(lines, 1) if len(line) != len(header)), None):
         raise UsageError(
-            f"--table {path}: row {bad} has {len(lines[bad - 1])} values, but the header has {len(header)} "
+            f"--table {path}: row {bad_line} has {len(lines[bad_line - 1])} values, but the header has {len(header)} "
             "columns. Give one value per column"
         )
     try:
@@ -173,7 +173,7 @@ def _words(field: FieldInfo) -> tuple[str, ...]:
     return tuple(words) if words and all(isinstance(word, str) for word in words) else ()
 
 
-def parse_axis(key: str, wanted: Wanted) -> Axis:
+def parse_axis(key: str, requested_values: Wanted) -> Axis:
     """Parse the values of a study for a design key: a sequence, a list ``1,2,3``, or a range ``low:high[:count]``.
 
     Raises
@@ -182,15 +182,15 @@ def parse_axis(key: str, wanted: Wanted) -> Axis:
         There is no such key, it is not a single value, or it cannot have such values.
     """
     field = _scalar_field(key)
-    if not isinstance(wanted, str):
-        values = np.asarray(wanted, dtype=object).ravel().tolist()
+    if not isinstance(requested_values, str):
+        values = np.asarray(requested_values, dtype=object).ravel().tolist()
         if not values:
             raise UsageError(f"{key}: the list of values is empty. Give at least one value, e.g. {key}=1,2,3")
         return Axis(key, field, tuple(_parse_value(key, field, value) for value in values))
-    parts = wanted.split(":")
+    parts = requested_values.split(":")
     if len(parts) in (2, 3) and field.annotation in (int, float):
-        return _parse_range(key, field, wanted, parts)
-    return Axis(key, field, tuple(_parse_value(key, field, word.strip()) for word in wanted.split(",")))
+        return _parse_range(key, field, requested_values, parts)
+    return Axis(key, field, tuple(_parse_value(key, field, word.strip()) for word in requested_values.split(",")))
 
 
 def _parse_range(key: str, field: FieldInfo, text: str, parts: Sequence[str]) -> Axis:

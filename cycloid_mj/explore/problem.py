@@ -150,7 +150,7 @@ def define_problem(
         raise UsageError(
             "no key varies: name at least one with --vary KEY=LO:HI, e.g. --vary gear.eccentricity_mm=0.5:1.1"
         )
-    variables = [_parse_variable(key, wanted) for key, wanted in vary.items()]
+    variables = [_parse_variable(key, range_text) for key, range_text in vary.items()]
     ranges = tuple(variable for variable in variables if isinstance(variable, SearchRange))
     choices = tuple(variable for variable in variables if isinstance(variable, Choice))
     objectives = (
@@ -164,11 +164,11 @@ def define_problem(
         )
     for objective in objectives:
         figure(objective.key, COMPUTED, reducer)
-    parsed = tuple(parse_limit(text, reducer) for text in _as_tuple(limits))
-    require_consistent(parsed)
+    parsed_limits = tuple(parse_limit(text, reducer) for text in _as_tuple(limits))
+    require_consistent(parsed_limits)
     requested = parse_links(reducer, follow, vary)
     links = (*requested, *default_links(requested, vary))
-    task = Problem(reducer, ranges, choices, objectives, parsed, strict, links)
+    task = Problem(reducer, ranges, choices, objectives, parsed_limits, strict, links)
     if task.combinations > MAX_COMBINATIONS:
         raise UsageError(
             f"--vary: the whole numbers and words have {task.combinations:,} combinations, but at most "
@@ -201,10 +201,16 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
     start = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CycloidWarning)
-        figures, rejected, offset, error = _evaluate(task, values)
-    violation = offset + sum(rejected.values()) if rejected else 0.0
+        figures, rejecting_checks, offset, error = _evaluate(task, values)
+    violation = offset + sum(rejecting_checks.values()) if rejecting_checks else 0.0
     inputs = dict(zip(task.keys, values, strict=True))
-    cells = {**inputs, **figures, FEASIBLE: not rejected, VIOLATION: violation, REJECTED_BY: "; ".join(rejected)}
+    cells = {
+        **inputs,
+        **figures,
+        FEASIBLE: not rejecting_checks,
+        VIOLATION: violation,
+        REJECTED_BY: "; ".join(rejecting_checks),
+    }
     return PointResult(values=cells, error=error, cpu=time.thread_time() - start)
 
 
@@ -222,17 +228,17 @@ def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float],
     except DesignError as error:
         return {}, {FILE: 1.0}, INVALID_VALUE, error_line(error)
     try:
-        if failed := compute_rejections(Reducer(design), task.strict):
-            return {}, failed, CHECK_VIOLATION, ""
+        if failed_checks := compute_rejections(Reducer(design), task.strict):
+            return {}, failed_checks, CHECK_VIOLATION, ""
         figures = compute(Reducer(design), task.figures)
     except CycloidError as error:
         return {}, {STATICS: 1.0}, NO_FIGURE, error_line(error)
-    violated = {str(limit): excess for limit in task.limits if (excess := limit.excess(figures[limit.key])) > 0.0}
+    violations = {str(limit): excess for limit in task.limits if (excess := limit.excess(figures[limit.key])) > 0.0}
     if not task.allows(values):
-        violated[RANGES] = 1.0
+        violations[RANGES] = 1.0
     if missing := [objective.key for objective in task.objectives if not math.isfinite(figures[objective.key])]:
         return figures, dict.fromkeys(missing, 1.0), NO_FIGURE, f"no value of {', '.join(missing)}"
-    return figures, violated, LIMIT_VIOLATION, ""
+    return figures, violations, LIMIT_VIOLATION, ""
 
 
 def compute_rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
@@ -242,8 +248,10 @@ def compute_rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
     warnings.
     """
     checks = check(reducer.design) if strict else soundness(reducer)
-    failed = [item for item in checks if not item.passed and (strict or item.severity == "error" or item.name in WALLS)]
-    return {item.name: _excess(item.value, item.bound) for item in failed}
+    failed_checks = [
+        item for item in checks if not item.passed and (strict or item.severity == "error" or item.name in WALLS)
+    ]
+    return {item.name: _excess(item.value, item.bound) for item in failed_checks}
 
 
 def _excess(value: float | None, bound: float | None) -> float:

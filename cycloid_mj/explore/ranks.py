@@ -66,8 +66,8 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
     # more than rounding
     varying = [name for name, values in finite.items() if np.ptp(values) > 1e-6 * np.abs(values).max()] or available
     order = {name: number for number, name in enumerate(HEADLINES)}
-    ranked = sorted(varying, key=lambda name: order.get(name.rpartition(".")[2], len(order)))
-    return tuple(ranked[:6])
+    sorted_names = sorted(varying, key=lambda name: order.get(name.rpartition(".")[2], len(order)))
+    return tuple(sorted_names[:6])
 
 
 def _catalogue_key(name: str) -> str:
@@ -92,8 +92,8 @@ def tabulate_quantities(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Tabl
     rows = []
     for name in quantities:
         values = _finite(numbers[name])
-        low, middle, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
-        rows.append((name, low, middle, high, str(values.size)))
+        low, median, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
+        rows.append((name, low, median, high, str(values.size)))
     tables = [Table("quantities", ("quantity", "minimum", "median", "maximum", "points"), tuple(rows))]
     if len(number_inputs(sweep)) > 1 and quantities:
         correlations = rank_correlations(sweep, quantities)
@@ -107,12 +107,12 @@ def _finite(values: Array) -> Array:
     return values[np.isfinite(values)]
 
 
-def _spearman(first: Array, second: Array) -> float:
+def _spearman(values_a: Array, values_b: Array) -> float:
     """Compute Spearman's rank correlation over the points that have both values; NaN for fewer than 3 points."""
     from scipy.stats import spearmanr
 
-    valid = np.isfinite(first) & np.isfinite(second)
-    x, y = first[valid], second[valid]
+    valid = np.isfinite(values_a) & np.isfinite(values_b)
+    x, y = values_a[valid], values_b[valid]
     if len(x) < 3 or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return float("nan")
     return float(spearmanr(x, y).statistic)

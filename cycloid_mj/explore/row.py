@@ -59,8 +59,8 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
     """
     start = time.thread_time()
     try:
-        changed = override(task.reducer.design, dict(zip(task.keys, values, strict=True)))
-        design = apply_links(task.reducer, Reducer(changed), task.links)
+        changed_design = override(task.reducer.design, dict(zip(task.keys, values, strict=True)))
+        design = apply_links(task.reducer, Reducer(changed_design), task.links)
     except CycloidError as error:
         return PointResult(error=error_line(error), cpu=time.thread_time() - start)
     results: dict[str, MeasuredFigures] = {}

@@ -66,8 +66,8 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
         "axis_position": 2.0 * reducer.design.ring.pin_circle_radius,
     }
     texts = {key: getattr(reducer.crank_tolerance, key) for key in ERRORS}
-    parsed = {key: parse_zone(text, key, sizes[key], table="crank_tolerance") for key, text in texts.items()}
-    zones = {key: parsed_zone for key, parsed_zone in parsed.items() if parsed_zone}
+    zones_by_key = {key: parse_zone(text, key, sizes[key], table="crank_tolerance") for key, text in texts.items()}
+    zones = {key: parsed_zone for key, parsed_zone in zones_by_key.items() if parsed_zone}
     if not zones:
         raise UsageError(
             f"the design {reducer.design.name!r} has no tolerances: set at least one in the table [crank_tolerance], "
@@ -111,13 +111,14 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     )
     total = sum(variances.values())
     share_of_key = {key: variance / total if total else 0.0 for key, variance in variances.items()}
-    ordered = sorted(share_of_key, key=lambda key: -share_of_key[key])
+    sorted_keys = sorted(share_of_key, key=lambda key: -share_of_key[key])
     worst_rows = np.argsort(-values)[:worst]
     return RvSamples(
         values=values,
         drawn={column: MICROMETRES * departure for column, departure in departures.items()},
         budget=tuple(
-            Share(key, share_of_key[key], share_of_key[key], (share_of_key[key], share_of_key[key])) for key in ordered
+            Share(key, share_of_key[key], share_of_key[key], (share_of_key[key], share_of_key[key]))
+            for key in sorted_keys
         ),
         worst=tuple(_design_of_sample(reducer, departures, int(row), rank) for rank, row in enumerate(worst_rows, 1)),
     )
@@ -151,8 +152,8 @@ def _compute_responses(reducer: RvReducer, field: str, nominal: Array) -> dict[s
     for position, name in enumerate(_columns_of_field(reducer, field)):
         values = np.array(_errors_of_field(reducer, field))
         values[position] += micrometre
-        perturbed = reducer.but(crank_errors={field: tuple(values.tolist()) if length else float(values[0])})
-        responses[name] = (closed_rotation(perturbed) - nominal) / micrometre
+        perturbed_reducer = reducer.but(crank_errors={field: tuple(values.tolist()) if length else float(values[0])})
+        responses[name] = (closed_rotation(perturbed_reducer) - nominal) / micrometre
     return responses
 
 

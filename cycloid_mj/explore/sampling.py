@@ -259,10 +259,10 @@ def _clearances_and_errors(reducer: Reducer, samples: Samples, row: int) -> tupl
 
     Measured deviations of parts, which the nominal design already has, are subtracted from the errors.
     """
-    design, measured = reducer.design, measured_deviations(reducer.design)
-    pins, holes = samples.pin_place[row] - measured.pin_place, samples.hole_place[row].reshape(-1, 2)
+    design, deviations = reducer.design, measured_deviations(reducer.design)
+    pins, holes = samples.pin_place[row] - deviations.pin_place, samples.hole_place[row].reshape(-1, 2)
     cams, waves = samples.cam_place[row], np.array(samples.waves[row])
-    waves[: len(measured.waves)] -= measured.waves
+    waves[: len(deviations.waves)] -= deviations.waves
     waves = waves[: design.ring.teeth]
     clearance = {design.tooth_pair: samples.mesh[row], "cam": samples.cam[row], "output": samples.output[row]}
     if design.seat_pair:
@@ -270,19 +270,19 @@ def _clearances_and_errors(reducer: Reducer, samples: Samples, row: int) -> tupl
     errors = {
         "pin_x": pins[:, 0],
         "pin_y": pins[:, 1],
-        "pin_dr": samples.pin_radius[row] - measured.pin_radius,
+        "pin_dr": samples.pin_radius[row] - deviations.pin_radius,
         "hole_x": holes[:, 0],
         "hole_y": holes[:, 1],
-        "disc_dr": samples.disc_radius[row] - measured.disc_radius,
+        "disc_dr": samples.disc_radius[row] - deviations.disc_radius,
         "cam_x": cams[:, 0],
         "cam_y": cams[:, 1],
         "profile_cos": waves[:, 0],
         "profile_sin": waves[:, 1],
     }
-    listed: dict[str, Any] = {
+    error_lists: dict[str, Any] = {
         key: tuple(map(float, values)) if np.any(values) else () for key, values in errors.items()
     }
     return (
         {key: float(value) for key, value in clearance.items()},
-        {**listed, "eccentricity": float(samples.eccentricity[row])},
+        {**error_lists, "eccentricity": float(samples.eccentricity[row])},
     )

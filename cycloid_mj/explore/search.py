@@ -133,7 +133,7 @@ def search_minimum(
     budget: int,
     starts: int,
     seed: Sequence[int],
-    first: Point | None = None,
+    start_point: Point | None = None,
     sigma: float = CMA.initial_sigma,
 ) -> None:
     """Search for the point of lowest cost: successive halving over combinations and starts, then CMA-ES with restarts.
@@ -152,13 +152,13 @@ def search_minimum(
         Number of searches at the best combination: the one that found it, and others from random starts.
     seed
         Random seed.
-    first
+    start_point
         Start point of the first searches; by default the values of the design.
     sigma
         First standard deviation of these searches, relative to the ranges.
     """
     run = _Run(task, evaluate, cost, budget, seed)
-    remaining = run.select_combination(first or task.start, sigma)
+    remaining = run.select_combination(start_point or task.start, sigma)
     if not task.ranges:
         run.advance(remaining, budget)
         return
@@ -179,11 +179,13 @@ class _Run:
 
     def advance(self, searches: Sequence[EvolutionSearch], until: int, per_search: float = math.inf) -> None:
         """Run generations until `until` evaluations in total, or `per_search` new evaluations of each search."""
-        used = {id(search): search.used for search in searches}
-        while running := [
-            search for search in searches if not search.done and search.used - used[id(search)] < per_search
+        evaluations_before = {id(search): search.used for search in searches}
+        while active_searches := [
+            search
+            for search in searches
+            if not search.done and search.used - evaluations_before[id(search)] < per_search
         ]:
-            self._generation(running)
+            self._generation(active_searches)
             if self._used >= until:
                 break
 
@@ -200,13 +202,13 @@ class _Run:
             if self._best is None or batch[lowest] < self._best[0]:
                 self._best = batch[lowest], points[lowest]
 
-    def select_combination(self, first: Point, sigma: float) -> list[EvolutionSearch]:
+    def select_combination(self, start_point: Point, sigma: float) -> list[EvolutionSearch]:
         """Select combinations of the choices by successive halving: drop the worse half after each round of searches.
 
-        `first` is the start point of all searches, `sigma` their first standard deviation. Return the remaining
+        `start_point` is the start point of all searches, `sigma` their first standard deviation. Return the remaining
         searches.
         """
-        start = to_shares(self._task.ranges, first)
+        start = to_shares(self._task.ranges, start_point)
         remaining = [
             self._new_search(combination, start, sigma, [number, 0])
             for number, combination in enumerate(self._combinations)

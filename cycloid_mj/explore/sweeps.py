@@ -170,11 +170,11 @@ def sweep(
     CycloidError
         The folder cannot be written; its rows are kept.
     """
-    reducer, chosen = Reducer(resolve(design)), choose_points(vary, table, sample, points, seed)
-    task = define_task(reducer, chosen, measure, quick, real_pins, follow, solver)
+    reducer, points_to_evaluate = Reducer(resolve(design)), choose_points(vary, table, sample, points, seed)
+    task = define_task(reducer, points_to_evaluate, measure, quick, real_pins, follow, solver)
     if out is not None:
-        return sweep_in_folder(task, chosen, create_folder(Path(out)), engine, progress)
-    return _sweep_in_memory(task, chosen, engine, progress)
+        return sweep_in_folder(task, points_to_evaluate, create_folder(Path(out)), engine, progress)
+    return _sweep_in_memory(task, points_to_evaluate, engine, progress)
 
 
 def _sweep_in_memory(task: Task, points: Points, engine: Engine, progress: Progress) -> Sweep:
@@ -256,7 +256,9 @@ def _evaluate_missing(
     """
     missing = [index for index in range(len(points)) if index not in rows]
     evaluate = partial(evaluate_row, task)
-    stream = engine.stream(evaluate, [points.rows[index] for index in missing], lambda _, why: PointResult(error=why))
+    stream = engine.stream(
+        evaluate, [points.rows[index] for index in missing], lambda _, cause: PointResult(error=cause)
+    )
     for count, (position, row) in enumerate(stream, 1):
         record(missing[position], row)
         report(count, len(missing))

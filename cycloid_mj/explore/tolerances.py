@@ -197,7 +197,7 @@ class Tolerances(Tabular):
     @property
     def notes(self) -> tuple[str, ...]:
         """Sentences about jams, missing distributions, the error budget, omissions of design files and failed runs."""
-        failed = [
+        failed_checks = [
             f"{check.design}: the run in full dynamics failed: {check.note}" for check in self.verified if check.note
         ]
         pairs = ", ".join(f"{pair} in {share:.2%}" for pair, share in compute_preload_shares(self.figures).items())
@@ -214,7 +214,7 @@ class Tolerances(Tabular):
                 else []
             ),
             *self.left_out,
-            *failed,
+            *failed_checks,
         )
 
     def _budget_notes(self) -> list[str]:
@@ -248,9 +248,11 @@ class Tolerances(Tabular):
                 for item in self.budget
             )
             tables.append(Table(f"error budget: shares in the variance of {self.budget_of}", BUDGET_HEADER, budget))
-        if compared := tuple(row for check in self.verified for row in table_rows(check)):
+        if comparison_rows := tuple(row for check in self.verified for row in table_rows(check)):
             solver = SOLVERS[self.verified[0].solver]
-            tables.append(Table(f"worst samples in full dynamics, {solver}, with friction", VERIFIED_HEADER, compared))
+            tables.append(
+                Table(f"worst samples in full dynamics, {solver}, with friction", VERIFIED_HEADER, comparison_rows)
+            )
         return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
@@ -367,9 +369,9 @@ def _study_rv_reducer(
     reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str], verify: int
 ) -> Tolerances:
     """Return the tolerance study of an RV reducer, which has a closed form; raises as `tolerance`."""
-    parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
-    require_consistent(parsed)
-    if other := [limit.key for limit in parsed if limit.key != rv_samples.FIGURE]:
+    parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
+    require_consistent(parsed_limits)
+    if other := [limit.key for limit in parsed_limits if limit.key != rv_samples.FIGURE]:
         raise UsageError(
             f"--limit {other[0]}: this figure is not computed for samples of an RV reducer. Limit {rv_samples.FIGURE} "
             "instead"
@@ -390,7 +392,7 @@ def _study_rv_reducer(
         drawn=drawn_samples.drawn,
         jams=np.zeros(samples, dtype=bool),
         jammed_by="",
-        limits=parsed,
+        limits=parsed_limits,
         budget_of=rv_samples.FIGURE,
         budget=drawn_samples.budget,
         no_budget="",
@@ -414,9 +416,9 @@ def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[Fi
             f"the design {reducer.design.name!r} has no tolerances: set at least one in the table [tolerance], e.g. "
             "--set 'tolerance.cam=\"uniform 2\"'"
         )
-    parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
-    require_consistent(parsed)
-    return _Study(reducer, zones, samples, seed, parsed)
+    parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
+    require_consistent(parsed_limits)
+    return _Study(reducer, zones, samples, seed, parsed_limits)
 
 
 def _solve_batches(
@@ -427,12 +429,12 @@ def _solve_batches(
     The figures of each batch are added to `figures_by_batch`, by the index of the batch. Return whether all batches are
     solved: False if so many samples of the first one jam that the study stops.
     """
-    total, solved = sum(batch.count for batch, _ in study.work), 0
+    total, solved_samples = sum(batch.count for batch, _ in study.work), 0
     solve = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)
     for index, figures in engine.stream(solve, study.work):
         figures_by_batch[index] = figures
-        solved += study.work[index][0].count
-        progress(solved, total)
+        solved_samples += study.work[index][0].count
+        progress(solved_samples, total)
         if index == 0 and stops_study(find_jams(figures)):
             return False
     return True
@@ -490,14 +492,14 @@ class _Study:
             key: np.concatenate([figures_by_batch[index][key] for index in range(len(batches))]) for key in self.keys
         }
         jams = find_jams(figures)
-        stopped = len(batches) == 1 and stops_study(jams)
+        is_stopped = len(batches) == 1 and stops_study(jams)
         departures_by_batch = [
             sampling.draw_departures(self.reducer, self.zones, self.seed, batch) for batch in batches
         ]
         departures = {key: np.concatenate([part[key] for part in departures_by_batch]) for key in self.zones}
         samples = sampling.apply_departures(self.reducer, identical_samples(self.reducer, jams.size), departures)
         can_be_written = sampling.has_design_file(self.reducer, samples)
-        budget, no_budget = ((), "") if stopped else self._budget(figures_by_batch, figures[self.budget_key][~jams])
+        budget, no_budget = ((), "") if is_stopped else self._budget(figures_by_batch, figures[self.budget_key][~jams])
         return Tolerances(
             design=self.reducer.design.name,
             condition=condition(self.reducer),
@@ -507,7 +509,7 @@ class _Study:
             figures=figures,
             drawn=sampling.departure_columns(departures),
             jams=jams,
-            jammed_by=explain_jams(self.reducer, self.zones, self.seed, jams) if stopped else "",
+            jammed_by=explain_jams(self.reducer, self.zones, self.seed, jams) if is_stopped else "",
             limits=self.limits,
             budget_of=self.budget_key,
             budget=budget,
@@ -550,10 +552,10 @@ class _Study:
         ]
         if budget := compute_shares(self.zones, departures, values_by_set):
             return budget, ""
-        used, count = find_usable_rows(values_by_set).size, self.budget_sets["A"].count
+        usable_samples, count = find_usable_rows(values_by_set).size, self.budget_sets["A"].count
         remedy = "" if count == SOBOL.max_samples else ", or draw more samples (--samples)"
         return (), (
-            f"{used} of its {count} samples do not jam in any of the sets that it compares, and it takes "
+            f"{usable_samples} of its {count} samples do not jam in any of the sets that it compares, and it takes "
             f"{SOBOL.min_samples}: reduce the tolerances{remedy}"
         )
 

@@ -53,10 +53,10 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
 def _simulate_figures(reducer: Reducer, solver: Solver) -> dict[str, float]:
     """Simulate a crank turn at nominal torque; return loaded transmission error and largest contact forces by key."""
     design = reducer.design
-    loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
-    run = run_steady(loaded, STEADY.settling_time, design.ring.teeth, solver)
+    loaded_reducer = steady_design(reducer).but(load={"torque": design.rated_torque})
+    run = run_steady(loaded_reducer, STEADY.settling_time, design.ring.teeth, solver)
     transmission_error = run["output_angle"] - reducer.member.output_angle(run["crank_angle"])
-    contacts = contact_pressures(run, loaded)
+    contacts = contact_pressures(run, loaded_reducer)
     pair_of_figure = {"tooth_force_n": design.tooth_pair, **CONTACT_KINDS}
     return {
         "te_loaded_arcsec": ARCSECONDS * float(np.ptp(transmission_error)),

@@ -113,8 +113,8 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
                 f"tolerance.profile = {text!r}: {part.strip()!r} is not an order with its tolerance. Write orders from "
                 f'1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
             )
-        if parsed := parse_zone(words, "profile", size):
-            zones[number] = parsed
+        if zone := parse_zone(words, "profile", size):
+            zones[number] = zone
     return zones
 
 

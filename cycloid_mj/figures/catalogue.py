@@ -109,8 +109,8 @@ def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) ->
         and name not in row.deprecated
     ]
     similar = [name for name in available if key and key in name] or get_close_matches(key, available, n=5, cutoff=0.5)
-    suggested = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in similar))[:5]
-    return f"did you mean {', '.join(suggested)}? Otherwise " if suggested else ""
+    suggested_keys = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in similar))[:5]
+    return f"did you mean {', '.join(suggested_keys)}? Otherwise " if suggested_keys else ""
 
 
 def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figure, ...]:
@@ -165,7 +165,7 @@ def compute_sampled(
 
     `angles` is the number of crank angles over a turn.
     """
-    rows = {key: sampled for key in keys if (sampled := figure(key).sampled)}
+    rows = {key: sampled_figure for key in keys if (sampled_figure := figure(key).sampled)}
     needed_states = {state for row in rows.values() for state in row.states}
     states = solve_states(reducer, samples, needed_states, angles)
     return {key: row.value(*(states[state] for state in row.states)) for key, row in rows.items()}

@@ -108,12 +108,12 @@ def compute_film_map(
         back_driving = back_driving_spread(warm, MAP.samples)
         points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back_driving))
         for speed in (share * design.drive.speed for share in shares):
-            turning = warm.but(drive={"speed": speed})
-            idle = no_load_spread(turning, MAP.samples)
-            points.append(MapPoint("no-load torque", "N m", None, speed, temperature, idle))
+            turning_reducer = warm.but(drive={"speed": speed})
+            no_load = no_load_spread(turning_reducer, MAP.samples)
+            points.append(MapPoint("no-load torque", "N m", None, speed, temperature, no_load))
             for torque in (share * design.rated_torque for share in shares):
-                loaded = turning.but(load={"torque": torque})
-                spread = efficiency_spread(loaded, torque, MAP.samples)
+                loaded_reducer = turning_reducer.but(load={"torque": torque})
+                spread = efficiency_spread(loaded_reducer, torque, MAP.samples)
                 points.append(MapPoint("efficiency", "%", torque, speed, temperature, spread))
     return tuple(points)
 
@@ -135,8 +135,8 @@ def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:
 
     head = ("quantity", "output torque [N m]", "crank speed [rpm]", "temperature [°C]", "value (5 to 95 %)", "unit")
     efficiencies = [point for point in points if point.quantity == "efficiency"]
-    others = [point for point in points if point.quantity != "efficiency"]
+    torque_points = [point for point in points if point.quantity != "efficiency"]
     return (
         Table("efficiency map", head, tuple(map(format_row, efficiencies))),
-        Table("torques on crank and output without load", head, tuple(map(format_row, others))),
+        Table("torques on crank and output without load", head, tuple(map(format_row, torque_points))),
     )

@@ -48,9 +48,9 @@ def solve_states(
     """
     weightless = {"gravity_x": 0.0, "gravity_y": 0.0}
     creeping = reducer.but(environment=weightless, drive={"speed": 1e-9 * reducer.design.drive.speed})
-    ordered = [state for state in STATES if state in states]
-    torques = [STATES[state] * reducer.design.rated_torque for state in ordered]
-    return dict(zip(ordered, solve_samples(creeping, samples, torques, angles), strict=True))
+    ordered_states = [state for state in STATES if state in states]
+    torques = [STATES[state] * reducer.design.rated_torque for state in ordered_states]
+    return dict(zip(ordered_states, solve_samples(creeping, samples, torques, angles), strict=True))
 
 
 def condition(reducer: Reducer) -> str:

@@ -9,8 +9,8 @@ def _make_figure(key: str, unit: str, name: str, definition: str, measure: str, 
     """Return a row of the catalogue whose value is a quantity of a measure; its alias is ``measure/quantity``."""
 
     def compute(reducer: Reducer) -> float:
-        measured: float = get_provider("measure")(reducer, measure, quantity)
-        return measured
+        measured_value: float = get_provider("measure")(reducer, measure, quantity)
+        return measured_value
 
     return Figure(
         key=f"simulated_{key}",

@@ -104,8 +104,8 @@ def back_driving_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     The torque of a sample is in proportion to its losses.
     """
     torque = back_driving_torque(reducer)
-    lost, outcomes = lost_powers(_creeping(reducer), TOUCH * reducer.design.rated_torque, samples)
-    return compute_spread(torque, torque * outcomes / lost, sample_inputs(samples)[1])
+    lost_power, outcomes = lost_powers(_creeping(reducer), TOUCH * reducer.design.rated_torque, samples)
+    return compute_spread(torque, torque * outcomes / lost_power, sample_inputs(samples)[1])
 
 
 def _creeping(reducer: Reducer) -> Reducer:

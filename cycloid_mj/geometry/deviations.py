@@ -73,16 +73,16 @@ def deviations(design: Design) -> Deviations:
     """
     errors, pins, holes = design.errors, design.ring.teeth, design.output.pins
     pin, radius, hole, cam = errors.pin_position, errors.pin_radius, errors.hole_position, errors.cam_position
-    measured = measured_deviations(design)
-    listed = np.stack([_each(design, name, 0.0, pins) for name in ("profile_cos", "profile_sin")], axis=1)
-    waves = np.pad(listed, ((0, max(0, len(measured.waves) - pins)), (0, 0)))
-    waves[: len(measured.waves)] += measured.waves
+    measured_parts = measured_deviations(design)
+    listed_waves = np.stack([_each(design, name, 0.0, pins) for name in ("profile_cos", "profile_sin")], axis=1)
+    waves = np.pad(listed_waves, ((0, max(0, len(measured_parts.waves) - pins)), (0, 0)))
+    waves[: len(measured_parts.waves)] += measured_parts.waves
     return Deviations(
         pin_place=np.stack([_each(design, axis, pin, pins) for axis in ("pin_x", "pin_y")], axis=1)
-        + measured.pin_place,
-        pin_radius=_each(design, "pin_dr", radius, pins) + measured.pin_radius,
+        + measured_parts.pin_place,
+        pin_radius=_each(design, "pin_dr", radius, pins) + measured_parts.pin_radius,
         hole_place=np.stack([_of_discs(design, axis, hole, holes) for axis in ("hole_x", "hole_y")], axis=2),
-        disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0] + measured.disc_radius,
+        disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0] + measured_parts.disc_radius,
         cam_place=np.stack([_of_discs(design, axis, cam, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1),
         eccentricity=errors.eccentricity,
         waves=waves,

@@ -221,11 +221,13 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
     """
     B, alpha, rho = sigma_nodes(gear, chord_error), largest_alpha(gear), gear.pin_radius
     chords = max(1, math.ceil(alpha / (2 * math.acos(max(0.0, 1 - chord_error / rho)))))
-    half = np.concatenate([np.linspace(0, rho * alpha, chords + 1), rho * alpha + Sigma(gear, B[1:]).arc_length])
-    half[-1] = perimeter(gear) / gear.ring_teeth / 2
-    signed = np.concatenate([half, -half[-2:0:-1]])
-    lobe = np.arange(gear.ring_teeth)[:, np.newaxis] + (signed < 0)
-    return _ring_points(gear, lobe.ravel(), np.tile(signed, gear.ring_teeth))
+    half_lengths = np.concatenate(
+        [np.linspace(0, rho * alpha, chords + 1), rho * alpha + Sigma(gear, B[1:]).arc_length]
+    )
+    half_lengths[-1] = perimeter(gear) / gear.ring_teeth / 2
+    signed_lengths = np.concatenate([half_lengths, -half_lengths[-2:0:-1]])
+    lobe = np.arange(gear.ring_teeth)[:, np.newaxis] + (signed_lengths < 0)
+    return _ring_points(gear, lobe.ravel(), np.tile(signed_lengths, gear.ring_teeth))
 
 
 def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
@@ -276,25 +278,25 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
     contacts = []
     for low, high in _monotone_stretches(gear):
         ends = Sigma(gear, [low, high]).crank_angle_cw
-        wanted = ends.min() + np.mod(-crank_angle - zeta - ends.min(), 2 * np.pi)
-        lobe = np.flatnonzero(wanted < ends.max())
+        contact_phase = ends.min() + np.mod(-crank_angle - zeta - ends.min(), 2 * np.pi)
+        lobe = np.flatnonzero(contact_phase < ends.max())
         B = profile.solve_monotone(
-            lambda B: Sigma(gear, B).crank_angle_cw, lambda B: Sigma(gear, B).crank_rate, wanted[lobe], low, high
+            lambda B: Sigma(gear, B).crank_angle_cw, lambda B: Sigma(gear, B).crank_rate, contact_phase[lobe], low, high
         )
         contacts.append((lobe, B))
     lobe, B = (np.concatenate(column) for column in zip(*contacts, strict=True))
     order = np.lexsort((B, lobe))
     lobe, B = lobe[order], B[order]
-    touched = Sigma(gear, B)
-    angle = zeta[lobe] + touched.normal_angle
-    t = angle - crank_angle / gear.lobes + touched.alpha
+    contact_flank = Sigma(gear, B)
+    angle = zeta[lobe] + contact_flank.normal_angle
+    t = angle - crank_angle / gear.lobes + contact_flank.alpha
     return RingContacts(
         lobe=lobe,
         B=B,
         t=t,
         normals=-unit(angle),
-        relative_curvature=-1 / touched.radius + profile.curvature(gear, t),
-        points=_rotate(touched.points, zeta[lobe]),
+        relative_curvature=-1 / contact_flank.radius + profile.curvature(gear, t),
+        points=_rotate(contact_flank.points, zeta[lobe]),
     )
 
 
@@ -310,10 +312,10 @@ def _monotone_stretches(gear: CycloidGear) -> list[tuple[float, float]]:
     """
     N, c, E, _ = gear.symbols
     B0 = gear.best_phase
-    turning = (E**2 + (c * N) ** 2 - (N - 1) * _K(gear)) / (2 * E * c * N)
-    if turning <= -1:
+    turning_cosine = (E**2 + (c * N) ** 2 - (N - 1) * _K(gear)) / (2 * E * c * N)
+    if turning_cosine <= -1:
         return [(B0, 2 * math.pi - B0)]
-    B1 = math.acos(turning)
+    B1 = math.acos(turning_cosine)
     return [(B0, B1), (B1, 2 * math.pi - B1), (2 * math.pi - B1, 2 * math.pi - B0)]
 
 
@@ -328,23 +330,23 @@ def _ring_points(gear: CycloidGear, lobe: Integers, arc_lengths: Array) -> RingO
     rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
     distance, side = np.abs(arc_lengths), np.where(arc_lengths < 0, -1.0, 1.0)
     # Lobes are alike: each distance is solved once.
-    unlike, row = np.unique(distance, return_inverse=True)
+    unique_distances, row = np.unique(distance, return_inverse=True)
     B = profile.solve_monotone(
         lambda B: Sigma(gear, B).arc_length,
         lambda B: Sigma(gear, B).arc_rate,
-        unlike - arc_half,
+        unique_distances - arc_half,
         gear.best_phase,
         np.pi,
     )[row]
     alpha = np.minimum(distance / rho, largest_alpha(gear))
     on_arc = distance <= arc_half
     flank = Sigma(gear, B)
-    ahead = np.where(on_arc[:, np.newaxis], arc_points(gear, alpha), flank.points * [-1, 1])
+    next_points = np.where(on_arc[:, np.newaxis], arc_points(gear, alpha), flank.points * [-1, 1])
     angle = np.where(on_arc, -alpha, -flank.normal_angle)
     zeta = 2 * np.pi * lobe / gear.ring_teeth
     return RingOutline(
         normals=-unit(zeta + side * angle),
-        points=_rotate(ahead * np.stack([side, np.ones_like(side)], axis=1), zeta),
+        points=_rotate(next_points * np.stack([side, np.ones_like(side)], axis=1), zeta),
         curvature=np.where(on_arc, 1 / rho, -1 / flank.radius),
         part=np.where(on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
         arc_length=perimeter(gear) / gear.ring_teeth * lobe + arc_lengths,

@@ -125,12 +125,12 @@ def _shift_holes(design: Design, expansion: float) -> Mapping[str, tuple[float, 
 def _describe_jam(design: Design, pair: str, clearance: float) -> str:
     """Describe, for an error message, a clearance [m] of a pair that is lost at the temperatures of the parts."""
     inner_part, outer_part = (BODY_OF[part] for part in PARTNERS[pair])
-    cold = getattr(design.clearance, pair)
+    cold_clearance = getattr(design.clearance, pair)
     temperatures = f"{inner_part} at {getattr(design.thermal, inner_part):g} °C"
     if outer_part != inner_part:
         temperatures += f", {outer_part} at {getattr(design.thermal, outer_part):g} °C"
     return (
-        f"the parts jam: thermal expansion reduces clearance.{pair}_um from {1e6 * cold:.4g} to "
+        f"the parts jam: thermal expansion reduces clearance.{pair}_um from {1e6 * cold_clearance:.4g} to "
         f"{1e6 * clearance:.4g} um ({temperatures}). Increase the clearance or reduce the difference of temperatures"
     )
 

@@ -61,9 +61,9 @@ def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
     """
     arms, torque = np.asarray(arms, float), np.asarray(torque, float)[..., np.newaxis]
     push = -torque * arms
-    loaded = push > 0
-    squares = np.sum(np.where(loaded, arms**2, 0.0), axis=-1, keepdims=True)
-    return np.divide(push, squares, out=np.zeros(np.broadcast_shapes(push.shape, squares.shape)), where=loaded)
+    is_loaded = push > 0
+    squares = np.sum(np.where(is_loaded, arms**2, 0.0), axis=-1, keepdims=True)
+    return np.divide(push, squares, out=np.zeros(np.broadcast_shapes(push.shape, squares.shape)), where=is_loaded)
 
 
 def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: npt.ArrayLike) -> LoadSharing:
@@ -109,8 +109,8 @@ def ideal_output_forces(
     ahead of the crank by its `phase` [rad].
     """
     torque, theta = np.broadcast_arrays(torque, crank_angle)
-    turned = theta * gear.ring_teeth / gear.lobes + phase
-    clockwise = 2 * np.pi * np.arange(pins) / pins + turned[..., np.newaxis]
+    pin_angle = theta * gear.ring_teeth / gear.lobes + phase
+    clockwise = 2 * np.pi * np.arange(pins) / pins + pin_angle[..., np.newaxis]
     # The pins transmit the load itself, which the ring balances: the sign is opposite to that in `share_load`.
     return share_load(-pin_circle_radius * np.sin(clockwise), -torque)
 
@@ -218,10 +218,10 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
         return bed * (x * (end + math.sin(end) * math.cos(end)) - 2 * play * math.sin(end)) - force
 
     # The bed is at least as stiff as the last bracket's end: the force grows without bound.
-    most = 2 * force / (math.pi * bed)
-    while surplus(most) < 0:
-        most *= 2
-    return float(force / brentq(surplus, most * 1e-9, most, xtol=1e-18, rtol=1e-12))
+    max_deflection = 2 * force / (math.pi * bed)
+    while surplus(max_deflection) < 0:
+        max_deflection *= 2
+    return float(force / brentq(surplus, max_deflection * 1e-9, max_deflection, xtol=1e-18, rtol=1e-12))
 
 
 def _balance_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:

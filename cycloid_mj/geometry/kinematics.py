@@ -123,16 +123,16 @@ def point_path(
         )
     zeta, zeta_dot, zeta_ddot = theta / gear.lobes, _column(speed) / gear.lobes, _column(acceleration) / gear.lobes
     q_x, q_y = np.asarray(q, float)
-    turned = np.stack([q_x * np.cos(zeta) + q_y * np.sin(zeta), q_y * np.cos(zeta) - q_x * np.sin(zeta)], axis=-1)
-    turned_by_zeta = np.stack([turned[..., 1], -turned[..., 0]], axis=-1)
+    rotated_q = np.stack([q_x * np.cos(zeta) + q_y * np.sin(zeta), q_y * np.cos(zeta) - q_x * np.sin(zeta)], axis=-1)
+    turned_by_zeta = np.stack([rotated_q[..., 1], -rotated_q[..., 0]], axis=-1)
 
     arm = gear.eccentricity * gear.lobes
-    first = arm * _tangential(theta) + turned_by_zeta
-    second = -arm * gear.lobes * _radial(theta) - turned
+    first_derivative = arm * _tangential(theta) + turned_by_zeta
+    second_derivative = -arm * gear.lobes * _radial(theta) - rotated_q
     return PointPath(
-        position=gear_centre(gear, theta) - gear_centre(gear, 0.0) + turned,
-        velocity=zeta_dot * first,
-        acceleration=zeta_dot**2 * second + zeta_ddot * first,
+        position=gear_centre(gear, theta) - gear_centre(gear, 0.0) + rotated_q,
+        velocity=zeta_dot * first_derivative,
+        acceleration=zeta_dot**2 * second_derivative + zeta_ddot * first_derivative,
     )
 
 
@@ -172,10 +172,10 @@ def point_acceleration(
     q_x, q_y = np.asarray(q, float)
     turn = N * np.asarray(crank_angle, float) / (N - 1)
     zeta_dot, zeta_ddot = np.asarray(crank_speed, float) / (N - 1), np.asarray(crank_acceleration, float) / (N - 1)
-    second = c**2 * (N - 1) ** 4 + q_x**2 + q_y**2 + 2 * c * (N - 1) ** 2 * (q_y * np.cos(turn) - q_x * np.sin(turn))
-    mixed = c * N * (N - 1) * (q_x * np.cos(turn) + q_y * np.sin(turn))
-    first = _slope_squared(gear, q, crank_angle)
-    return np.sqrt(second * zeta_dot**4 + 2 * mixed * zeta_dot**2 * zeta_ddot + first * zeta_ddot**2)
+    turn_term = c**2 * (N - 1) ** 4 + q_x**2 + q_y**2 + 2 * c * (N - 1) ** 2 * (q_y * np.cos(turn) - q_x * np.sin(turn))
+    mixed_term = c * N * (N - 1) * (q_x * np.cos(turn) + q_y * np.sin(turn))
+    squared_slope = _slope_squared(gear, q, crank_angle)
+    return np.sqrt(turn_term * zeta_dot**4 + 2 * mixed_term * zeta_dot**2 * zeta_ddot + squared_slope * zeta_ddot**2)
 
 
 def _slope_squared(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike) -> Array:

@@ -86,8 +86,8 @@ class MeasuredProfile:
         text = f"{self.points} points, mean {mean:g} um, {waves}, {left_out:g} um rms left out"
         if self.alignment is None:
             return text
-        place, turned = self.alignment, math.degrees(self.alignment.rotation) * 3600.0
-        return f"{text}; aligned by {1e6 * place.x:.4g} um, {1e6 * place.y:.4g} um and {turned:.4g} arcsec"
+        alignment, rotation = self.alignment, math.degrees(self.alignment.rotation) * 3600.0
+        return f"{text}; aligned by {1e6 * alignment.x:.4g} um, {1e6 * alignment.y:.4g} um and {rotation:.4g} arcsec"
 
 
 @dataclass(frozen=True)
@@ -108,12 +108,12 @@ def measurement_notes(design: Design) -> tuple[str, ...]:
 
     Errors are those of `measured_profile`.
     """
-    gear, measured = measured_profile(design), design.measured
-    pins = f"{len(measured.pins_radial)} pins" if measured.pins_radial else ""
-    described = {"gear": gear.words if gear else "", "pins": pins}
+    gear, measured_files = measured_profile(design), design.measured
+    pins = f"{len(measured_files.pins_radial)} pins" if measured_files.pins_radial else ""
+    description_by_part = {"gear": gear.words if gear else "", "pins": pins}
     return tuple(
-        f"measured {part} ({getattr(measured, part) or 'values of the design file'}): {words}"
-        for part, words in described.items()
+        f"measured {part} ({getattr(measured_files, part) or 'values of the design file'}): {words}"
+        for part, words in description_by_part.items()
         if words
     )
 
@@ -125,13 +125,13 @@ def part_notes(design: Design) -> tuple[str, ...]:
 
 def measured_deviations(design: Design) -> MeasuredDeviations:
     """Compute the deviations of a design's parts that are measured; 0 for others. Errors as in `measured_profile`."""
-    measured, teeth = design.measured, design.ring.teeth
+    measured_files, teeth = design.measured, design.ring.teeth
     position, radius = np.zeros((teeth, 2)), np.zeros(teeth)
-    if measured.pins_radial:
+    if measured_files.pins_radial:
         angles = 2.0 * np.pi * np.arange(teeth) / teeth
-        position += np.array(measured.pins_radial)[:, np.newaxis] * profile.unit(angles)
-        position += np.array(measured.pins_tangential)[:, np.newaxis] * profile.unit(angles + 0.5 * np.pi)
-        radius += measured.pins_radius
+        position += np.array(measured_files.pins_radial)[:, np.newaxis] * profile.unit(angles)
+        position += np.array(measured_files.pins_tangential)[:, np.newaxis] * profile.unit(angles + 0.5 * np.pi)
+        radius += measured_files.pins_radius
     gear = measured_profile(design)
     return MeasuredDeviations(position, radius, gear.mean if gear else 0.0, gear.waves if gear else np.zeros((0, 2)))
 
@@ -144,22 +144,22 @@ def measured_profile(design: Design) -> MeasuredProfile | None:
     DesignError
         The profile of the drawing is undercut.
     """
-    measured = design.measured
-    if not (measured.gear_angle or measured.gear_x):
+    measured_files = design.measured
+    if not (measured_files.gear_angle or measured_files.gear_x):
         return None
-    return _fit_profile(measured, gear_profile(design), profile_offset(design))
+    return _fit_profile(measured_files, gear_profile(design), profile_offset(design))
 
 
 @lru_cache(maxsize=8)
-def _fit_profile(measured: Measured, gear: CycloidGear, offset: float) -> MeasuredProfile:
+def _fit_profile(measured_files: Measured, gear: CycloidGear, offset: float) -> MeasuredProfile:
     """Fit mean and waves to a measured profile whose nominal shape is the parallel of a trochoid at an `offset` [m]."""
     profile.require_no_undercut(gear, offset)
-    if measured.gear_x:
-        points = np.stack([measured.gear_x, measured.gear_y], axis=1)
+    if measured_files.gear_x:
+        points = np.stack([measured_files.gear_x, measured_files.gear_y], axis=1)
         t, deviation, alignment = align(gear, offset, points)
     else:
-        angles = np.array(measured.gear_angle)
-        t, deviation, alignment = parameters_at(gear, offset, angles), np.array(measured.gear_deviation), None
+        angles = np.array(measured_files.gear_angle)
+        t, deviation, alignment = parameters_at(gear, offset, angles), np.array(measured_files.gear_deviation), None
     return fit_waves(t, deviation, min(FIT.orders, FIT.orders_per_lobe * gear.lobes), alignment)
 
 
@@ -194,10 +194,10 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
         deviation = np.sum((local - foot_points) * normals, axis=1)
         # a counter-clockwise rotation of the points moves them by (-y, x)
         lever = np.sum(np.stack([-local[:, 1], local[:, 0]], axis=1) * normals, axis=1)
-        reach = gear.pin_circle_radius
-        slopes = np.column_stack([-_rotate(normals, -rotation), lever / reach, np.ones(len(points))])
+        radius_scale = gear.pin_circle_radius
+        slopes = np.column_stack([-_rotate(normals, -rotation), lever / radius_scale, np.ones(len(points))])
         step = lstsq(slopes, -deviation)[0]
-        centre, rotation = centre + step[:2], rotation + step[2] / reach
+        centre, rotation = centre + step[:2], rotation + step[2] / radius_scale
         if np.abs(step[:3]).max() < FIT.step_size:
             break
     return foot, deviation, Alignment(float(centre[0]), float(centre[1]), float(rotation))
@@ -224,8 +224,8 @@ def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment |
     cosines, sines = np.split(solution[1:], 2)
     tail = np.cumsum((cosines**2 + sines**2)[::-1] / 2.0)[::-1]
     count = int(np.sum(tail > FIT.tail**2))
-    used = np.concatenate([[True], orders <= count, orders <= count])
-    left_out = math.sqrt(weights @ (deviation - basis[:, used] @ solution[used]) ** 2)
+    is_used = np.concatenate([[True], orders <= count, orders <= count])
+    left_out = math.sqrt(weights @ (deviation - basis[:, is_used] @ solution[is_used]) ** 2)
     waves = -np.stack([cosines, sines], axis=1)[:count]
     return MeasuredProfile(float(solution[0]), waves, t.size, left_out, alignment)
 
@@ -247,11 +247,11 @@ def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
 def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> Array:
     """Compute parameters t (n,) [rad] of the foot points of `points` (n, 2) [m] on an outline, by Newton from `t`."""
     for _ in range(4):  # quadratic, from a 400th of a lobe
-        away = points - profile.outline(gear, t, offset)
+        offset_vectors = points - profile.outline(gear, t, offset)
         normals, rate = profile.normals(gear, t), profile.arc_rate(gear, t, offset)
         tangents = np.stack([normals[:, 1], -normals[:, 0]], axis=1)
-        straight = 1.0 + profile.curvature(gear, t, offset) * np.sum(away * normals, axis=1)
-        t = t + np.sum(away * tangents, axis=1) / (rate * straight)
+        straight = 1.0 + profile.curvature(gear, t, offset) * np.sum(offset_vectors * normals, axis=1)
+        t = t + np.sum(offset_vectors * tangents, axis=1) / (rate * straight)
     return t
 
 

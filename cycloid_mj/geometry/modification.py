@@ -85,8 +85,8 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
         middles - half_pitch,
         middles,
     )
-    radius, before = _Polar(gear, t, offset).radius, middles - t
-    return FlankEnds(float(before[0]), float(radius[0]), float(before[1]), float(radius[1]))
+    radius, mirrored_parameter = _Polar(gear, t, offset).radius, middles - t
+    return FlankEnds(float(mirrored_parameter[0]), float(radius[0]), float(mirrored_parameter[1]), float(radius[1]))
 
 
 def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:

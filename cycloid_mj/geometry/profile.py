@@ -234,12 +234,12 @@ def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
 def complete_elliptic(m: float) -> float:
     """Compute the complete elliptic integral of the second kind E(m) by arithmetic-geometric means."""
     mean, other = 1.0, math.sqrt(1.0 - m)
-    weight, lost = 0.5, m / 2.0
-    while (half := (mean - other) / 2.0) > 1e-9 * mean:
+    weight, energy_loss = 0.5, m / 2.0
+    while (half_difference := (mean - other) / 2.0) > 1e-9 * mean:
         mean, other = (mean + other) / 2.0, math.sqrt(mean * other)
         weight *= 2.0
-        lost += weight * half**2
-    return math.pi / (mean + other) * (1.0 - lost)
+        energy_loss += weight * half_difference**2
+    return math.pi / (mean + other) * (1.0 - energy_loss)
 
 
 def incomplete_elliptic(phi: npt.ArrayLike, m: float) -> Array:
@@ -248,17 +248,17 @@ def incomplete_elliptic(phi: npt.ArrayLike, m: float) -> Array:
     It uses arithmetic-geometric means and descending Landen transformations (Abramowitz & Stegun, 17.6.8 to 17.6.10),
     because importing SciPy takes longer than most of its uses.
     """
-    angle, doubled = np.array(phi, float), 1.0
+    angle, doubling = np.array(phi, float), 1.0
     mean, other = 1.0, math.sqrt(1.0 - m)
-    weight, lost, sines = 0.5, m / 2.0, np.zeros_like(angle)
-    while (half := (mean - other) / 2.0) > 1e-15 * mean:
+    weight, energy_loss, sines = 0.5, m / 2.0, np.zeros_like(angle)
+    while (half_difference := (mean - other) / 2.0) > 1e-15 * mean:
         angle = _landen(angle, other / mean)
         mean, other = (mean + other) / 2.0, math.sqrt(mean * other)
-        doubled, weight = 2.0 * doubled, 2.0 * weight
-        lost += weight * half**2
-        sines += half * np.sin(angle)
+        doubling, weight = 2.0 * doubling, 2.0 * weight
+        energy_loss += weight * half_difference**2
+        sines += half_difference * np.sin(angle)
     angle = _landen(angle, other / mean)
-    return angle / (doubled * (mean + other)) * (1.0 - lost) + sines
+    return angle / (doubling * (mean + other)) * (1.0 - energy_loss) + sines
 
 
 def _landen(angle: Array, ratio: float) -> Array:
@@ -358,9 +358,9 @@ def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | No
     )
     ends = np.unique([0.0, inflection_phase(gear) / gear.lobes, np.pi / gear.lobes])
     pieces = [sagitta_nodes(flank, low, high, chord_error)[:-1] for low, high in itertools.pairwise(ends)]
-    rising = np.concatenate(pieces)
+    increasing = np.concatenate(pieces)
     lobe_angle = 2 * np.pi / gear.lobes
-    one_lobe = np.concatenate([rising, [lobe_angle / 2], lobe_angle - rising[:0:-1]])
+    one_lobe = np.concatenate([increasing, [lobe_angle / 2], lobe_angle - increasing[:0:-1]])
     parameters = np.asarray((lobe_angle * np.arange(gear.lobes)[:, None] + one_lobe).ravel())
     parameters.setflags(write=False)
     return parameters
@@ -417,7 +417,7 @@ def solve_monotone(
 
     `function` must be monotone between `low` and `high`; for a target beyond its range, the nearer end.
     """
-    target, low, high = (np.array(a, float) for a in np.broadcast_arrays(target, low, high))
+    target, low, high = (np.array(array, float) for array in np.broadcast_arrays(target, low, high))
     tolerance = 2 * np.finfo(float).eps * np.maximum(np.abs(low), np.abs(high))
     sign = np.where(function(high) >= function(low), 1.0, -1.0)
     x = (low + high) / 2
@@ -462,7 +462,7 @@ def _sagittas(arc: SmoothArc, nodes: Array) -> Array:
     """
     points, angles = arc.points(nodes), arc.normal_angle(nodes)
     dx, dy = np.diff(points, axis=0).T
-    middle = (angles[:-1] + angles[1:]) / 2
-    chord_angle = middle + np.mod(np.arctan2(-dy, dx) - middle + np.pi / 2, np.pi) - np.pi / 2
+    midpoints = (angles[:-1] + angles[1:]) / 2
+    chord_angle = midpoints + np.mod(np.arctan2(-dy, dx) - midpoints + np.pi / 2, np.pi) - np.pi / 2
     farthest = solve_monotone(arc.normal_angle, arc.turning_rate, chord_angle, nodes[:-1], nodes[1:])
     return np.abs(np.sum((arc.points(farthest) - points[:-1]) * unit(chord_angle), axis=1))

@@ -111,20 +111,20 @@ def ideal_rv_loads(stage: RvStage, torque: float, crank: npt.ArrayLike, floating
 
 def _crank_forces(stage: RvStage, crank: Array, force: Array, moment: float, floating_sun: bool) -> Array:
     """Compute least-squares crank forces (m, D, n, 2) [N] that balance a force (m, D, 2) and a moment on each disc."""
-    places, eccentrics = stage.crank_places(crank), stage.eccentrics(crank)
+    crank_centres, eccentrics = stage.crank_places(crank), stage.eccentrics(crank)
     (count, discs, _), cranks = force.shape, stage.cranks
     rows = 3 * discs + (cranks - 1) * floating_sun
-    matrix, wanted = np.zeros((count, rows, discs, cranks, 2)), np.zeros((count, rows))
+    matrix, right_side = np.zeros((count, rows, discs, cranks, 2)), np.zeros((count, rows))
     for disc in range(discs):
         matrix[:, 3 * disc, disc, :, 0] = matrix[:, 3 * disc + 1, disc, :, 1] = 1.0
-        matrix[:, 3 * disc + 2, disc] = _quarter_turned(places) / stage.radius
-        wanted[:, 3 * disc : 3 * disc + 2] = -force[:, disc]
-        wanted[:, 3 * disc + 2] = -moment / stage.radius
+        matrix[:, 3 * disc + 2, disc] = _quarter_turned(crank_centres) / stage.radius
+        right_side[:, 3 * disc : 3 * disc + 2] = -force[:, disc]
+        right_side[:, 3 * disc + 2] = -moment / stage.radius
     for row, other in enumerate(range(1, cranks) if floating_sun else (), start=3 * discs):
         matrix[:, row, :, 0] = _quarter_turned(eccentrics)
         matrix[:, row, :, other] = -_quarter_turned(eccentrics)
-    flat = matrix.reshape(count, rows, -1)
-    return (np.linalg.pinv(flat) @ wanted[..., np.newaxis]).reshape(count, discs, cranks, 2)
+    flat_matrix = matrix.reshape(count, rows, -1)
+    return (np.linalg.pinv(flat_matrix) @ right_side[..., np.newaxis]).reshape(count, discs, cranks, 2)
 
 
 def mean_force(forces: Array) -> float:
@@ -181,8 +181,8 @@ def closed_form_error(stage: RvStage, crank: npt.ArrayLike, phase_error: Array, 
         Displacement of each eccentric from its bore [m], shape (m, D, n, 2).
     """
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
-    across = _quarter_turned(stage.eccentrics(crank))
-    tangential = np.einsum("mdnj,mdj->md", misfit, across) / stage.cranks
+    perpendicular = _quarter_turned(stage.eccentrics(crank))
+    tangential = np.einsum("mdnj,mdj->md", misfit, perpendicular) / stage.cranks
     turn = np.einsum("mdnj,mnj->md", misfit, _quarter_turned(stage.crank_places(crank)))
     turn /= stage.cranks * stage.radius**2
     of_discs = tangential / stage.gear.eccentricity + stage.gear.lobes * turn

@@ -55,13 +55,19 @@ class Course:
 
         Beyond the course it is extrapolated with the rate at the end, which is too short a life where wear slows down.
         """
-        reached = np.flatnonzero(self.lost_motion >= limit)
-        if not reached.size:
+        reached_indices = np.flatnonzero(self.lost_motion >= limit)
+        if not reached_indices.size:
             hours, grown = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
             remaining = limit - float(self.lost_motion[-1])
             return float(self.hours[-1]) + remaining * hours / grown if grown > 0.0 else math.inf
-        after = max(int(reached[0]), 1)
-        return float(np.interp(limit, self.lost_motion[after - 1 : after + 1], self.hours[after - 1 : after + 1]))
+        reached_index = max(int(reached_indices[0]), 1)
+        return float(
+            np.interp(
+                limit,
+                self.lost_motion[reached_index - 1 : reached_index + 1],
+                self.hours[reached_index - 1 : reached_index + 1],
+            )
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -385,10 +391,12 @@ class _Log:
             if key.endswith("_peak_force")
         }
         depths = [1e6 * float(depth.max()) for depth in state.depths.values()]
-        named = ((f"{item.key}_depth_um", f"{item.key.replace('_', ' ')} [um]") for item in self._drive.surfaces)
+        depth_columns = (
+            (f"{item.key}_depth_um", f"{item.key.replace('_', ' ')} [um]") for item in self._drive.surfaces
+        )
         columns = {**SHEET_COLUMNS, **forces}
-        first = (("hours", "time [h]"), ("lost_motion_arcmin", "lost motion [arcmin]"))
-        self._columns = (*first, *columns.values(), *named)
+        first_columns = (("hours", "time [h]"), ("lost_motion_arcmin", "lost motion [arcmin]"))
+        self._columns = (*first_columns, *columns.values(), *depth_columns)
         values = (figures[key].value for key in columns)
         self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *depths))
 

@@ -116,10 +116,10 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
     rank = _rank(usable.size)
-    ordered = {key: usable[np.argsort(figures[key][usable], kind="stable")] for key in FORCES}
-    chosen = {key: int(numbers[rank]) for key, numbers in ordered.items()}
-    forces = ", ".join(f"{words} {figures[key][chosen[key]]:.4g} N" for key, words in FORCES.items())
-    numbers = tuple(dict.fromkeys(chosen.values()))
+    sorted_samples = {key: usable[np.argsort(figures[key][usable], kind="stable")] for key in FORCES}
+    sample_by_force = {key: int(numbers[rank]) for key, numbers in sorted_samples.items()}
+    forces = ", ".join(f"{words} {figures[key][sample_by_force[key]]:.4g} N" for key, words in FORCES.items())
+    numbers = tuple(dict.fromkeys(sample_by_force.values()))
     return RatedSamples(
         numbers,
         tuple(sample_design(reducer, zones, SETTINGS.seed, number) for number in numbers),

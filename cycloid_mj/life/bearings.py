@@ -207,8 +207,8 @@ def cam_ratings(reducer: Reducer) -> Ratings:
         design.contact.cam_rollers, 2.0 * reducer.contacts.roller_radius, gear.face_width, 2.0 * gear.bore_radius
     )
     location_text = "touching each other on the cam's circle, the disc's bore as outer ring"
-    stated = bearing.dynamic_capacity, bearing.static_capacity
-    return _choose_ratings(stated, cam_bearing(reducer), row, location_text)
+    stated_ratings = bearing.dynamic_capacity, bearing.static_capacity
+    return _choose_ratings(stated_ratings, cam_bearing(reducer), row, location_text)
 
 
 def _shaft_ratings(reducer: Reducer) -> Ratings:
@@ -217,8 +217,11 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
     roller_diameter = ASSUMED_ROLLERS.shaft_roller_share * radius
     low, high = shaft_dimensions(reducer).bearings[0]
     row = RollerRow(ASSUMED_ROLLERS.shaft_rollers, roller_diameter, high - low, 2.0 * radius + roller_diameter)
-    stated, bought = (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity), shaft_bearing(reducer)
-    return _choose_ratings(stated, (bought, 1) if bought else None, row, "on the shaft")
+    stated_ratings, stock_bearing = (
+        (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity),
+        shaft_bearing(reducer),
+    )
+    return _choose_ratings(stated_ratings, (stock_bearing, 1) if stock_bearing else None, row, "on the shaft")
 
 
 def _hub_ratings(reducer: Reducer) -> Ratings:
@@ -245,20 +248,23 @@ def _output_roller_ratings(reducer: Reducer) -> Ratings:
     needle = ASSUMED_ROLLERS.needle_share * (output.pin_radius - output.root_radius) * 2.0
     pitch = 2.0 * output.root_radius + needle
     row = RollerRow(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
-    stated = bearing.output_dynamic_capacity, bearing.output_static_capacity
-    return _choose_ratings(stated, None, row, "round the core of a pin")
+    stated_ratings = bearing.output_dynamic_capacity, bearing.output_static_capacity
+    return _choose_ratings(stated_ratings, None, row, "round the core of a pin")
 
 
 def _choose_ratings(
-    stated: tuple[float, float], bought: tuple[StockBearing, int] | None, row: RollerRow, location_text: str
+    stated_ratings: tuple[float, float],
+    stock_bearing: tuple[StockBearing, int] | None,
+    row: RollerRow,
+    location_text: str,
 ) -> Ratings:
     """Return load ratings by preference: stated in the design file, of bought bearings, of a row of rollers.
 
     Parameters
     ----------
-    stated
+    stated_ratings
         C and C0 of the design file [N]; 0 if not stated.
-    bought
+    stock_bearing
         Bearing from stock and how many of them are side by side; None if none is bought.
     row
         The row of rollers that is assumed otherwise.
@@ -266,8 +272,8 @@ def _choose_ratings(
         Where these rollers are, in words.
     """
     exponent, pitch = rolling.EXPONENT, row.pitch
-    if bought:
-        bearing, count = bought
+    if stock_bearing:
+        bearing, count = stock_bearing
         pitch = 0.5 * (bearing.bore + bearing.outside)
         dynamic, static = rolling.side_by_side(bearing.dynamic, count), count * bearing.static
         source = f"of the manufacturer's catalogue: {f'{count} x ' if count > 1 else ''}{bearing.designation}"
@@ -281,10 +287,10 @@ def _choose_ratings(
             f"assumed: {row} {location_text}",
         )
     return Ratings(
-        dynamic=stated[0] or dynamic,
-        static=stated[1] or static,
-        dynamic_source="C of the design file (bearing.*_capacity_n)" if stated[0] else sources[0],
-        static_source="C0 of the design file" if stated[1] else sources[1],
+        dynamic=stated_ratings[0] or dynamic,
+        static=stated_ratings[1] or static,
+        dynamic_source="C of the design file (bearing.*_capacity_n)" if stated_ratings[0] else sources[0],
+        static_source="C0 of the design file" if stated_ratings[1] else sources[1],
         pitch=pitch,
         exponent=exponent,
     )
@@ -314,9 +320,9 @@ def _rate_bearing(
     life = rolling.life_hours(ratings.dynamic, load, float(turns.sum()), settings.reliability, ratings.exponent)
     power = "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
     formula = f"L = a1 (C/P)^{power}, a1 {rolling.reliability_factor(settings.reliability):.3g}, ISO 281:2007"
-    first, second = bearing.joins
+    inner_body, outer_body = bearing.joins
     note = (
-        f"{ratings.dynamic_source}, service factor {settings.service_factor:g}; between {first} and {second}, "
+        f"{ratings.dynamic_source}, service factor {settings.service_factor:g}; between {inner_body} and {outer_body}, "
         f"{float(turns.sum()) / RPM:.4g} rpm mean speed"
     )
     yield RatedItem(bearing.key, f"{bearing.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
@@ -365,7 +371,9 @@ def _rate_modified_life(
     kappa = MM2 * viscosity / reference_viscosity(speed, ratings.pitch)
     limit = fatigue_load_limit(ratings.static, ratings.pitch, curve)
     factor = life_factor(kappa, cleanliness, limit, load, curve) if load else LIMITS.max_factor
-    outside = f"; kappa is below {LIMITS.min_kappa:g}, where ISO 281 has no value" if kappa < LIMITS.min_kappa else ""
+    range_note = (
+        f"; kappa is below {LIMITS.min_kappa:g}, where ISO 281 has no value" if kappa < LIMITS.min_kappa else ""
+    )
     return RatedItem(
         f"{bearing.key}_modified",
         f"{bearing.name}, modified life",
@@ -376,7 +384,7 @@ def _rate_modified_life(
         factor * basic_life,
         "L = a_ISO a1 L10, a_ISO by kappa and e_C C_u/P, ISO 281:2007",
         f"a_ISO {factor:.3g}: kappa {kappa:.3g} = {MM2 * viscosity:.3g} mm2/s over nu_1, e_C {cleanliness:g}, "
-        f"C_u {limit:.4g} N by C0, d_m {1e3 * ratings.pitch:.3g} mm{outside}",
+        f"C_u {limit:.4g} N by C0, d_m {1e3 * ratings.pitch:.3g} mm{range_note}",
     )
 
 

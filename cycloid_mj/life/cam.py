@@ -42,11 +42,13 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
         name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times"
         if factor == 1.0 and design.stiffness.cam:
             name = "of the design file"
-        varied = reducer.but(stiffness={"cam": factor * linear})
+        varied_reducer = reducer.but(stiffness={"cam": factor * linear})
         try:
             rows.append(
                 make_case(
-                    name, factor * linear, [solve_loading(varied, point, with_wind_up=False).cam for point in points]
+                    name,
+                    factor * linear,
+                    [solve_loading(varied_reducer, point, with_wind_up=False).cam for point in points],
                 )
             )
         except CycloidError:
@@ -55,6 +57,6 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
     ideal = []
     for point in points:
         speed = math.copysign(point.speed, design.drive.speed)
-        loaded = reducer.but(drive={"speed": speed}, load={"torque": point.torque})
-        ideal.append(ideal_cam(loaded, crank))
+        loaded_reducer = reducer.but(drive={"speed": speed}, load={"torque": point.torque})
+        ideal.append(ideal_cam(loaded_reducer, crank))
     return CamCompliance((*rows, make_case(IDEAL, None, ideal)))

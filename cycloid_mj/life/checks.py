@@ -156,7 +156,7 @@ def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
 
 def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iterator[Check]:
     """Yield a check for each of `KINDS` that has items: the weakest item against a safety factor of 1 or the life."""
-    for kind, (about, why) in KINDS.items():
+    for kind, (about, explanation) in KINDS.items():
         of_kind = [item for item in decisive_items if _check_kind(item) == kind]
         if not of_kind:
             continue
@@ -168,7 +168,7 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
             passed=margin >= 1.0,
             got=f"{weakest.verdict} ({weakest.name})",
             limit=f"at least {rating.life:g} h" if by_life else "at least 1",
-            why=f"{why}; {weakest.load_text}, limit {weakest.limit_text}, at {rating.duty}",
+            why=f"{explanation}; {weakest.load_text}, limit {weakest.limit_text}, at {rating.duty}",
             remedy="" if margin >= 1.0 else REMEDY,
             severity="warning",
             key=about,

@@ -378,7 +378,7 @@ def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return tilting, radial and axial load limits of the output flange, and its tilting stiffness."""
     seat, torque = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
-    loose = seat.tilting_stiffness(DEEP_GROOVE.usual_clearance) * ARCMINUTE
+    loose_stiffness = seat.tilting_stiffness(DEEP_GROOVE.usual_clearance) * ARCMINUTE
     bearings = f"2 x {seat.bearing.designation}, {1e3 * seat.spacing:.4g} mm apart"
     return (
         _figure(reducer, "output_tilting_capacity_nm", "Tilting moment", f"{torque}; {bearings}, ISO 281 and 76"),
@@ -386,7 +386,7 @@ def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
             reducer,
             "output_tilting_stiffness_nm_per_arcmin",
             "Tilting stiffness",
-            f"at half the tilting moment, Palmgren; {loose:.3g} with the usual clearance, closed",
+            f"at half the tilting moment, Palmgren; {loose_stiffness:.3g} with the usual clearance, closed",
         ),
         _figure(reducer, "output_radial_load_n", "Radial load", f"on the face of the flange, {torque}"),
         _figure(reducer, "output_axial_load_n", "Axial load", "alone, 0.25 C0 (SKF)"),
@@ -542,12 +542,12 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
     torques, speed = np.array(CURVES.torque_shares) * design.rated_torque, abs(design.drive.speed)
     ends = torques[[0, -1]]
     points = (DutyPoint(float(torque), speed, 1.0) for torque in ends)
-    lost = [
+    lost_torque = [
         sum(bearing_losses(reducer, solve_loading(reducer, point, CURVES.crank_angles, with_wind_up=False)).values())
         for point in points
     ]
     shares = []
-    for torque, in_bearings in zip(torques, np.interp(torques, ends, lost), strict=True):
+    for torque, in_bearings in zip(torques, np.interp(torques, ends, lost_torque), strict=True):
         contacts = powers(reducer, float(torque))
         shares.append(contacts.delivered / (contacts.supplied + in_bearings))
     panel = f"Efficiency at {_speed(reducer)}"

@@ -116,14 +116,21 @@ def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: 
 
     `sample_text` describes the samples and becomes the first assumption.
     """
-    first = ratings[0]
+    first_rating = ratings[0]
     weakest = [
-        min((rating.items[key] for rating in ratings if key in rating.items), key=lambda item: item.margin(first.life))
-        for key in first.items
+        min(
+            (rating.items[key] for rating in ratings if key in rating.items),
+            key=lambda item: item.margin(first_rating.life),
+        )
+        for key in first_rating.items
     ]
-    items = {item.key: item for item in sorted(weakest, key=lambda item: item.margin(first.life))}
+    items = {item.key: item for item in sorted(weakest, key=lambda item: item.margin(first_rating.life))}
     return replace(
-        first, design=design_name, items=items, assumptions=(sample_text, *first.assumptions), parts="toleranced"
+        first_rating,
+        design=design_name,
+        items=items,
+        assumptions=(sample_text, *first_rating.assumptions),
+        parts="toleranced",
     )
 
 
@@ -136,13 +143,13 @@ def _rate_all_items(
     `Loading.work`). `crank_angles` is the number of angles per turn; without `with_stops`, emergency stops and joints
     are left out.
     """
-    turning = [point for point in duty.points if point.speed]
-    if not turning:
+    turning_points = [point for point in duty.points if point.speed]
+    if not turning_points:
         raise DesignError(
             f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours needs a crank that turns: set another "
             "speed, such as 1640 rpm"
         )
-    loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning]
+    loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning_points]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     by_kind = {
         ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak),
@@ -154,7 +161,7 @@ def _rate_all_items(
     if with_stops:
         by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst)
         by_kind[ItemKind.JOINT] = rate_joints(reducer, duty.peak, worst)
-    items = [replace(item, kind=kind) for kind, rated in by_kind.items() for item in rated]
+    items = [replace(item, kind=kind) for kind, rated_items in by_kind.items() for item in rated_items]
     return items, max(loading.work for loading in loadings)
 
 

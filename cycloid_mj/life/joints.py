@@ -143,9 +143,9 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
     """Return the tightening torque [N m] of the screws of a drive with covers, by item of the bill."""
     return {
-        part.item: screwed.tightening_torque
-        for screwed in screwed_joints(reducer)
-        for part in screwed.joint.bought
+        part.item: screwed_joint.tightening_torque
+        for screwed_joint in screwed_joints(reducer)
+        for part in screwed_joint.joint.bought
         if "thread" in dict(part.dimensions)
     }
 
@@ -231,58 +231,63 @@ def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> Screw
     centres = np.array(screw.origins)[:, :2] if screw else np.atleast_2d(joint.holes[0][1][0])
     nominal = dict(screw.dimensions)["thread"] if screw else _foreign_thread(covers, joint)
     thread = strength.Thread(nominal, stock.pitch(nominal))
-    assumed = FLANGE_CLASS if LOAD in joint.parts else USUAL_CLASS
-    property_class = screw.material.split()[-1] if screw else assumed
-    screwed = ScrewedJoint(joint, thread, property_class, len(centres), float(np.hypot(*centres.T).mean()), ())
-    limits = (_screw_limit(screwed), *_face_limits(reducer, screwed, screw))
-    return replace(screwed, limits=limits)
+    assumed_class = FLANGE_CLASS if LOAD in joint.parts else USUAL_CLASS
+    property_class = screw.material.split()[-1] if screw else assumed_class
+    screwed_joint = ScrewedJoint(joint, thread, property_class, len(centres), float(np.hypot(*centres.T).mean()), ())
+    limits = (_screw_limit(screwed_joint), *_face_limits(reducer, screwed_joint, screw))
+    return replace(screwed_joint, limits=limits)
 
 
 def _foreign_thread(sizes: Casing, joint: Joint) -> float:
     return sizes.motor.thread if MOTOR in joint.parts else sizes.flange_bolt.thread
 
 
-def _screw_limit(screwed: ScrewedJoint) -> ScrewLimit:
+def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
     """Return the slip torque at the usual preload of the screws (VDI 2230), with the spread of the assumed friction."""
-    preload = screwed.thread.usual_preload(strength.PROOF_STRESS[screwed.property_class])
-    torque = strength.friction_torque(screwed.count, preload, screwed.radius)
-    tightened = screwed.tightening_for(1.0)
-    smooth, rough = (tightened / screwed.tightening_for(1.0, friction) for friction in JOINTS.thread_friction_spread)
-    slippery, dry = (friction / JOINTS.interface_friction for friction in JOINTS.interface_friction_spread)
+    preload = screwed_joint.thread.usual_preload(strength.PROOF_STRESS[screwed_joint.property_class])
+    torque = strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius)
+    usual_tightening = screwed_joint.tightening_for(1.0)
+    low_friction_factor, high_friction_factor = (
+        usual_tightening / screwed_joint.tightening_for(1.0, friction) for friction in JOINTS.thread_friction_spread
+    )
+    low_face_factor, high_face_factor = (
+        friction / JOINTS.interface_friction for friction in JOINTS.interface_friction_spread
+    )
     return ScrewLimit(
         "slip",
         "slip",
         preload,
         torque,
         "T = n F mu r, F = 0.7 R_p A_s (VDI 2230, R2/2, R13)",
-        f"{screwed.designation} on a circle of {2e3 * screwed.radius:.4g} mm, {1e-3 * preload:.3g} kN each; assumed: "
-        f"friction {JOINTS.interface_friction:g} of the faces and {JOINTS.thread_friction:g} of threads and heads; "
-        f"{torque * rough * slippery:.3g} to {torque * smooth * dry:.3g} N m at 0.10 to 0.20 and 0.16 to 0.10",
+        f"{screwed_joint.designation} on a circle of {2e3 * screwed_joint.radius:.4g} mm, {1e-3 * preload:.3g} kN "
+        f"each; assumed: friction {JOINTS.interface_friction:g} of the faces and {JOINTS.thread_friction:g} of "
+        f"threads and heads; {torque * high_friction_factor * low_face_factor:.3g} to "
+        f"{torque * low_friction_factor * high_face_factor:.3g} N m at 0.10 to 0.20 and 0.16 to 0.10",
     )
 
 
-def _face_limits(reducer: Reducer, screwed: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
+def _face_limits(reducer: Reducer, screwed_joint: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
     """Yield the preload limits of the clamped parts: pressure under the heads, and strength of threads or inserts.
 
-    `screw` is the bought screw of the `screwed` joint; None if it is not in the bill of materials.
+    `screw` is the bought screw of the `screwed_joint` joint; None if it is not in the bill of materials.
     """
-    nominal, joint = screwed.thread.diameter, screwed.joint
+    nominal, joint = screwed_joint.thread.diameter, screwed_joint.joint
     top = screw.origins[0][2] if screw else math.inf
     bottom = top - dict(screw.dimensions)["length"] if screw else -math.inf
     washer = next((dict(part.dimensions)["length"] for part in joint.bought if part.item == FLANGE_WASHER), 0.0)
     for part, (_, radius, low, high) in joint.holes:
         material = _material(reducer, part)
         if math.isclose(radius, 0.5 * stock.bolt_hole(nominal)) and math.isclose(high, top - washer, abs_tol=1e-9):
-            yield _head_limit(screwed, part, material, washer)
+            yield _head_limit(screwed_joint, part, material, washer)
         elif math.isclose(radius, core_radius(reducer, nominal)):
             insert = insert_in(reducer, nominal)
-            engaged = min(high, top) - max(low, bottom)
-            yield _thread_limit(screwed, part, material, insert, engaged)
+            engaged_length = min(high, top) - max(low, bottom)
+            yield _thread_limit(screwed_joint, part, material, insert, engaged_length)
 
 
-def _head_limit(screwed: ScrewedJoint, part: str, material: Material, washer_thickness: float) -> ScrewLimit:
+def _head_limit(screwed_joint: ScrewedJoint, part: str, material: Material, washer_thickness: float) -> ScrewLimit:
     """Return the preload limit by the pressure under the heads, or under washers of a thickness [m] (0: no washer)."""
-    nominal = screwed.thread.diameter
+    nominal = screwed_joint.thread.diameter
     bearing, hole = stock.head_bearing(nominal), stock.bolt_hole(nominal)
     if washer_thickness:
         bearing = strength.washer_bearing(bearing, washer_thickness, stock.washer_of(nominal).outside)
@@ -292,7 +297,7 @@ def _head_limit(screwed: ScrewedJoint, part: str, material: Material, washer_thi
         "heads",
         "pressure under the heads",
         preload,
-        strength.friction_torque(screwed.count, preload, screwed.radius),
+        strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius),
         "p = F/A <= R_m (VDI 2230, R10/1 and A9), T = n F mu r",
         f"{part} of {material.name or 'unnamed material'} withstands {1e-6 * allowed:.3g} MPa under a "
         f"{'washer' if washer_thickness else 'head'}, "
@@ -301,7 +306,7 @@ def _head_limit(screwed: ScrewedJoint, part: str, material: Material, washer_thi
 
 
 def _thread_limit(
-    screwed: ScrewedJoint, part: str, material: Material, insert: stock.Insert | None, engaged_length: float
+    screwed_joint: ScrewedJoint, part: str, material: Material, insert: stock.Insert | None, engaged_length: float
 ) -> ScrewLimit:
     """Return the preload limit by stripping of threads over their engaged length [m], or pull-out of an insert."""
     shear = (
@@ -314,7 +319,7 @@ def _thread_limit(
         description, source = "pull-out of the inserts", "F = pi D l tau around an insert"
         note = f"inserts {insert.designation} in {part}, solid around them (assumed)"
     else:
-        force = screwed.thread.stripping_force(engaged_length, shear)
+        force = screwed_joint.thread.stripping_force(engaged_length, shear)
         description, source = "stripping of the threads", "F = pi d m (0.5 + (d - d2)/(P sqrt 3)) tau (VDI 2230, 5.5.5)"
         note = f"threads in {part}, {1e3 * engaged_length:.3g} mm engaged"
     preload = _permanent_share(material) * force
@@ -322,7 +327,7 @@ def _thread_limit(
         "threads",
         description,
         preload,
-        strength.friction_torque(screwed.count, preload, screwed.radius),
+        strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius),
         f"{source}, T = n F mu r",
         f"{note}, of {material.name or 'unnamed material'}, shear strength {1e-6 * shear:.3g} MPa: "
         f"{1e-3 * preload:.3g} kN{_creep_note(material)}",
@@ -451,12 +456,12 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
         )
         return
     friction_torque = design.friction_of("pin_gear") * force * ring.pin_radius
-    half = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length) * ring.pin_radius
+    half_pin_torque = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length) * ring.pin_radius
     yield torque_item(
         "joint_ring_pin_glue",
         "fixed ring pin in its half-open socket, glued against turning",
         friction_torque,
-        half,
+        half_pin_torque,
         f"half of {GLUE_SOURCE}",
         f"friction {design.friction_of('pin_gear'):g} of the disc turns the pin; assumed: retaining compound on half "
         f"of its surface, {2e3 * ring.pin_radius:.4g} x {1e3 * length:.4g} mm, as a press fit needs a closed bore",
@@ -484,13 +489,15 @@ def _rate_press_fit(
         (hub.youngs_modulus, hub.poisson),
         (pin.youngs_modulus, pin.poisson),
     )
-    loose, tight = (-clearance for clearance in reversed(fits.clearances(fit_code(zones), 2.0 * radius)))
-    middle, *ends = (
+    least_interference, largest_interference = (
+        -clearance for clearance in reversed(fits.clearances(fit_code(zones), 2.0 * radius))
+    )
+    mean_torque, *ends = (
         strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
-        for value in (0.5 * (loose + tight), loose, tight)
+        for value in (0.5 * (least_interference + largest_interference), least_interference, largest_interference)
     )
     strongest = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
-    at_middle, at_loose, at_tight = (min(fit.pressure(value), strongest) for value in (middle, *ends))
+    at_middle, at_loose, at_tight = (min(fit.pressure(value), strongest) for value in (mean_torque, *ends))
     key, name = key_and_name
     return torque_item(
         key,
@@ -498,7 +505,7 @@ def _rate_press_fit(
         turning_torque,
         fit.torque(at_middle),
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
-        f"{zones}, mean interference less smoothing {1e6 * middle:.3g} um: {1e-6 * at_middle:.3g} MPa; "
+        f"{zones}, mean interference less smoothing {1e6 * mean_torque:.3g} um: {1e-6 * at_middle:.3g} MPa; "
         f"{fit.torque(at_loose):.3g} to {fit.torque(at_tight):.3g} N m over the zones; friction "
         f"{JOINTS.interface_friction:g} (assumed)",
     )

@@ -125,10 +125,10 @@ def relative_speed(reducer: Reducer, speed: float, bodies: tuple[Body, Body] = C
     With the ring fixed, disc and output turn by -w/(N - 1); with the carrier fixed the ring turns by w/N.
     """
     member = reducer.member
-    turning = float(member.gear_angle(speed))
-    speeds = {"shaft": speed, "disc": turning, "output": turning, "housing": float(member.ring_angle(speed))}
-    first, second = bodies
-    return abs(speeds[first] - speeds[second])
+    gear_speed = float(member.gear_angle(speed))
+    speeds = {"shaft": speed, "disc": gear_speed, "output": gear_speed, "housing": float(member.ring_angle(speed))}
+    first_body, second_body = bodies
+    return abs(speeds[first_body] - speeds[second_body])
 
 
 def speed_past_ring(reducer: Reducer, speed: float) -> float:
@@ -155,13 +155,13 @@ def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES,
     """
     design = reducer.design
     speed = math.copysign(point.speed, design.drive.speed)
-    turning = reducer.but(drive={"speed": speed})
+    turning_reducer = reducer.but(drive={"speed": speed})
     crank = design.lobes * turn_evenly(reducer, crank_angles)
-    springs, torque = springs_of(turning, crank), math.copysign(abs(point.torque), speed)
+    springs, torque = springs_of(turning_reducer, crank), math.copysign(abs(point.torque), speed)
     try:
-        contact_loads = loads(turning, springs, torque)
-        power = powers(turning, abs(point.torque), turn_evenly(reducer, min(crank_angles, POWER_POSES)))
-        closed = loads(turning, springs, PRELOAD_SHARE * torque) if with_wind_up else None
+        contact_loads = loads(turning_reducer, springs, torque)
+        power = powers(turning_reducer, abs(point.torque), turn_evenly(reducer, min(crank_angles, POWER_POSES)))
+        preload_loads = loads(turning_reducer, springs, PRELOAD_SHARE * torque) if with_wind_up else None
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
         raise RunError(
@@ -170,29 +170,29 @@ def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES,
         ) from error
     cam = contact_loads.cam.reshape(crank_angles, -1, 2)
     shaft = shaft_dimensions(reducer)
-    stations, forces = _shaft_forces(turning, shaft, springs.crank, cam)
+    stations, forces = _shaft_forces(turning_reducer, shaft, springs.crank, cam)
     return Loading(
         point=point,
-        reducer=turning,
+        reducer=turning_reducer,
         springs=springs,
         crank=springs.crank,
         cam=magnitudes(cam),
         shaft=forces,
         stations=stations,
         output=contact_loads.output.reshape(crank_angles, cam.shape[1], -1),
-        on_output=compute_reactions(turning, springs, contact_loads).output.force,
+        on_output=compute_reactions(turning_reducer, springs, contact_loads).output.force,
         teeth=float(contact_loads.teeth.max()),
         pressures={
-            kind: peak_pressure(turning, springs, contact_loads, kind)
+            kind: peak_pressure(turning_reducer, springs, contact_loads, kind)
             for kind in design.pair_kinds
-            if is_hertzian(turning, springs, contact_loads, kind)
+            if is_hertzian(turning_reducer, springs, contact_loads, kind)
         },
-        sliding=_compute_sliding(turning, springs, contact_loads),
+        sliding=_compute_sliding(turning_reducer, springs, contact_loads),
         losses=dict(power.friction),
         crank_torque=power.crank / abs(speed),
-        wind_up=abs(float((contact_loads.departures - closed.departures)[:, 2].mean()))
+        wind_up=abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
         / (design.output.pin_circle_radius * (1.0 - PRELOAD_SHARE))
-        if closed
+        if preload_loads
         else math.nan,
         work=contact_loads.work,
     )
@@ -213,8 +213,8 @@ def _compute_sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -
     sliding: dict[str, Sliding] = {}
     if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
         at_pin = np.tile(profile.pin_angles(reducer.tooth_profile), ring.halves)
-        along = springs.crank[:, None, None] + np.array(reducer.phases)[:, None] + at_pin
-        density = _largest_density(teeth * on_teeth, along.reshape(teeth.shape), _flank_lengths(reducer))
+        phase = springs.crank[:, None, None] + np.array(reducer.phases)[:, None] + at_pin
+        density = _largest_density(teeth * on_teeth, phase.reshape(teeth.shape), _flank_lengths(reducer))
         sliding[design.tooth_pair] = _summarize_sliding(
             reducer, design.tooth_pair, teeth, on_teeth, ring.pin_radius, density
         )
@@ -227,17 +227,19 @@ def _compute_sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -
         azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
         density = _largest_density(teeth * on_teeth, towards[:, :count] + azimuth, lengths, passes_evenly=False)
         sliding[seat] = _summarize_sliding(reducer, seat, teeth, on_teeth, ring.pin_radius, density)
-    pressed, on_pins = contact_loads.output, slip[:, count:]
+    output_forces, on_pins = contact_loads.output, slip[:, count:]
     if not output.rollers:
-        lengths = _circle_lengths(output.hole_radius, pressed.shape[1])
+        lengths = _circle_lengths(output.hole_radius, output_forces.shape[1])
         azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
         in_disc = towards[:, count:] + springs.crank[:, np.newaxis] / design.lobes
-        density = _largest_density(pressed * on_pins, in_disc + azimuth, lengths)
-        sliding["output"] = _summarize_sliding(reducer, "output", pressed, on_pins, output.pin_radius, density)
+        density = _largest_density(output_forces * on_pins, in_disc + azimuth, lengths)
+        sliding["output"] = _summarize_sliding(reducer, "output", output_forces, on_pins, output.pin_radius, density)
     elif not output.has_needles:
         on_core = on_pins * output.root_radius / output.pin_radius
-        density = _mean_density(pressed * on_core, output.root_radius)
-        sliding["output_roller"] = _summarize_sliding(reducer, "output", pressed, on_core, output.root_radius, density)
+        density = _mean_density(output_forces * on_core, output.root_radius)
+        sliding["output_roller"] = _summarize_sliding(
+            reducer, "output", output_forces, on_core, output.root_radius, density
+        )
     if design.gear.bearing == "plain":
         cam = contact_loads.cam
         force = magnitudes(cam)
@@ -255,11 +257,11 @@ def _summarize_sliding(
 
     `density` is the largest wear power per length [W/m], which is passed on.
     """
-    power, loaded = force * speed, force > 0.0
+    power, is_loaded = force * speed, force > 0.0
     return Sliding(
         power=float(power.sum(axis=1).mean()),
         pressure_speed=float(power.max()) / (2.0 * radius * reducer.design.line_length(kind)),
-        speed=float(speed[loaded].mean()) if loaded.any() else 0.0,
+        speed=float(speed[is_loaded].mean()) if is_loaded.any() else 0.0,
         density=density,
     )
 
@@ -332,10 +334,10 @@ def _shaft_forces(
     )
     far_bearing, near_bearing = (0.5 * sum(ends) for ends in dimensions.bearings)
     loaded_stations = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(dimensions.counterweight)])
-    applied = np.concatenate([on_cams, unbalance], axis=1)
-    far_reaction, near_reaction = Planes(applied, loaded_stations).reactions_at(far_bearing, near_bearing)
+    applied_forces = np.concatenate([on_cams, unbalance], axis=1)
+    far_reaction, near_reaction = Planes(applied_forces, loaded_stations).reactions_at(far_bearing, near_bearing)
     return np.array([*loaded_stations, far_bearing, near_bearing]), np.concatenate(
-        [applied, far_reaction[:, None], near_reaction[:, None]], axis=1
+        [applied_forces, far_reaction[:, None], near_reaction[:, None]], axis=1
     )
 
 

@@ -113,7 +113,9 @@ def life_factor(kappa: float, cleanliness: float, limit: float, load: float, cur
     if kappa < LIMITS.min_kappa:
         return LIMITS.min_factor
     kappa = min(kappa, LIMITS.max_kappa)
-    factor, power = next((b, c) for end, b, c in curve.ranges if kappa < end or end == LIMITS.max_kappa)
+    factor, power = next(
+        (coefficient, exponent) for end, coefficient, exponent in curve.ranges if kappa < end or end == LIMITS.max_kappa
+    )
     film = (curve.offset - factor / kappa**power) ** curve.film_exponent
     denominator = 1.0 - film * (cleanliness * limit / load) ** curve.load_exponent
     return (

@@ -86,9 +86,13 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
     """Return the kind (ball or needle), number and mean diameter [m] of a bearing of `bearings_of`."""
     design = reducer.design
     if bearing.key == "cam_bearing":
-        bought = cam_bearing(reducer)
-        bore = bought[0].bore if bought else 2.0 * (design.gear.bore_radius - 2.0 * reducer.contacts.roller_radius)
-        ball = bought is not None and bought[0] in ball_bearings()
+        stock_bearing = cam_bearing(reducer)
+        bore = (
+            stock_bearing[0].bore
+            if stock_bearing
+            else 2.0 * (design.gear.bore_radius - 2.0 * reducer.contacts.roller_radius)
+        )
+        ball = stock_bearing is not None and stock_bearing[0] in ball_bearings()
         return "ball" if ball else "needle", design.gear.discs, 0.5 * bore + design.gear.bore_radius
     if bearing.key == "output_rollers":
         return "needle", design.output.pins * design.gear.discs, design.output.root_radius + design.output.pin_radius
@@ -105,8 +109,8 @@ def _seal_torque(reducer: Reducer, crank_speed: float) -> float:
     if design.drag.crank or design.drag.output:
         return 0.0
     on_shaft, on_hub = seal_torques(reducer)
-    turning = (
+    output_speed = (
         relative_speed(reducer, crank_speed, ("shaft", "housing")),
         relative_speed(reducer, crank_speed, ("output", "housing")),
     )
-    return turning[0] / crank_speed * on_shaft + turning[1] / crank_speed * on_hub
+    return output_speed[0] / crank_speed * on_shaft + output_speed[1] / crank_speed * on_hub

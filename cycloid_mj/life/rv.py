@@ -89,13 +89,13 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
     in_discs = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
     in_flanges = tuple(_flange_forces(reducer, force) for force in forces)
-    stated = "of the design file (bearing.*_capacity_n)"
+    source_text = "of the design file (bearing.*_capacity_n)"
     yield _Row(
         "crank_needles",
         "needles of a crank in a disc",
         stated_ratings.dynamic_capacity or needles.dynamic,
         stated_ratings.static_capacity or needles.static,
-        stated
+        source_text
         if stated_ratings.dynamic_capacity
         else f"assumed: {needles}, the eccentric as inner ring, the disc as outer ring",
         in_discs,
@@ -105,7 +105,7 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
         "tapered bearing of a crank in a flange",
         stated_ratings.shaft_dynamic_capacity or tapers.dynamic,
         stated_ratings.shaft_static_capacity or tapers.static,
-        stated if stated_ratings.shaft_dynamic_capacity else f"assumed: {tapers} of a light series",
+        source_text if stated_ratings.shaft_dynamic_capacity else f"assumed: {tapers} of a light series",
         in_flanges,
     )
 

@@ -62,8 +62,8 @@ def hysteresis(reducer: Reducer) -> Quantity:
     widths = []
     for crank in turn_evenly(reducer, SETTINGS.loop_angles):
         rows, turns = follow_torque_path(reducer, torque * SETTINGS.loop, float(crank), Losses())
-        first, second = np.interp((4.0, 8.0), rows, turns)
-        widths.append(abs(first - second) / ARCMINUTE)
+        start_turn, end_turn = np.interp((4.0, 8.0), rows, turns)
+        widths.append(abs(start_turn - end_turn) / ARCMINUTE)
     note = f"after loads of +-{torque:.4g} N m, crank locked, with the backlash; friction of the contacts only"
     return Quantity("hysteresis_loss", "Hysteresis loss", float(np.mean(widths)), "arcmin", note=note)
 
@@ -71,20 +71,32 @@ def hysteresis(reducer: Reducer) -> Quantity:
 def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantity, ...]:
     """Return running, starting and back-driving torque of the drive with grease, bearings and seals [N m]."""
     design, speed = reducer.design, abs(reducer.design.drive.speed)
-    running, starting, back_driving = (
+    running_torque, starting_torque, back_driving_torque = (
         quantity(reducer, key).value
         for key in ("no_load_torque_nm", "starting_torque_nm", "back_driving_torque_free_nm")
     )
-    cold, warm = (no_load_torque(reducer, speed, temperature) for temperature in (SETTINGS.cold, SETTINGS.warm))
+    cold_torque, warm_torque = (
+        no_load_torque(reducer, speed, temperature) for temperature in (SETTINGS.cold, SETTINGS.warm)
+    )
     start = no_load_torque(reducer, 0.0, SETTINGS.cold)
     efficiency = 0.01 * static_sheet.quantities["back_driving_efficiency"].value
-    driven_torque = back_driving + start.total * design.reduction / efficiency if efficiency > 0.0 else math.nan
+    driven_torque = back_driving_torque + start.total * design.reduction / efficiency if efficiency > 0.0 else math.nan
     included = "with seals, grease, bearings"
     source = "Palmgren's M0 and ISO/TR 14179-2"
     rows = (
-        ("running_torque_cold", "No-load torque, 20 °C", running + cold.total, _range(running, cold)),
-        ("running_torque_warm", "No-load torque, 60 °C", running + warm.total, _range(running, warm)),
-        ("starting_torque_drive", "Starting torque, 20 °C", starting + start.total, "on the crank"),
+        (
+            "running_torque_cold",
+            "No-load torque, 20 °C",
+            running_torque + cold_torque.total,
+            _range(running_torque, cold_torque),
+        ),
+        (
+            "running_torque_warm",
+            "No-load torque, 60 °C",
+            running_torque + warm_torque.total,
+            _range(running_torque, warm_torque),
+        ),
+        ("starting_torque_drive", "Starting torque, 20 °C", starting_torque + start.total, "on the crank"),
         ("back_driving_torque_drive", "Back-driving torque, 20 °C", driven_torque, "on the output, crank free"),
     )
     return tuple(
@@ -105,10 +117,12 @@ def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     )
     curves = []
     for temperature in (SETTINGS.cold, SETTINGS.warm):
-        idle = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])
+        idle_torques = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])
         name = f"{temperature:g} °C"
         panel = "No-load torque"
-        curves.append(Curve(panel, name, speeds / RPM, contacts + idle, "input speed [rpm]", "crank torque [N m]"))
+        curves.append(
+            Curve(panel, name, speeds / RPM, contacts + idle_torques, "input speed [rpm]", "crank torque [N m]")
+        )
     return tuple(curves)
 
 
@@ -163,11 +177,11 @@ def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
         note=f"{covers.motor.name}, at {abs(design.drive.speed) / RPM:.0f} rpm, "
         f"{abs(design.drive.torque * design.drive.speed):.3g} W",
     )
-    for screwed in screwed_joints(reducer):
-        key = screwed.joint.name.replace(" ", "_")
-        note = f"{screwed.designation}, {1e-3 * screwed.preload:.3g} kN each, friction 0.12 (VDI 2230)"
-        name = f"Tightening, {screwed.joint.name}"
-        yield Quantity(f"tightening_{key}", name, screwed.tightening_torque, "N m", note=note)
+    for screwed_joint in screwed_joints(reducer):
+        key = screwed_joint.joint.name.replace(" ", "_")
+        note = f"{screwed_joint.designation}, {1e-3 * screwed_joint.preload:.3g} kN each, friction 0.12 (VDI 2230)"
+        name = f"Tightening, {screwed_joint.joint.name}"
+        yield Quantity(f"tightening_{key}", name, screwed_joint.tightening_torque, "N m", note=note)
 
 
 def _input_load_row(reducer: Reducer) -> Quantity:
@@ -191,8 +205,8 @@ def _input_load_row(reducer: Reducer) -> Quantity:
                 bearing.ratings.dynamic, design.service.life, speed, design.bearing.reliability
             )
             nominal_force = float(bearing_forces(reducer, bearing.key, loading).max())
-            spare = min(for_life / design.bearing.service_factor, bearing.ratings.static) - nominal_force
-            limits.append(max(spare, 0.0) / share)
+            spare_force = min(for_life / design.bearing.service_factor, bearing.ratings.static) - nominal_force
+            limits.append(max(spare_force, 0.0) / share)
     return Quantity(
         "input_radial_load",
         "Radial load on the input shaft",

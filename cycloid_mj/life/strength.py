@@ -43,11 +43,11 @@ def rate_strength(
     yield rate_output_pin(reducer, worst.output)
     yield _rate_shaft_shoulders(reducer, worst)
     torque = abs(worst.point.torque)
-    studied = {part: known for part, known in (ranges or {}).items() if family(part) in STUDIED}
-    for part, stress_range in studied.items():
+    ranges_by_part = {part: part_ranges for part, part_ranges in (ranges or {}).items() if family(part) in STUDIED}
+    for part, stress_range in ranges_by_part.items():
         yield _rate_by_study(reducer, part, stress_range, torque)
     for wall in list_walls(reducer):
-        if HOLED[wall.part] not in map(family, studied):
+        if HOLED[wall.part] not in map(family, ranges_by_part):
             yield _rate_wall(reducer, wall, worst)
 
 
@@ -102,7 +102,7 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
     directions = np.stack([np.cos(FIBRE_ANGLES), np.sin(FIBRE_ANGLES)], axis=1)
     section = 4.0 / (math.pi * shaft.radius**3)
     endurance = _endurance_limit(reducer, material.tensile_strength, 2.0 * shaft.radius)
-    rated: list[tuple[float, RatedItem]] = []
+    rated_shoulders: list[tuple[float, RatedItem]] = []
     for shoulder in shaft.shoulders:
         factors = [
             notch_factor(
@@ -110,9 +110,9 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
             )
             for terms, stress in SHOULDER_STRESSES
         ]
-        bent = factors[0] * section * bending_moment(worst, shoulder.z) @ directions.T
+        bending_stress = factors[0] * section * bending_moment(worst, shoulder.z) @ directions.T
         shear = factors[1] * 0.5 * section * worst.crank_torque
-        high, low = bent.max(axis=0), bent.min(axis=0)
+        high, low = bending_stress.max(axis=0), bending_stress.min(axis=0)
         amplitude = 0.5 * (high - low)
         mean = np.hypot(0.5 * (high + low), math.sqrt(3.0) * shear)
         weakest = int(np.argmax(amplitude / endurance + mean / material.tensile_strength))
@@ -129,8 +129,8 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
             f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
             f"{_limit_source(reducer, 'shaft')}",
         )
-        rated.append((fatigue.safety, item))
-    return min(rated, key=lambda pair: pair[0])[1]
+        rated_shoulders.append((fatigue.safety, item))
+    return min(rated_shoulders, key=lambda pair: pair[0])[1]
 
 
 def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
@@ -139,7 +139,7 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
     scale = torque / stress_range.load
     endurance = _endurance_limit(reducer, material.tensile_strength, 0.0)
     fatigue = Fatigue(scale * stress_range.amplitude, scale * stress_range.mean, endurance, material.tensile_strength)
-    scaled = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
+    scale_note = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
     return RatedItem(
         f"{part}_fatigue",
         f"{STUDIED[family(part)]}, fatigue",
@@ -149,7 +149,7 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
         fatigue.safety,
         None,
         "Goodman, stress range at the worst node over a turn, by finite elements",
-        f"stress study at {stress_range.load:.4g} N m{scaled}; {_limit_source(reducer, PART_OF[family(part)])}",
+        f"stress study at {stress_range.load:.4g} N m{scale_note}; {_limit_source(reducer, PART_OF[family(part)])}",
     )
 
 

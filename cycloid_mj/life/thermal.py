@@ -284,20 +284,20 @@ def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings:
     """
     ambient = reducer.design.service.ambient_temperature
     temperatures = dict.fromkeys(HEATED, ambient)
-    warm, converged = reducer, False
+    warm, has_converged = reducer, False
     for _ in range(settings.rounds):
         losses, network = _solve_losses(warm, points, temperatures["housing"])
         rises = network.rises(heat_by_node(reducer, losses))
         previous, temperatures = temperatures, {part: ambient + rise for part, rise in rises.items()}
         if max(abs(temperatures[part] - previous[part]) for part in HEATED) < settings.tolerance:
-            converged = True
+            has_converged = True
             break
         hot_design = _at(reducer.design, temperatures)
         jams = tooth_play(hot_design) <= 0.0 or min(warm_clearances(hot_design).values()) <= 0.0
         if jams or max(temperatures.values()) > settings.hottest:
             break
         warm = Reducer(hot_design)
-    return _Steady(temperatures, losses, network, converged)
+    return _Steady(temperatures, losses, network, has_converged)
 
 
 def _solve_losses(reducer: Reducer, points: Sequence[DutyPoint], wall: float) -> tuple[dict[str, float], Network]:

@@ -103,11 +103,11 @@ def line_contact_conductance(force: Array, length: float, radius: float, partner
     compliance = sum((1.0 - item.poisson**2) / item.youngs_modulus for item in partners)
     half_width = np.sqrt(4.0 * np.maximum(force, 0.0) * radius * compliance / (math.pi * length))
     resistance = np.zeros_like(half_width)
-    loaded = half_width > 0.0
+    is_loaded = half_width > 0.0
     for material in partners:
-        constriction = np.log(np.maximum(4.0 * radius / half_width[loaded], math.e))
-        resistance[loaded] += constriction / (math.pi * heat_properties(material).conductivity * length)
-    return np.divide(1.0, resistance, out=np.zeros_like(resistance), where=loaded)
+        constriction = np.log(np.maximum(4.0 * radius / half_width[is_loaded], math.e))
+        resistance[is_loaded] += constriction / (math.pi * heat_properties(material).conductivity * length)
+    return np.divide(1.0, resistance, out=np.zeros_like(resistance), where=is_loaded)
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,12 +215,14 @@ def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductan
     for pair, (forces, radius) in line_contacts.items():
         length, partners = design.line_length(pair), design.partners(pair)
         value = line_contact_conductance(forces, length, radius, partners).sum(axis=1).mean()
-        first, second = (BODY_OF[part] for part in PARTNERS[pair])
-        yield Conductance(first, second, float(value), f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn")
+        first_node, second_node = (BODY_OF[part] for part in PARTNERS[pair])
+        yield Conductance(
+            first_node, second_node, float(value), f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn"
+        )
     force = float(np.linalg.norm(contact_loads.cam, axis=-1).mean())
     if design.gear.bearing == "plain":
-        around = 2.0 * math.pi * design.gear.bore_radius * design.gear.face_width * design.gear.discs
-        value = design.thermal.grease_conductivity * around / design.clearance.cam
+        bore_area = 2.0 * math.pi * design.gear.bore_radius * design.gear.face_width * design.gear.discs
+        value = design.thermal.grease_conductivity * bore_area / design.clearance.cam
         yield Conductance("crank", "disc", value, "lubricant in the gap of the plain cam, k A/clearance")
         return
     rollers = design.contact.cam_rollers
@@ -239,9 +241,9 @@ def _roller_conductance(
     Each loaded roller of a radius and length [m] conducts through its inner and outer contact in series; `partners` are
     the materials of rollers and rings.
     """
-    loaded = max(1.0, ASSUMED.loaded_share * rollers)
-    per_roller = line_contact_conductance(np.array([force / loaded]), length, radius, partners)
-    return 0.5 * loaded * float(per_roller[0])
+    loaded_rollers = max(1.0, ASSUMED.loaded_share * rollers)
+    per_roller = line_contact_conductance(np.array([force / loaded_rollers]), length, radius, partners)
+    return 0.5 * loaded_rollers * float(per_roller[0])
 
 
 def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
@@ -255,10 +257,10 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
         force = float(bearing_forces(reducer, bearing.key, loading).mean())
         roller_radius = 0.5 * ASSUMED_ROLLERS.shaft_roller_share * 0.5 * bearing.bore
         value = _roller_conductance(ASSUMED_ROLLERS.shaft_rollers, roller_radius, width, force, (steel, steel))
-        first, second = (NODE_OF_BODY[body] for body in bearing.joins)
+        first_node, second_node = (NODE_OF_BODY[body] for body in bearing.joins)
         yield Conductance(
-            first,
-            second,
+            first_node,
+            second_node,
             value,
             f"{bearing.name}: {ASSUMED_ROLLERS.shaft_rollers} rollers assumed, a third of them loaded",
         )

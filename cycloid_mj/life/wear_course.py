@@ -89,7 +89,7 @@ class WearingDrive:
         for surface in self.surfaces:
             material = design.material_of(surface.part)
             name = material.name or design.material_table(surface.part)
-            values = (find(design.service, material) for find in (wear_coefficient, run_in_depth))
+            values = (get_value(design.service, material) for get_value in (wear_coefficient, run_in_depth))
             laws[surface.key] = WearLaw(name, *values)
         return laws
 
@@ -127,10 +127,12 @@ class WearingDrive:
         """
         rates = {surface.key: np.zeros(surface.cells) for surface in self.surfaces}
         for point in self.points:
-            turning = worn_reducer.but(drive={"speed": math.copysign(point.speed, worn_reducer.design.drive.speed)})
-            springs = springs_of(turning, self.crank)
-            torque = math.copysign(abs(point.torque), turning.design.drive.speed)
-            sliding = sliding_contacts(turning, springs, loads(turning, springs, torque, follow=True))
+            turning_reducer = worn_reducer.but(
+                drive={"speed": math.copysign(point.speed, worn_reducer.design.drive.speed)}
+            )
+            springs = springs_of(turning_reducer, self.crank)
+            torque = math.copysign(abs(point.torque), turning_reducer.design.drive.speed)
+            sliding = sliding_contacts(turning_reducer, springs, loads(turning_reducer, springs, torque, follow=True))
             for surface in self.surfaces:
                 rates[surface.key] += point.share * dose_rate(surface, sliding[surface.gap])
         return rates

@@ -107,10 +107,10 @@ def wear_coefficient(service: Service, material: Material) -> Interval:
 
     It is that of the design file (within a factor of ten), or of the kind of material.
     """
-    stated = service.wear_coefficient
-    if stated != Service.model_fields["wear_coefficient"].default:
+    stated_coefficient = service.wear_coefficient
+    if stated_coefficient != Service.model_fields["wear_coefficient"].default:
         source = "service.wear_coefficient_mm3_nm of the design file, within a factor of ten (assumed)"
-        return Interval(stated / SPREAD, stated, stated * SPREAD, source)
+        return Interval(stated_coefficient / SPREAD, stated_coefficient, stated_coefficient * SPREAD, source)
     if not material.is_plastic:
         return COEFFICIENTS["metal"]
     return COEFFICIENTS[KIND_OF_MATERIAL.get(material.name, "plastic")]

@@ -107,31 +107,41 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     design, ring, gear = reducer.design, reducer.design.ring, reducer.tooth_profile
     length, count = design.line_length(design.tooth_pair), ring.mates * design.gear.discs
     phase = np.append(table_angles(TABLE), math.pi)
-    on_pin = profile.conjugate_alpha(gear, phase)
+    angle_on_pin = profile.conjugate_alpha(gear, phase)
     seat, bore = design.seat_pair, ring.sleeve_bore_radius
-    around = 2.0 * math.pi * ring.pin_radius
+    circumference = 2.0 * math.pi * ring.pin_radius
     if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
         flank = profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes
-        along = -profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset)
+        flank_coordinate = -profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset)
         flanks = design.lobes * design.gear.discs * ring.halves
-        yield WearingSurface("flank", "flanks of the discs", "gear", "teeth", flanks, flank, length, along)
+        yield WearingSurface("flank", "flanks of the discs", "gear", "teeth", flanks, flank, length, flank_coordinate)
         if seat:
             # a smaller pin also widens the clearance of its socket
             opening = 2.0 if ring.has_sockets else 1.0
-            yield WearingSurface("pin", "pins", "pin", "teeth", count, around, length, opening=opening)
+            yield WearingSurface("pin", "pins", "pin", "teeth", count, circumference, length, opening=opening)
         elif ring.kind == "pin":
-            yield WearingSurface("pin", "pins", "pin", "teeth", count, around, length, ring.pin_radius * on_pin)
+            yield WearingSurface(
+                "pin", "pins", "pin", "teeth", count, circumference, length, ring.pin_radius * angle_on_pin
+            )
         else:
-            coordinate = ring.pin_radius * on_pin
-            yield WearingSurface("lobe", "lobes of the ring", "housing", "teeth", count, around, length, coordinate)
+            coordinate = ring.pin_radius * angle_on_pin
+            yield WearingSurface(
+                "lobe", "lobes of the ring", "housing", "teeth", count, circumference, length, coordinate
+            )
     elif seat == "pin_socket":
-        coordinate = ring.pin_radius * on_pin
-        yield WearingSurface("pin", "pins", "pin", "teeth", count, around, length, opening=2.0)
-        yield WearingSurface("socket", "sockets of the pins", "housing", "teeth", count, around, length, coordinate)
+        coordinate = ring.pin_radius * angle_on_pin
+        yield WearingSurface("pin", "pins", "pin", "teeth", count, circumference, length, opening=2.0)
+        yield WearingSurface(
+            "socket", "sockets of the pins", "housing", "teeth", count, circumference, length, coordinate
+        )
     else:
-        inside, lever = 2.0 * math.pi * bore, bore / ring.pin_radius
-        yield WearingSurface("sleeve", "bores of the sleeves", "pin", "teeth", count, inside, length, lever=lever)
-        yield WearingSurface("core", "pins in sleeves", "pin", "teeth", count, inside, length, bore * on_pin, lever)
+        bore_circumference, lever = 2.0 * math.pi * bore, bore / ring.pin_radius
+        yield WearingSurface(
+            "sleeve", "bores of the sleeves", "pin", "teeth", count, bore_circumference, length, lever=lever
+        )
+        yield WearingSurface(
+            "core", "pins in sleeves", "pin", "teeth", count, bore_circumference, length, bore * angle_on_pin, lever
+        )
 
 
 def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
@@ -144,14 +154,24 @@ def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
             ("hole", "holes of the discs", "gear", output.hole_radius),
             ("output_pin", "output pins", "output", output.pin_radius),
         ):
-            around = 2.0 * math.pi * radius
-            yield WearingSurface(key, name, part, "output", count, around, length, radius * angle)
+            circumference = 2.0 * math.pi * radius
+            yield WearingSurface(key, name, part, "output", count, circumference, length, radius * angle)
     elif not output.has_needles:
         radius, lever = output.root_radius, output.root_radius / output.pin_radius
-        around = 2.0 * math.pi * radius
-        yield WearingSurface("roller", "bores of the rollers", "output", "output", count, around, length, lever=lever)
+        circumference = 2.0 * math.pi * radius
         yield WearingSurface(
-            "roller_core", "cores of the rollers", "output", "output", count, around, length, radius * angle, lever
+            "roller", "bores of the rollers", "output", "output", count, circumference, length, lever=lever
+        )
+        yield WearingSurface(
+            "roller_core",
+            "cores of the rollers",
+            "output",
+            "output",
+            count,
+            circumference,
+            length,
+            radius * angle,
+            lever,
         )
 
 
@@ -160,10 +180,10 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     gear = reducer.design.gear
     if gear.bearing != "plain":
         return
-    around, angle = 2.0 * math.pi * gear.bore_radius, np.append(table_angles(TABLE), math.pi)
-    yield WearingSurface("bore", "bores of the discs", "gear", "cam", gear.discs, around, gear.face_width)
+    circumference, angle = 2.0 * math.pi * gear.bore_radius, np.append(table_angles(TABLE), math.pi)
+    yield WearingSurface("bore", "bores of the discs", "gear", "cam", gear.discs, circumference, gear.face_width)
     coordinate = gear.bore_radius * angle
-    yield WearingSurface("cam", "cams", "shaft", "cam", gear.discs, around, gear.face_width, coordinate)
+    yield WearingSurface("cam", "cams", "shaft", "cam", gear.discs, circumference, gear.face_width, coordinate)
 
 
 def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
@@ -216,8 +236,8 @@ def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | No
     contact = reducer.contacts[kind]
     pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)
     width = np.zeros_like(force)
-    loaded = pressure > 0.0
-    width[loaded] = 2.0 * force[loaded] / (math.pi * reducer.design.line_length(kind) * pressure[loaded])
+    is_loaded = pressure > 0.0
+    width[is_loaded] = 2.0 * force[is_loaded] / (math.pi * reducer.design.line_length(kind) * pressure[is_loaded])
     return np.minimum(width, CONTACT.hertz_reach * radius)
 
 
@@ -230,10 +250,12 @@ def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
     area = surface.count * surface.length * surface.section / surface.cells
     if surface.place is None:
         return np.array([power.sum() / len(power) / area])
-    loaded = power > 0.0
+    is_loaded = power > 0.0
     angles = np.append(table_angles(TABLE), math.pi)
-    coordinates = np.interp(sliding.angle[loaded], angles, surface.place)
-    in_cells = sum_over_cells(coordinates, sliding.half_width[loaded], power[loaded], surface.section, surface.cells)
+    coordinates = np.interp(sliding.angle[is_loaded], angles, surface.place)
+    in_cells = sum_over_cells(
+        coordinates, sliding.half_width[is_loaded], power[is_loaded], surface.section, surface.cells
+    )
     forward = in_cells / len(power) / area
     return 0.5 * (forward + forward[::-1])
 
@@ -245,16 +267,18 @@ def sum_over_cells(centres: Array, half_widths: Array, weights: Array, period: f
     the sum of ramps that begin at one end and stop at the other: two cumulative sums over the sorted ends are exact.
     """
     min_half_width = 1e-6 * period / cells  # a contact without width counts as a very narrow one
-    half = np.maximum(half_widths, min_half_width)
+    clipped_half_widths = np.maximum(half_widths, min_half_width)
     shifts = np.array([-period, 0.0, period])[:, np.newaxis]
-    ends = np.concatenate([(centres - half + shifts).ravel(), (centres + half + shifts).ravel()])
-    slopes = np.tile(weights / (2.0 * half), 3)
+    ends = np.concatenate(
+        [(centres - clipped_half_widths + shifts).ravel(), (centres + clipped_half_widths + shifts).ravel()]
+    )
+    slopes = np.tile(weights / (2.0 * clipped_half_widths), 3)
     slopes = np.concatenate([slopes, -slopes])
     order = np.argsort(ends)
     ends, slopes = ends[order], slopes[order]
     edges = (np.arange(cells + 1) / cells - 0.5) * period
-    before = np.searchsorted(ends, edges)
-    level, moment = (np.concatenate([[0.0], np.cumsum(values)])[before] for values in (slopes, slopes * ends))
+    cell_before = np.searchsorted(ends, edges)
+    level, moment = (np.concatenate([[0.0], np.cumsum(values)])[cell_before] for values in (slopes, slopes * ends))
     return np.asarray(np.diff(edges * level - moment))
 
 

@@ -154,8 +154,8 @@ def read_attachment(record: Record, path: Path) -> tuple[str, bytes]:
         (crc,) = struct.unpack("<I", record.content[-4:])
         if zlib.crc32(record.content[:-4]) != crc:
             raise ValueError("its CRC is wrong")
-        parsed = Attachment.read(_stream(record.content))
-    return parsed.name, parsed.data
+        attachment = Attachment.read(_stream(record.content))
+    return attachment.name, attachment.data
 
 
 def read_chunk(record: Record, path: Path) -> Messages:

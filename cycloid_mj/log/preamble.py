@@ -33,11 +33,11 @@ def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str
     `metadata` are the log's records by name, `attachments` the names of the attachments that were read. Logs of earlier
     versions have no checksum and no list of attachments: of them only missing provenance is reported.
     """
-    package, stored = metadata[PACKAGE], metadata.get(PROVENANCE)
+    package, provenance = metadata[PACKAGE], metadata.get(PROVENANCE)
     missing = []
-    if stored is None:
+    if provenance is None:
         missing.append("its provenance is missing")
-    elif package.get(CHECKSUM, _checksum(stored)) != _checksum(stored):
+    elif package.get(CHECKSUM, _checksum(provenance)) != _checksum(provenance):
         missing.append("its provenance is damaged")
     try:
         names = set(json.loads(package.get(FILES, "[]")))

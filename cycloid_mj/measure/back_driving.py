@@ -166,22 +166,22 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
     The torque is NaN if the crank turns by less than a share of the rotation of a crank without friction.
     """
     forward = -braking_sign(reducer)
-    compiled = model_for(solver, reducer.at_rated_load, held="")
-    frictionless_rate = max_torque / (6.0 * reducer.design.reduction * compiled.crank_inertia)
+    model = model_for(solver, reducer.at_rated_load, held="")
+    frictionless_rate = max_torque / (6.0 * reducer.design.reduction * model.crank_inertia)
     # a torque that rises in this time crosses the output's play in a share of it
     crossing_time = math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (max_torque * START.crossing**3))
     growth_time = max(START.min_time, math.sqrt(START.min_rotation / frictionless_rate), crossing_time)
     cycle = DriveCycle(0.0, 0.0, drive=np.zeros_like, load=lambda time: forward * max_torque * time / growth_time)
-    run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": growth_time}).design, compiled, cycle)
-    moving = run.select(np.abs(run["crank_angle"]) > START.turned)
+    run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": growth_time}).design, model, cycle)
+    moving_run = run.select(np.abs(run["crank_angle"]) > START.turned)
     if (
         abs(run["crank_angle"][-1]) < START.min_travel * frictionless_rate * growth_time**2
-        or len(moving) < START.min_samples
+        or len(moving_run) < START.min_samples
     ):
         return StartFromRest(math.nan, math.nan, max_torque, run)
-    growth, count = max_torque / growth_time, len(moving)
+    growth, count = max_torque / growth_time, len(moving_run)
     windows = [slice(None), slice(0, count // 4), slice(count // 2, None)]
-    torque, *other_torques = (growth * _zero_acceleration_time(moving.select(part)) for part in windows)
+    torque, *other_torques = (growth * _zero_acceleration_time(moving_run.select(part)) for part in windows)
     return StartFromRest(torque, max(abs(other - torque) for other in other_torques), max_torque, run)
 
 

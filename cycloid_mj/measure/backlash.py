@@ -176,8 +176,8 @@ def _run_presses(
 def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
     """Return the design with the clearance of one kind of pair only, and no errors, friction or weight."""
     design = reducer.design
-    tiny = {other: PRESS.no_clearance for other in design.pair_kinds if other != kind}
-    clearance = design.clearance.model_copy(update=tiny)
+    tiny_clearances = {other: PRESS.no_clearance for other in design.pair_kinds if other != kind}
+    clearance = design.clearance.model_copy(update=tiny_clearances)
     output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
     ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
     exact = {"clearance": clearance, "output": output, **ideal}
@@ -208,7 +208,8 @@ def press_to_stops(
     run = bench.run_with_step_retries(reducer, crank_angle, signal, max_torque, duration, samples, step_divisor, solver)
     error, phase = output_error(run, reducer), run.time / press_time
     stop_angles = [
-        float(error[(phase > n + 1 - PRESS.read_share) & (phase < n + 1)].mean()) for n in range(len(PRESS.levels))
+        float(error[(phase > level + 1 - PRESS.read_share) & (phase < level + 1)].mean())
+        for level in range(len(PRESS.levels))
     ]
     return StopPair(
         crank_angle, low=2.0 * stop_angles[5] - stop_angles[4], high=2.0 * stop_angles[2] - stop_angles[1], run=run
@@ -232,11 +233,11 @@ def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[s
         )
     for kind in reducer.design.pair_kinds:
         single = with_single_clearance(reducer, kind)
-        sampled, full = (
+        sampled_backlash, full = (
             rigid_backlash.single_clearance_backlash(single, angles)[kind]
             for angles in (np.array(crank_angles), turn_angles)
         )
-        closed_forms[kind] = ClosedForm(sampled, full)
+        closed_forms[kind] = ClosedForm(sampled_backlash, full)
     return closed_forms
 
 
@@ -259,9 +260,9 @@ def _quantities(
         if name == _ALL:
             source = "" if closed_form is None else "rigid contacts: linear programme"
             yield Quantity("backlash", "backlash of the output, mean", mean, "arcmin", error, reference, source)
-            measured = "backlash", "backlash", values, numerical, "arcmin"
+            extreme_arguments = "backlash", "backlash", values, numerical, "arcmin"
             yield from extreme_quantities(
-                *measured, scale=ARCMINUTE, closed_form=closed_form, reference=closed_form, source=source
+                *extreme_arguments, scale=ARCMINUTE, closed_form=closed_form, reference=closed_form, source=source
             )
         else:
             label, source = f"by clearance of {NAMES[name]} alone, mean", _FORMULAS.get(name, _MESH_FORMULA)
@@ -281,17 +282,17 @@ def _curves(
     reducer: Reducer, presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
 ) -> tuple[Curve, ...]:
     """Return curves of the backlash [arcmin] over the crank angle [deg], simulated and by closed form."""
-    drawn = []
+    curve_list = []
     axes = "crank angle [deg]", "backlash [arcmin]"
     for name, presses in presses_by_kind.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
         crank = np.degrees([pair.crank for pair in presses])
         if name in closed_forms:
             turn = np.degrees(rigid_backlash.full_turn_angles(reducer))
-            drawn.append(Curve(panel, "closed form", turn, closed_forms[name].turn / ARCMINUTE, *axes, "theory"))
+            curve_list.append(Curve(panel, "closed form", turn, closed_forms[name].turn / ARCMINUTE, *axes, "theory"))
         values = np.array([pair.backlash for pair in presses]) / ARCMINUTE
-        drawn.append(Curve(panel, "simulated", crank, values, *axes, "points"))
-    return tuple(drawn)
+        curve_list.append(Curve(panel, "simulated", crank, values, *axes, "points"))
+    return tuple(curve_list)
 
 
 def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str, ...]:

@@ -160,8 +160,8 @@ def locked_run(reducer: Reducer, crank_angle: float, torque: Signal, solver: Sol
         return simulate(reducer.design, model, locked_crank(model, crank_angle, torque))
     contact_timestep = timestep * BENCH.contact_step * (BENCH.friction_step if _max_friction_force(reducer) else 1.0)
     drive = Drive(rotor_inertia=reducer.design.drive.rotor_inertia)
-    replaced = {"drive": drive, "load": Load(), "settings": Settings(timestep=contact_timestep)}
-    compiled = _build_mujoco_model(Reducer(reducer.design.model_copy(update=replaced)), timestep)
+    bench_tables = {"drive": drive, "load": Load(), "settings": Settings(timestep=contact_timestep)}
+    compiled = _build_mujoco_model(Reducer(reducer.design.model_copy(update=bench_tables)), timestep)
     return simulate(reducer.design, compiled, locked_crank(compiled, crank_angle, torque))
 
 
@@ -206,10 +206,10 @@ def run_with_step_retries(
     """
     shortest, problem = 0.0, None
     for halvings in range(BENCH.max_halvings + 1):
-        prepared = prepare_bench(reducer, max_torque, duration, samples, step_divisor * 2.0**halvings, solver)
-        shortest = prepared.design.settings.timestep
+        bench = prepare_bench(reducer, max_torque, duration, samples, step_divisor * 2.0**halvings, solver)
+        shortest = bench.design.settings.timestep
         try:
-            return locked_run(prepared, crank_angle, torque, solver)
+            return locked_run(bench, crank_angle, torque, solver)
         except (RunError, ContactError) as error:
             problem = error
     raise RunError(

@@ -32,16 +32,16 @@ def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver
     """
     reducer = reducer.working_at(torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed
-    compiled = model_for(solver, reducer, held="output")
-    speed_slope = 2.0 * compiled.crank_inertia / DECAY if torque else 0.0
-    compiled = with_speed_slope(compiled, speed_slope)
+    model = model_for(solver, reducer, held="output")
+    speed_slope = 2.0 * model.crank_inertia / DECAY if torque else 0.0
+    model = with_speed_slope(model, speed_slope)
     motor_torque = rising(math.copysign(torque, torque * speed), 2e-3)
-    cycle = braked_output(compiled, reducer, lambda time: motor_torque(time) + speed_slope * speed)
+    cycle = braked_output(model, reducer, lambda time: motor_torque(time) + speed_slope * speed)
     # the oscillation is below 0.2 % of the torque then
     # the motor turns the crank across all of its play, at the speed at which the slope consumes its torque
     crossing_turn = reducer.play * reducer.design.reduction * speed_slope / abs(torque) if torque else 0.0
     settling_time = max(15e-3, crossing_turn / slowness(reducer))
-    return run_steady(reducer, settling_time, periods, solver, compiled, cycle)
+    return run_steady(reducer, settling_time, periods, solver, model, cycle)
 
 
 def with_speed_slope(compiled: Model, speed_slope: float) -> Model:

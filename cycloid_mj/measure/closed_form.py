@@ -33,8 +33,8 @@ def ideal_efficiency(reducer: Reducer, load: float) -> EfficiencyReference:
     contact_torque = load + design.drag.output
     crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
     relative_loss = sum(ideal_losses(reducer.but(load={"torque": contact_torque}), crank, design.mesh_friction))
-    supplied = contact_torque / efficiency_of_output_member(reducer, 1.0 / (1.0 + relative_loss))
-    return EfficiencyReference(load / (supplied + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
+    input_torque = contact_torque / efficiency_of_output_member(reducer, 1.0 / (1.0 + relative_loss))
+    return EfficiencyReference(load / (input_torque + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
 
 
 def ideal_limit(reducer: Reducer) -> Reducer:
@@ -64,8 +64,8 @@ def wang_efficiency(reducer: Reducer) -> EfficiencyReference:
     design = reducer.design
     ring, lobes = design.ring, design.lobes
     shortening = design.gear.eccentricity * ring.teeth / ring.pin_circle_radius
-    reach = (ring.pin_circle_radius - ring.pin_radius) / ring.pin_circle_radius
-    mesh_efficiency = 1.0 - 4.0 * design.mesh_friction * reach / (shortening * lobes * math.pi)
+    contact_radius_ratio = (ring.pin_circle_radius - ring.pin_radius) / ring.pin_circle_radius
+    mesh_efficiency = 1.0 - 4.0 * design.mesh_friction * contact_radius_ratio / (shortening * lobes * math.pi)
     radius_ratio = shortening * ring.pin_circle_radius / design.output.pin_circle_radius
     output_efficiency = 1.0 - 4.0 * design.friction_of("output") * radius_ratio / math.pi
     product = mesh_efficiency / (1.0 + lobes * (1.0 - mesh_efficiency)) * output_efficiency

@@ -77,10 +77,10 @@ def load_cases(reducer: Reducer, load: float | None, drag: float | None = None) 
     drag
         Torque of the unloaded condition [N m]; by default `SteadySettings.drag_share` of the rated one.
     """
-    rated = reducer.design.rated_torque
+    rated_torque = reducer.design.rated_torque
     return {
-        "unloaded": STEADY.drag_share * rated if drag is None else drag,
-        "loaded": rated if load is None else load,
+        "unloaded": STEADY.drag_share * rated_torque if drag is None else drag,
+        "loaded": rated_torque if load is None else load,
     }
 
 

@@ -122,7 +122,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     """Return the efficiency at the rated point, that of the ideal limit, and the energy balance's residual [%]."""
     efficiency, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
-    error, residual = 1e2 * efficiency_map.error, max((each.powers.residual for each in efficiency_map.grid), key=abs)
+    error, residual = 1e2 * efficiency_map.error, max((point.powers.residual for point in efficiency_map.grid), key=abs)
     condition = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
     return [
         Quantity(
@@ -182,11 +182,11 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     forward_efficiency = efficiency_map.rated.powers.efficiency
     back_driven = efficiency_map.backward
     backward, shift = (0.0, 0.0) if back_driven.powers.note else (back_driven.powers.efficiency, back_driven.shift)
-    locked = not backward > 0.0
-    driving_torque = math.nan if locked else design.rated_torque / backward
+    is_self_locking = not backward > 0.0
+    driving_torque = math.nan if is_self_locking else design.rated_torque / backward
     lock_note = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the crank"
     contacts = f"contacts, {drag_assumption(reducer)}; the bearings of the shafts are neglected"
-    unloaded, coasting = efficiency_map.unloaded, efficiency_map.coasting
+    unloaded_point, coasting = efficiency_map.unloaded, efficiency_map.coasting
     moving_torque, moving_torque_error, moving_torque_note = (
         math.nan,
         None,
@@ -205,7 +205,12 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     moving_names = "back_driving_torque_moving", "back-driving torque at speed, crank free"
     return [
         Quantity(
-            "no_load_torque", "no-load torque, on the crank", unloaded.drag, "N m", unloaded.drag_shift, note=contacts
+            "no_load_torque",
+            "no-load torque, on the crank",
+            unloaded_point.drag,
+            "N m",
+            unloaded_point.drag_shift,
+            note=contacts,
         ),
         Quantity(*moving_names, moving_torque, "N m", moving_torque_error, note=moving_torque_note),
         Quantity(*static_names, static_torque, "N m", static_torque_error, note=from_rest.note),
@@ -214,8 +219,8 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
             f"output torque that drives against {design.drive.torque:g} N m on the crank",
             driving_torque,
             "N m",
-            None if locked else driving_torque * shift / backward,
-            note=lock_note if locked else "from the efficiency of back-driving",
+            None if is_self_locking else driving_torque * shift / backward,
+            note=lock_note if is_self_locking else "from the efficiency of back-driving",
         ),
         Quantity(
             "back_driving_efficiency",
@@ -225,7 +230,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
             1e2 * shift,
             1e2 * (2.0 - 1.0 / forward_efficiency),
             "2 - 1/eta, for equal losses in both directions; self-locking below 0",
-            lock_note if locked else "",
+            lock_note if is_self_locking else "",
         ),
     ]
 
@@ -262,7 +267,7 @@ def _loss_percentages(point: OperatingPoint) -> dict[str, float]:
 
 def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
     """Return efficiency over torque for each speed, losses over torque, and crank speed over torque from rest."""
-    x, rest = "output torque [N m]", efficiency_map.rest.run
+    x, rest_run = "output torque [N m]", efficiency_map.rest.run
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))
     curves = []
     for speed in speeds:
@@ -277,7 +282,7 @@ def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
         curves.append(
             _curve_over_torque(f"losses at {shown_speed / RPM:g} rpm", name, points, shares, "share of the input [%]")
         )
-    torque, crank = np.abs(rest["load_torque"]), np.abs(rest["crank_speed"])
+    torque, crank = np.abs(rest_run["load_torque"]), np.abs(rest_run["crank_speed"])
     return (
         *curves,
         Curve("from rest with free crank under growing output torque", "", torque, crank, x, "crank [rad/s]"),

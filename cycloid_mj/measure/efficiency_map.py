@@ -123,25 +123,25 @@ def run_map(
         Progress report, and solver of the runs.
     """
     design = reducer.design
-    rated, speed = design.rated_torque, design.drive.speed
+    rated_torque, speed = design.rated_torque, design.drive.speed
     # The longest runs come first, so that no processor waits for one at the end.
     conditions = [(torque, crank_speed) for crank_speed in sorted(speeds, key=abs) for torque in torques]
-    rest = break_away(reducer, solver)
+    break_away_result = break_away(reducer, solver)
     massless_pins = massless(reducer)
     tasks: dict[Hashable, Task] = {
         condition: partial(run_forward, massless_pins, *condition, periods, solver)
         for condition in conditions
-        if massless_pins != reducer or condition != (rated, speed)
+        if massless_pins != reducer or condition != (rated_torque, speed)
     }
-    tasks |= _named_tasks(reducer, periods, check_step, rest.is_locked, solver)
+    tasks |= _named_tasks(reducer, periods, check_step, break_away_result.is_locked, solver)
     varied_inputs = assumed_inputs(reducer)
     variants: dict[Hashable, Reducer] = {variant: Reducer(variant) for item in varied_inputs for variant in item.ends}
     variants |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.FRICTION_TABLE.common}
     for key, variant in variants.items():
-        tasks[key] = partial(run_forward, massless(variant), rated, speed, INPUTS.periods, solver)
+        tasks[key] = partial(run_forward, massless(variant), rated_torque, speed, INPUTS.periods, solver)
     points = all_in_threads(tasks, progress)
-    reported = tasks.keys() - creep_variants(varied_inputs)
-    names = {key: _run_name(key, points[key], varied_inputs) for key in tasks if key in reported}
+    reported_variants = tasks.keys() - creep_variants(varied_inputs)
+    names = {key: _run_name(key, points[key], varied_inputs) for key in tasks if key in reported_variants}
     warn(design.name, joint_creep_warning({name: points[key].reducer for key, name in names.items()}))
     efficiency_by_variant = {key: points[key].powers.efficiency for key in variants}
     return EfficiencyMap(
@@ -152,7 +152,7 @@ def run_map(
         unloaded=points["unloaded"],
         coasting=points.get("coasting"),
         backward=points["backward"],
-        rest=rest,
+        rest=break_away_result,
         by_input=input_effects(varied_inputs, efficiency_by_variant),
         by_friction={value: efficiency_by_variant[value] for value in sensitivity.FRICTION_TABLE.common},
     )
@@ -162,17 +162,17 @@ def _named_tasks(
     reducer: Reducer, periods: int, check_step: bool, is_locked: bool, solver: Solver
 ) -> dict[Hashable, Task]:
     """Return the runs outside of the map by their key in `_RUNS`; a self-locking drive does not coast."""
-    rated, speed = reducer.design.rated_torque, reducer.design.drive.speed
+    rated_torque, speed = reducer.design.rated_torque, reducer.design.drive.speed
     tasks: dict[Hashable, Task] = {
-        "rated": partial(run_forward, reducer, rated, speed, periods, solver),
-        "ideal": partial(run_forward, ideal_limit(reducer), rated, speed, periods, solver),
+        "rated": partial(run_forward, reducer, rated_torque, speed, periods, solver),
+        "ideal": partial(run_forward, ideal_limit(reducer), rated_torque, speed, periods, solver),
         "unloaded": partial(run_forward, reducer, 0.0, speed, periods, solver),
         "backward": partial(run_backward, reducer, reducer.design.drive.torque, periods, solver),
     }
     if not is_locked:
         tasks["coasting"] = partial(run_backward, reducer, 0.0, periods, solver)
     if check_step:
-        tasks["halved"] = partial(run_forward, halve_time_step(reducer, solver), rated, speed, periods, solver)
+        tasks["halved"] = partial(run_forward, halve_time_step(reducer, solver), rated_torque, speed, periods, solver)
     return tasks
 
 

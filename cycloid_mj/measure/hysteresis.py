@@ -151,13 +151,13 @@ class HysteresisLoop:
         """Fit a line to a branch between two shares of the nominal torque; return slope and intercept."""
         quarter = {(False, 1): 0, (True, -1): 1, (False, -1): 2, (True, 1): 3}[loading, sign]
         torque_share = sign * self.torque / self.rated
-        inside = (
+        is_inside = (
             (np.floor((self.phase - LOOP.lead) * 4.0) == quarter)
             & (min_share <= torque_share)
             & (torque_share <= max_share)
         )
         ordinates = self.turn if values is None else values
-        return np.asarray(np.polyfit(self.torque[inside], ordinates[inside], 1))
+        return np.asarray(np.polyfit(self.torque[is_inside], ordinates[is_inside], 1))
 
 
 def loop_torque(rated: float, period: float) -> Signal:

@@ -122,10 +122,12 @@ def loads(
     run, finer = _run_at_two_steps(loaded, periods, solver, lambda done, _: progress(done, last))
     contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
     coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
-    missed = {kind: _missed_peak(loaded, contact) for kind, contact in contacts.items()}
-    capacities, capacity_details = _capacities(loaded, contacts, coarse, fine, missed, solver)
+    missed_peaks = {kind: _missed_peak(loaded, contact) for kind, contact in contacts.items()}
+    capacities, capacity_details = _capacities(loaded, contacts, coarse, fine, missed_peaks, solver)
     progress(last, last)
-    by_kind = (_kind_quantities(loaded, contacts[kind], coarse[kind], fine[kind], missed[kind]) for kind in contacts)
+    by_kind = (
+        _kind_quantities(loaded, contacts[kind], coarse[kind], fine[kind], missed_peaks[kind]) for kind in contacts
+    )
     discs = _disc_quantities(run, finer, loaded) if reducer.design.gear.discs > 1 else ()
     return Measurement(
         measure="loads",
@@ -150,7 +152,7 @@ def _capacities(
     contacts: Kinds,
     first_periods: Kinds,
     half_step: Kinds,
-    missed: Mapping[str, float],
+    missed_peaks: Mapping[str, float],
     solver: Solver,
 ) -> tuple[list[Quantity], dict[str, Any]]:
     """Compute the torques at which the weakest kind of contact first yields and reaches shakedown, and JSON details.
@@ -163,7 +165,7 @@ def _capacities(
         Contacts of all samples.
     first_periods, half_step
         Contacts of the first mesh periods with the full and with half the time step, for the error.
-    missed
+    missed_peaks
         Relative excess of the largest force over the turn, by kind.
     solver
         Solver of the runs.
@@ -174,7 +176,7 @@ def _capacities(
     details = _capacity_details(reducer, torque, weakest, yield_factors, shakedown_factors)
     if not weakest:
         return [_no_capacity(key) for key in CAPACITIES], details
-    error = missed[weakest] + _pressure_error(contacts[weakest], first_periods[weakest], half_step[weakest])
+    error = missed_peaks[weakest] + _pressure_error(contacts[weakest], first_periods[weakest], half_step[weakest])
     factors = zip(CAPACITIES, (yield_factors, shakedown_factors), strict=True)
     quantities = [
         _capacity(key, reducer, weakest, torque * by_kind[weakest], error, solver) for key, by_kind in factors
@@ -236,18 +238,18 @@ def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error:
     for _ in range(LOADS.max_iterations):
         # penetration grows with the force: its limit is to detect failed runs, so it grows as well
         depth_limit = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), LOADS.max_penetration)
-        loaded = reducer.but(load={"torque": torque}, contact={"max_penetration": depth_limit})
-        run = run_steady(loaded, STEADY.settling_time, LOADS.periods, solver)
+        loaded_reducer = reducer.but(load={"torque": torque}, contact={"max_penetration": depth_limit})
+        run = run_steady(loaded_reducer, STEADY.settling_time, LOADS.periods, solver)
         torque_factor = _torque_factors(contact_pressures(run, reducer), reducer, allowed).get(kind)
         if torque_factor is None:
             return _no_capacity(key)
         previous, torque = torque, torque * torque_factor
         if abs(torque - previous) < LOADS.capacity_rtol * torque:
             break
-    rated = reducer.design.rated_torque
+    rated_torque = reducer.design.rated_torque
     note = (
         f"limited by {kind}, whose largest pressure reaches {allowed:.3g} x the yield strength at "
-        f"{torque / rated:.2f} of the rated {rated:.4g} N m; over {LOADS.periods} mesh periods"
+        f"{torque / rated_torque:.2f} of the rated {rated_torque:.4g} N m; over {LOADS.periods} mesh periods"
     )
     return Quantity(key, name, torque, "N m", error=abs(torque - previous) + force_error * torque, note=note)
 
@@ -268,8 +270,10 @@ def _kind_quantities(
     kind = contacts.kind
     yield_pressure = YIELD_PRESSURE * reducer.contacts[kind].strength
     peak_error = abs(first_periods.peak_force - half_step.peak_force) + missed_peak * contacts.peak_force
-    first, second = contacts.halves
-    mean_error = abs(first_periods.mean_force - half_step.mean_force) + 0.5 * abs(first.mean_force - second.mean_force)
+    first_half, second_half = contacts.halves
+    mean_error = abs(first_periods.mean_force - half_step.mean_force) + 0.5 * abs(
+        first_half.mean_force - second_half.mean_force
+    )
     pressure = contacts.peak_pressure
     pressure_error = abs(first_periods.peak_pressure - half_step.peak_pressure) + 0.5 * missed_peak * pressure
     yield Quantity(
@@ -285,7 +289,7 @@ def _kind_quantities(
     name = f"{kind}: mean force of the loaded contacts"
     yield Quantity(f"{kind}_mean_force", name, contacts.mean_force, "N", mean_error)
     name = f"{kind}: loaded contacts, mean number"
-    error = abs(first_periods.carrying - half_step.carrying) + 0.5 * abs(first.carrying - second.carrying)
+    error = abs(first_periods.carrying - half_step.carrying) + 0.5 * abs(first_half.carrying - second_half.carrying)
     yield Quantity(f"{kind}_carrying", name, contacts.carrying, "1", error)
     name = f"{kind}: largest Hertz pressure"
     note = "" if pressure > 0.0 else UNPRESSED if pressure == 0.0 else CONFORMAL
@@ -343,11 +347,13 @@ def _contact_curves(contacts: ContactPressures, reducer: Reducer) -> Iterator[Cu
     For teeth the ideal force of the most loaded one is added.
     """
     peaks = contacts.force.max(axis=0)
-    loaded = np.flatnonzero(peaks > CARRYING_SHARE * contacts.peak_force)
+    loaded_contacts = np.flatnonzero(peaks > CARRYING_SHARE * contacts.peak_force)
     most_loaded = int(np.argmax(peaks))
-    evenly_spaced = loaded[np.linspace(0, len(loaded) - 1, min(LOADS.shown, len(loaded))).astype(int)]
-    shown = sorted({*evenly_spaced[evenly_spaced != most_loaded][: LOADS.shown - 1].tolist(), most_loaded})
-    panel = f"{contacts.kind}: force on {len(shown)} of the {len(loaded)} that carry, of {len(peaks)}"
+    evenly_spaced = loaded_contacts[
+        np.linspace(0, len(loaded_contacts) - 1, min(LOADS.shown, len(loaded_contacts))).astype(int)
+    ]
+    drawn_contacts = sorted({*evenly_spaced[evenly_spaced != most_loaded][: LOADS.shown - 1].tolist(), most_loaded})
+    panel = f"{contacts.kind}: force on {len(drawn_contacts)} of the {len(loaded_contacts)} that carry, of {len(peaks)}"
     angle_deg = np.degrees(contacts.angle)
     if contacts.kind == reducer.design.tooth_pair:
         ideal_force, contact_name = (
@@ -355,7 +361,7 @@ def _contact_curves(contacts: ContactPressures, reducer: Reducer) -> Iterator[Cu
             _contact_name(reducer, len(peaks), most_loaded),
         )
         yield Curve(panel, "ideal sharing", angle_deg, ideal_force, _CRANK, _FORCE, "theory", contact_name)
-    for index in shown:
+    for index in drawn_contacts:
         yield Curve(
             panel, _contact_name(reducer, len(peaks), index), angle_deg, contacts.force[:, index], _CRANK, _FORCE
         )

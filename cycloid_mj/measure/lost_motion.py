@@ -55,26 +55,26 @@ def lost_motion(
         A run failed.
     """
     reducer = Reducer(resolve(design))
-    rated = reducer.design.rated_torque if load is None else load
+    rated_torque = reducer.design.rated_torque if load is None else load
     angles = (LOOP.quick_angles if quick else LOOP.angles) if angles is None else angles
-    if not rated > 0.0 or angles < 1:
+    if not rated_torque > 0.0 or angles < 1:
         raise UsageError(
-            f"lost motion cannot be measured with a torque of {rated:g} N m at {angles} crank angles: give a torque "
-            "greater than 0 N m (load) and at least 1 crank angle (angles)"
+            f"lost motion cannot be measured with a torque of {rated_torque:g} N m at {angles} crank angles: give a "
+            "torque greater than 0 N m (load) and at least 1 crank angle (angles)"
         )
-    reducer = reducer.working_at(rated)
-    period = hysteresis.quasi_static_period(reducer, rated)
-    measured = _run_loops(reducer, rated, period, angles, solver, progress)
-    loop = {"nominal_torque_nm": rated, "rated_torque_nm": rated, "period_s": period}
+    reducer = reducer.working_at(rated_torque)
+    period = hysteresis.quasi_static_period(reducer, rated_torque)
+    loops = _run_loops(reducer, rated_torque, period, angles, solver, progress)
+    loop = {"nominal_torque_nm": rated_torque, "rated_torque_nm": rated_torque, "period_s": period}
     return Measurement(
         measure="lost-motion",
         design=reducer.design,
-        condition=f"crank locked, up to {rated:.4g} N m on the output, {SOLVERS[solver]}",
-        quantities=quantities(measured),
-        curves=curves(measured),
-        assumptions=_assumptions(measured, period, solver),
-        runs={"loop": measured.service[0].run, "loop-ideal": measured.ideal[0].run},
-        details={**loop, "angles": angle_rows(measured)},
+        condition=f"crank locked, up to {rated_torque:.4g} N m on the output, {SOLVERS[solver]}",
+        quantities=quantities(loops),
+        curves=curves(loops),
+        assumptions=_assumptions(loops, period, solver),
+        runs={"loop": loops.service[0].run, "loop-ideal": loops.ideal[0].run},
+        details={**loop, "angles": angle_rows(loops)},
     )
 
 

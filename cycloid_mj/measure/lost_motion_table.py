@@ -57,7 +57,7 @@ def quantities(measured: LostMotionLoops) -> dict[str, Quantity]:
 def _mean_quantity(
     key: str,
     name: str,
-    read: Reading,
+    read_value: Reading,
     loops: Loops,
     check_loops: Loops,
     unit: str = "arcmin",
@@ -72,7 +72,7 @@ def _mean_quantity(
     ----------
     key, name, unit, source, note
         As of `Quantity`.
-    read
+    read_value
         Function from a loop to the reading, in the unit.
     loops
         Loops, one per crank angle.
@@ -84,8 +84,8 @@ def _mean_quantity(
         Closed form over the turn near the readings, for the error of the mean over the turn.
     """
     reference = float(np.mean(reference_values)) if len(reference_values) else None
-    values = [read(loop) for loop in loops]
-    error = add_errors(_numerical_error(read, loops, check_loops), error_of_mean(values, turn_form))
+    values = [read_value(loop) for loop in loops]
+    error = add_errors(_numerical_error(read_value, loops, check_loops), error_of_mean(values, turn_form))
     return Quantity(
         key, name, float(np.mean(values)), unit, error, reference, source if len(reference_values) else "", note
     )
@@ -210,7 +210,10 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
         "below the creep speed, which is as low as the time step allows: free pins roll, and their sliding speeds are "
         "below it"
     )
-    shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(data.service, data.ideal, strict=True)]
+    shifts = [
+        abs(service_loop.offset - ideal_loop.offset) / ARCMINUTE
+        for service_loop, ideal_loop in zip(data.service, data.ideal, strict=True)
+    ]
     numerical = (
         _numerical_error(offset, *service) + _numerical_error(offset, data.ideal, data.ideal_checks)
     ) / ARCMINUTE
@@ -269,15 +272,15 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
         ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / item.compliance(item.turn) for item in data.statics]),
     }
     known = _rigid_backlash(data)
-    for (panel, unit), (read, static_values) in over_angle.items():
+    for (panel, unit), (read_value, static_values) in over_angle.items():
         axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
-        if read is lost_motion and known is not None:
+        if read_value is lost_motion and known is not None:
             turn_angles = np.degrees(rigid_backlash.full_turn_angles(data.reducer))
             result.append(Curve(panel, "backlash of rigid parts", turn_angles, known.turn, *axes, "theory"))
         if static_values:
             result.append(Curve(panel, "statics", crank, np.array(static_values), *axes, "rings"))
         for name, loops in (("as designed", data.service), ("no friction", data.ideal)):
-            result.append(Curve(panel, name, crank, np.array([read(item) for item in loops]), *axes, "points"))
+            result.append(Curve(panel, name, crank, np.array([read_value(item) for item in loops]), *axes, "points"))
     return tuple(result)
 
 

@@ -31,10 +31,10 @@ class Published:
 def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
     """Return the friction coefficient that explains each published torque, as quantities [1] with their errors."""
     note = "the same for all sliding pairs; rolling bearings and seals as designed"
-    names = [f"friction at the paper's {each.torque:g} N m, {each.way}" for each in published]
+    names = [f"friction at the paper's {item.torque:g} N m, {item.way}" for item in published]
     return [
-        Quantity(f"friction_for_paper_{each.way}", name, each.friction, "1", each.error, note=note)
-        for each, name in zip(published, names, strict=True)
+        Quantity(f"friction_for_paper_{item.way}", name, item.friction, "1", item.error, note=note)
+        for item, name in zip(published, names, strict=True)
     ]
 
 
@@ -42,12 +42,12 @@ def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table,
     """Return a table of the output torque [N m] and the published torques with their friction; empty without these."""
     if not published:
         return ()
-    first = published[0]
+    first_item = published[0]
     rows = [(f"the paper, {item.way}", item.torque, 1e2 * item.rate, item.friction) for item in published]
     return (
         Table(
-            f"output torque, compared with {first.source}",
+            f"output torque, compared with {first_item.source}",
             ("", "output torque [N m]", "rate [%]", "friction"),
-            (("this model", output_torque, 1e2 * output_torque / first.ideal, "as designed"), *rows),
+            (("this model", output_torque, 1e2 * output_torque / first_item.ideal, "as designed"), *rows),
         ),
     )

@@ -72,8 +72,8 @@ def run_steady(
         Model and drive cycle; by default the solver's own at constant speed and load.
     """
     settling_time *= slowness(reducer)
-    timed = with_log_rate(reducer).steady(settling_time, periods / reducer.mesh_periods)
-    run = simulate(timed.design, compiled or model_for(solver, timed), course)
+    timed_design = with_log_rate(reducer).steady(settling_time, periods / reducer.mesh_periods)
+    run = simulate(timed_design.design, compiled or model_for(solver, timed_design), course)
     run = run.select(run.time >= settling_time * (1.0 - 1e-9))
     warn(reducer.design.name, balance_warnings(run, reducer, REMEDY))
     return run

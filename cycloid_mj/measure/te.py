@@ -114,9 +114,9 @@ def _run_traces(
         if step_factor == 1.0 or condition.way == "forward"
     ]
     tasks = [
-        (reducer, copy_model(compiled), turns, condition)
+        (reducer, copy_model(model), turns, condition)
         for condition, step_factor in keys
-        for reducer, compiled, turns in [models[step_factor]]
+        for reducer, model, turns in [models[step_factor]]
     ]
     traces = each_in_threads(lambda task: run_trace(*task), tasks, progress)
     return dict(zip(keys, traces, strict=True))
@@ -161,6 +161,6 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
         "forward run, also used for the reverse run (not available with --quick), and half the change of a level "
         "between the halves of the window, as crank turns differ; of orders: the rms of the change with half the "
         "step, an upper bound of each",
-        *(f"orders of {cause.name}: {cause.why}" for cause in causes(reducer)),
+        *(f"orders of {cause_of_orders.name}: {cause_of_orders.why}" for cause_of_orders in causes(reducer)),
         *([] if te_table.separates_orders(reducer, turns) else [separation_sentence]),
     )

@@ -81,10 +81,10 @@ def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, .
         for curve in _panel_curves(traces, statics, pace, shaft, load)
     ]
     result += _panel_curves(traces, statics, next(iter(paces)), "output")
-    for place, base in _bases(reducer).items():
+    for location, cycles_per_turn in _bases(reducer).items():
         for condition in evaluated_conditions(traces):
-            spectrum = _spectrum(reducer, traces[condition], place, base)
-            panel = f"orders of the {_PLACES[place]}, {condition.way}, {_PACES[condition.pace]}"
+            spectrum = _spectrum(reducer, traces[condition], location, cycles_per_turn)
+            panel = f"orders of the {_PLACES[location]}, {condition.way}, {_PACES[condition.pace]}"
             result.append(Curve(panel, condition.load, spectrum.order, spectrum.amplitude, _ORDER, _AMPLITUDE, "bars"))
     return tuple(result)
 
@@ -125,7 +125,7 @@ def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any
         "turns": turns,
         "turns_that_part_orders": reducer.design.lobes,
         "apart": separates_orders(reducer, turns),
-        "causes": [cause.as_json() for cause in causes(reducer)],
+        "causes": [cause_of_orders.as_json() for cause_of_orders in causes(reducer)],
         "cases": {condition.key: _strongest_orders(reducer, trace) for condition, trace in traces.items()},
     }
 
@@ -142,8 +142,10 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
     Both are positive: a carrier turns against the crank and so lags at a larger angle, a ring turns with it and lags at
     a smaller one.
     """
-    evaluated = evaluated_conditions(traces)[0]
-    by_load_and_direction = {(trace.load, trace.way): trace for trace in traces if trace.pace == evaluated.pace}
+    evaluated_condition = evaluated_conditions(traces)[0]
+    by_load_and_direction = {
+        (trace.load, trace.way): trace for trace in traces if trace.pace == evaluated_condition.pace
+    }
     forward_unloaded, reverse_unloaded, forward_loaded = (
         ("unloaded", "forward"),
         ("unloaded", "reverse"),
@@ -187,20 +189,21 @@ def _cause_quantities(
         else f"; over {turns_text}, it includes neighbouring orders (use more --turns)"
     )
     for condition in evaluated_conditions(traces):
-        for cause in causes(reducer):
-            simulated, static_orders = (
-                _spectrum(reducer, source[condition], cause.place, cause.base) for source in (traces, statics)
+        for cause_of_orders in causes(reducer):
+            simulated_orders, static_orders = (
+                _spectrum(reducer, source[condition], cause_of_orders.place, cause_of_orders.base)
+                for source in (traces, statics)
             )
-            order, amplitude = cause.strongest(simulated)
+            order, amplitude = cause_of_orders.strongest(simulated_orders)
             yield Quantity(
-                key=f"{cause.key}_orders_rms_{condition.key}",
-                name=f"rms of orders of {cause.name}, {condition.words}",
-                value=cause.rms(simulated),
+                key=f"{cause_of_orders.key}_orders_rms_{condition.key}",
+                name=f"rms of orders of {cause_of_orders.name}, {condition.words}",
+                value=cause_of_orders.rms(simulated_orders),
                 unit="arcsec",
-                error=rms_about_mean(np.subtract(*_compared_errors(traces, finer, condition, cause.place)))
+                error=rms_about_mean(np.subtract(*_compared_errors(traces, finer, condition, cause_of_orders.place)))
                 if finer
                 else None,
-                reference=cause.rms(static_orders),
+                reference=cause_of_orders.rms(static_orders),
                 source=STATICS,
                 note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec{neighbour_note}",
             )
@@ -209,14 +212,19 @@ def _cause_quantities(
 def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     """Return the twelve strongest orders of disc and of output stage in a trace, with their causes, as JSON objects."""
     rows = []
-    for place, base in _bases(reducer).items():
-        spectrum = _spectrum(reducer, trace, place, base)
-        causes_of_signal = [cause for cause in causes(reducer) if cause.place == place]
+    for location, cycles_per_turn in _bases(reducer).items():
+        spectrum = _spectrum(reducer, trace, location, cycles_per_turn)
+        causes_of_signal = [cause_key for cause_key in causes(reducer) if cause_key.place == location]
         for k in np.argsort(spectrum.amplitude)[::-1][:12]:
             order = float(spectrum.order[k])
-            cause = next((item.key for item in causes_of_signal if item.has(order)), "between")
+            cause_key = next((item.key for item in causes_of_signal if item.has(order)), "between")
             rows.append(
-                {"shows_in": place, "order": order, "amplitude_arcsec": float(spectrum.amplitude[k]), "cause": cause}
+                {
+                    "shows_in": location,
+                    "order": order,
+                    "amplitude_arcsec": float(spectrum.amplitude[k]),
+                    "cause": cause_key,
+                }
             )
     return rows
 
@@ -240,8 +248,8 @@ def _step_error(
         return None
     statistic, error = _LEVELS[level][1], getattr(traces[condition], shaft)
     coarse, fine = (statistic(item) for item in _compared_errors(traces, finer_traces, condition, shaft))
-    first, second = (statistic(half) for half in np.array_split(error, 2))
-    return abs(coarse - fine) + 0.5 * abs(first - second)
+    first_value, second_value = (statistic(half_error) for half_error in np.array_split(error, 2))
+    return abs(coarse - fine) + 0.5 * abs(first_value - second_value)
 
 
 def _mean_change(traces: Traces, finer: FinerTraces, case: TraceCondition, signal: str) -> float:

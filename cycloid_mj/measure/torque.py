@@ -76,35 +76,38 @@ def torque(
     steady = steady_design(reducer).working_at(reducer.design.rated_torque)
     main = averaging_periods(steady, STEADY.min_periods(quick))
     rows, assumed = sensitivity.friction_variants(reducer, quick), spread.assumed_inputs(steady)
-    tested = _tested_drives(steady, rows, assumed, main, None if quick else halve_time_step(steady, solver))
-    tasks = {key: partial(_quiet_rated_test, item, count, solver) for key, (item, count) in tested.items()}
+    tested_drives = _tested_drives(steady, rows, assumed, main, None if quick else halve_time_step(steady, solver))
+    tasks = {key: partial(_quiet_rated_test, item, count, solver) for key, (item, count) in tested_drives.items()}
     last = 1 + len(published)
-    tests = all_in_threads(tasks, lambda done, whole: progress(done, whole + last))
-    ours, finer = tests["own"], tests.get("halved")
+    tests = all_in_threads(tasks, lambda done, task_count: progress(done, task_count + last))
+    own_test, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
     by_row, by_input = {row: rates[row] for row in rows}, spread.input_effects(assumed, rates)
-    held = steady.but(load={"torque": ours.output})
-    with suppress_warnings(tuple(creep_warning(held))):
-        at_held_crank = constant_speed_efficiency(steady, ours.output, main, solver)
-    beside = explain_published(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
-    by_name = _name_runs(steady, tested, rows, assumed, beside) | {"crank held": held}
+    design_at_output_torque = steady.but(load={"torque": own_test.output})
+    with suppress_warnings(tuple(creep_warning(design_at_output_torque))):
+        at_held_crank = constant_speed_efficiency(steady, own_test.output, main, solver)
+    explanation = explain_published(published, steady, by_row, None if quick else rate_error(own_test, finer), solver)
+    by_name = _name_runs(steady, tested_drives, rows, assumed, explanation) | {"crank held": design_at_output_torque}
     warn(reducer.design.name, joint_creep_warning(by_name))
     progress(len(tasks) + last, len(tasks) + last)
     return Measurement(
         measure="torque",
         design=steady.design,
         condition=f"{_describe_drive(steady)}, {SOLVERS[solver]}",
-        quantities=by_key(_quantities(steady, ours, finer, at_held_crank, by_input), friction_quantities(beside)),
-        curves=(*_curves(steady, ours), *sensitivity.curves(by_row, beside)),
+        quantities=by_key(
+            _quantities(steady, own_test, finer, at_held_crank, by_input), friction_quantities(explanation)
+        ),
+        curves=(*_curves(steady, own_test), *sensitivity.curves(by_row, explanation)),
         tables=(
-            loss_breakdown.table(ours.powers, beside, rate_error(ours, finer)),
-            *tables(ours.output, beside),
+            loss_breakdown.table(own_test.powers, explanation, rate_error(own_test, finer)),
+            *tables(own_test.output, explanation),
             spread.table("output rate", rates["own"], by_input),
             sensitivity.table(steady, by_row),
         ),
         assumptions=_assumptions(steady, main),
-        details=loss_breakdown.as_json(ours.powers, beside) | spread.as_json(ours.powers.efficiency, by_input),
-        runs={"braked": ours.run},
+        details=loss_breakdown.as_json(own_test.powers, explanation)
+        | spread.as_json(own_test.powers.efficiency, by_input),
+        runs={"braked": own_test.run},
     )
 
 
@@ -116,7 +119,7 @@ def _describe_drive(reducer: Reducer) -> str:
 
 def _name_runs(
     steady: Reducer,
-    tested: Mapping[Hashable, tuple[Reducer, int]],
+    tested_drives: Mapping[Hashable, tuple[Reducer, int]],
     variants: Sequence[FrictionVariant],
     varied_inputs: Sequence[Input],
     published: Sequence[Published],
@@ -125,7 +128,7 @@ def _name_runs(
     names = _RUNS | {variant: variant.name for variant in variants}
     names |= {end: name for item in varied_inputs for end, name in item.names.items()}
     exempt = spread.creep_variants(varied_inputs)
-    by_name = {names[key]: _at_rated_torque(drive) for key, (drive, _) in tested.items() if key not in exempt}
+    by_name = {names[key]: _at_rated_torque(drive) for key, (drive, _) in tested_drives.items() if key not in exempt}
     frictions = [item.friction for item in published if item.error is not None]
     return by_name | {sensitivity.common_name(value): _with_common_friction(steady, value) for value in frictions}
 
@@ -142,15 +145,15 @@ def _tested_drives(
     The keys are "own" (the design), "halved" (with `half_step`, if it is given), each friction variant and the designs
     at both ends of each input; all but the first two have massless pins.
     """
-    tested: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, periods)}
+    tested_drives: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, periods)}
     if half_step is not None:
-        tested["halved"] = (half_step, periods)
+        tested_drives["halved"] = (half_step, periods)
     for variant in variants:
         drive = Reducer(variant.design)
-        tested[variant] = (massless(drive), averaging_periods(drive, sensitivity.FRICTION_TABLE.periods))
+        tested_drives[variant] = (massless(drive), averaging_periods(drive, sensitivity.FRICTION_TABLE.periods))
     input_periods = averaging_periods(steady, spread.INPUTS.periods)
     ends = [end for item in varied_inputs for end in item.ends]
-    return tested | {end: (massless(Reducer(end)), input_periods) for end in ends}
+    return tested_drives | {end: (massless(Reducer(end)), input_periods) for end in ends}
 
 
 def _at_rated_torque(reducer: Reducer) -> Reducer:
@@ -195,19 +198,24 @@ def explain_published(
     deviation, that error and the slope of the rate.
     """
     rates = sensitivity.common_rates(rate_by_variant, sensitivity.pins_of(reducer))
-    explained = [replace(item, friction=sensitivity.interpolate_friction(rates, item.rate)) for item in published]
-    interpolated = [figure for figure in explained if math.isfinite(figure.friction)]
-    if error is None or not interpolated:
-        return explained
+    explained_figures = [
+        replace(item, friction=sensitivity.interpolate_friction(rates, item.rate)) for item in published
+    ]
+    interpolated_figures = [figure for figure in explained_figures if math.isfinite(figure.friction)]
+    if error is None or not interpolated_figures:
+        return explained_figures
     slope = abs(sensitivity.slope(rates))
     periods = averaging_periods(reducer, sensitivity.FRICTION_TABLE.periods)
     tests = each_in_threads(
-        lambda item: _quiet_rated_test(_with_common_friction(reducer, item.friction), periods, solver), interpolated
+        lambda item: _quiet_rated_test(_with_common_friction(reducer, item.friction), periods, solver),
+        interpolated_figures,
     )
-    deviations = {item: abs(test.powers.efficiency - item.rate) for item, test in zip(interpolated, tests, strict=True)}
+    deviations = {
+        item: abs(test.powers.efficiency - item.rate) for item, test in zip(interpolated_figures, tests, strict=True)
+    }
     return [
         replace(figure, error=(deviations[figure] + error) / slope) if figure in deviations else figure
-        for figure in explained
+        for figure in explained_figures
     ]
 
 

@@ -87,7 +87,7 @@ def copy_model(compiled: Model) -> Model:
     return replace(compiled, spec=compiled.spec.copy())
 
 
-def preload_cycle(reducer: Reducer, compiled: Model, start: float = 0.0) -> DriveCycle:
+def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCycle:
     """Return a drive cycle at constant crank speed from an angle [rad], with a load pulse that closes the flanks first.
 
     With a light drag alone the disc oscillates in its clearance for some 30 ms; a pulse of up to the nominal torque, a
@@ -103,10 +103,10 @@ def preload_cycle(reducer: Reducer, compiled: Model, start: float = 0.0) -> Driv
             + brake_sign * pulse_torque * np.sin(np.pi * np.clip(time / 0.016, 0.0, 1.0)) ** 2
         )
 
-    return DriveCycle(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
+    return DriveCycle(start, design.drive.speed, lambda time: start + servo_target(model, law, time), load)
 
 
-def run_trace(reducer: Reducer, compiled: Model, turns: float, condition: TraceCondition) -> Trace:
+def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCondition) -> Trace:
     """Simulate a condition over some crank turns; return the transmission errors over the crank angle.
 
     The crank turns from the angle 0, or in reverse back to it from a whole number of turns.
@@ -120,11 +120,11 @@ def run_trace(reducer: Reducer, compiled: Model, turns: float, condition: TraceC
         samples=4.0,
         drive={"speed": condition.speed},
         load={"torque": condition.torque, "rise": TRACE.rise},
-        settings={"log_rate": min(sample_rate, 1.0 / compiled.timestep)},
+        settings={"log_rate": min(sample_rate, 1.0 / model.timestep)},
     )
     # Both directions cover the same angles, so that their curves can be compared.
     start = (0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns)) - condition.speed * settling
-    run = simulate(reducer.design, compiled, preload_cycle(reducer, compiled, start))
+    run = simulate(reducer.design, model, preload_cycle(reducer, model, start))
     window = run.select(run.time >= settling - 2.0 / reducer.design.settings.log_rate)
     return _resample_errors(window, reducer, turns, direction)
 

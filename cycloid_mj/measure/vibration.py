@@ -116,8 +116,8 @@ def _run_sweep(
     """
     points = [(reducer, model_for(solver, reducer), speed) for speed in speeds]
     if check_step:
-        half = halve_time_step(reducer, solver)
-        points.append((half, model_for(solver, half), reducer.design.drive.speed))
+        half_step_reducer = halve_time_step(reducer, solver)
+        points.append((half_step_reducer, model_for(solver, half_step_reducer), reducer.design.drive.speed))
     tasks = [
         (drive, copy_model(model), *load, speed, turns) for drive, model, speed in points for load in torques.items()
     ]
@@ -183,24 +183,24 @@ def _unbalance_quantities(
         reducer.design.drive.speed**2,
         reducer.design.gear.discs == 1,
     )
-    first, half_step_run = runs[0], half_step_runs.get(runs[0].load)
-    without, balanced = (", without counterweight", ", with counterweight") if single else ("", "")
-    without_weight = [("housing_bare", without, unbalances.bare)] if single else []
-    for key, condition, closed in (*without_weight, ("housing", balanced, unbalances.balanced)):
+    first_run, half_step_run = runs[0], half_step_runs.get(runs[0].load)
+    unbalanced_text, balanced_text = (", without counterweight", ", with counterweight") if single else ("", "")
+    without_weight = [("housing_bare", unbalanced_text, unbalances.bare)] if single else []
+    for key, condition, closed_form in (*without_weight, ("housing", balanced_text, unbalances.balanced)):
         yield Quantity(
             key=f"{key}_rotating",
             name=f"force that rotates with the crank{condition}",
-            value=first.rotating(key),
+            value=first_run.rotating(key),
             unit="N",
-            error=_step_change(first, half_step_run, methodcaller("rotating", key)),
-            reference=abs(closed) * speed_squared,
+            error=_step_change(first_run, half_step_run, methodcaller("rotating", key)),
+            reference=abs(closed_form) * speed_squared,
             source="sum of m c omega^2",
         )
     couple = abs(unbalances.couple) * speed_squared
     arrangement = "the counterweight lies next to the disc" if single else "discs balance each other"
     note = f"{arrangement}: the force is balanced, the couple is not"
-    yield Quantity("unbalance", f"unbalance{without or ' of discs and cams'}", 1e6 * unbalances.bare, "g mm")
-    yield Quantity("couple", f"rocking couple{balanced}", couple, "N m", note=note)
+    yield Quantity("unbalance", f"unbalance{unbalanced_text or ' of discs and cams'}", 1e6 * unbalances.bare, "g mm")
+    yield Quantity("couple", f"rocking couple{balanced_text}", couple, "N m", note=note)
 
 
 def _step_change(

@@ -86,16 +86,14 @@ class VibrationRun:
         return self.speed / RPM
 
 
-def run_vibration(
-    reducer: Reducer, compiled: Model, load: str, torque: float, speed: float, turns: int
-) -> VibrationRun:
+def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, speed: float, turns: int) -> VibrationRun:
     """Simulate a design at a crank speed [rad/s] under a torque [N m] over some turns; return its vibration signals.
 
     Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated. `load` is the name of the
     load.
     """
     # at most ten samples are taken for each stored one
-    stride = max(1, min(10, int(1.0 / (STEADY.log_rate * compiled.timestep) + 1e-6)))
+    stride = max(1, min(10, int(1.0 / (STEADY.log_rate * model.timestep) + 1e-6)))
     settling = TRACE.settling * slowness(reducer)
     reducer = reducer.steady(
         settling,
@@ -106,7 +104,7 @@ def run_vibration(
         load={"torque": torque, "rise": TRACE.rise},
         settings={"log_rate": stride * STEADY.log_rate},
     )
-    run = simulate(reducer.design, compiled, preload_cycle(reducer, compiled))
+    run = simulate(reducer.design, model, preload_cycle(reducer, model))
     interval = float(np.mean(np.diff(run.time)))
     masses, residuals = body_masses(reducer), acceleration(series(run, settle=settling))
     disc_accelerations = [
@@ -114,7 +112,7 @@ def run_vibration(
     ]
     first_acceleration = disc_accelerations[0]
     force = reaction(run, reducer).whole
-    sampled = {
+    signals = {
         "gear_centre": residuals.centre,
         "output": residuals.output[:, np.newaxis],
         "housing": force,
@@ -123,8 +121,8 @@ def run_vibration(
         - masses[SHAFT].mass * shaft_acceleration(run, masses[SHAFT])[1:],
     }
     if reducer.design.gear.discs > 1:
-        sampled |= _tilting_signals(run, reducer)
-    stored = {key: decimate(signal, stride, key in ACCELERATIONS) for key, signal in sampled.items()}
+        signals |= _tilting_signals(run, reducer)
+    decimated_signals = {key: decimate(signal, stride, key in ACCELERATIONS) for key, signal in signals.items()}
     start = int(np.searchsorted(run.time[::stride], settling))
     rows = slice(start, start + round(turns * 2.0 * np.pi / abs(speed) / (stride * interval)))
     sampled_rows = slice(stride * rows.start, stride * rows.stop)
@@ -132,12 +130,12 @@ def run_vibration(
         load=load,
         speed=speed,
         crank=np.abs(run["crank_angle"][::stride][rows]),
-        signals={key: _remove_mean(key, signal[rows]) for key, signal in stored.items()},
+        signals={key: _remove_mean(key, signal[rows]) for key, signal in decimated_signals.items()},
         orbit=rms(decimate(first_acceleration, stride, means=True)[rows]),
         rate=1.0 / (stride * interval),
-        whole_rms={key: rms(_remove_mean(key, signal[sampled_rows])) for key, signal in sampled.items()},
+        whole_rms={key: rms(_remove_mean(key, signal[sampled_rows])) for key, signal in signals.items()},
         sampled_rate=1.0 / interval,
-        mean_force=stored["housing"][rows].mean(axis=0),
+        mean_force=decimated_signals["housing"][rows].mean(axis=0),
         run=_decimate_run(run, stride),
     )
 
@@ -160,10 +158,10 @@ def _remove_mean(key: str, signal: Array) -> Array:
 
 def _decimate_run(run: Run, stride: int) -> Run:
     """Keep one of `stride` samples of a run, with the largest of the contact force peaks since the previous one."""
-    decimated = run.select(slice(None, None, stride))
-    starts = np.maximum(np.arange(len(decimated)) * stride - stride + 1, 0)
+    decimated_run = run.select(slice(None, None, stride))
+    starts = np.maximum(np.arange(len(decimated_run)) * stride - stride + 1, 0)
     peaks = {
         column(pair, PEAK_FORCE): np.maximum.reduceat(peak[: starts[-1] + stride], starts)
         for pair, peak in run.by_stem(PEAK_FORCE).items()
     }
-    return replace(decimated, columns={**decimated.columns, **peaks})
+    return replace(decimated_run, columns={**decimated_run.columns, **peaks})

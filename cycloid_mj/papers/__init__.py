@@ -86,12 +86,12 @@ class Paper:
 @cache
 def papers() -> tuple[Paper, ...]:
     """Load the installed papers by name; one that cannot be loaded is left out with a warning."""
-    installed: dict[str, Paper] = {}
+    papers_by_name: dict[str, Paper] = {}
     points = {point.name: point for point in entry_points(group=GROUP)}
     for name in sorted(points):
-        paper = _call_paper(name, "ignored", partial(_load_paper, points[name], installed))
-        installed |= {paper.key: paper} if paper else {}
-    return tuple(installed.values())
+        paper = _call_paper(name, "ignored", partial(_load_paper, points[name], papers_by_name))
+        papers_by_name |= {paper.key: paper} if paper else {}
+    return tuple(papers_by_name.values())
 
 
 def published_torques(reducer: "Reducer") -> "list[Published]":
@@ -104,9 +104,9 @@ def judge_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
 
     `trials` are the runs; `varied` has, for each thing that was varied, the same runs with it.
     """
-    for _, judged in _answers(lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None):
-        if judged:
-            return judged
+    for _, judgement in _answers(lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None):
+        if judgement:
+            return judgement
     return RunsJudged()
 
 
@@ -132,14 +132,14 @@ def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
             yield paper, answer
 
 
-def _call_paper(name: str, consequence: str, call: Callable[[], Answer]) -> Answer | None:
+def _call_paper(name: str, consequence: str, ask_paper: Callable[[], Answer]) -> Answer | None:
     """Call a function of a paper; return None and warn if it raises any error, as its code is not ours.
 
     `name` is the paper's; `consequence` says in the warning what happens to it.
     """
     try:
         with redirect_stdout(sys.stderr):  # results alone go to stdout
-            return call()
+            return ask_paper()
     except (Exception, SystemExit) as problem:
         reason = " ".join(f"{problem}".split()) or type(problem).__name__
         reason = f"it ends the program ({reason})" if isinstance(problem, SystemExit) else reason

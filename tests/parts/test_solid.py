@@ -553,7 +553,7 @@ def test_mass_chord_error_follows_the_thinnest_radius() -> None:
 @pytest.mark.parametrize("chord_error", [0.0, -1e-6, math.nan])
 def test_a_chord_error_that_is_not_positive_is_refused(chord_error: float) -> None:
     for builder in (gear_solid, pin_solid, housing_solid, shaft_solid, output_solid):
-        with pytest.raises(DesignError, match=r"chord error .* greater than 0 m"):
+        with pytest.raises(DesignError, match=r"chord_error = .* greater than 0 m"):
             builder(Reducer(PIN), chord_error)
 
 

@@ -43,25 +43,25 @@ def run_on_cluster(
             index_of.update(futures)
             return list(futures)
 
-        running = as_completed(submit_work(max(AHEAD, 4 * sum(client.nthreads().values()))), loop=client.loop)
-        for future in running:
+        completed_futures = as_completed(submit_work(max(AHEAD, 4 * sum(client.nthreads().values()))), loop=client.loop)
+        for future in completed_futures:
             index = index_of.pop(future)
             if future.status == "finished":
                 theirs, result = future.result()
                 require_same_versions(theirs, f"a worker of {scheduler}")
             elif future.status == "error" and isinstance(future.exception(), KilledWorker):
-                why = "every worker of the cluster that computed it died"
+                cause = "every worker of the cluster that computed it died"
                 if on_lost is None:
                     raise RunError(
-                        f"job {index + 1} on the cluster {scheduler} cannot be computed: {why}, possibly for lack of "
+                        f"job {index + 1} on the cluster {scheduler} cannot be computed: {cause}, possibly for lack of "
                         "memory. Use fewer workers per machine"
                     ) from future.exception()
-                result = on_lost(index, why)
+                result = on_lost(index, cause)
             else:
                 raise _worker_error(future, scheduler)
             future.release()
             yield index, result
-            running.update(submit_work(1))
+            completed_futures.update(submit_work(1))
 
 
 def _piece(work: Callable[[T], R], item: T) -> tuple[Versions, R]:

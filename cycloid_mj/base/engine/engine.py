@@ -65,7 +65,7 @@ class Engine:
         return 1 if _within_a_piece.get() else self.workers or _most_workers.get() or cores()
 
     def stream(
-        self, function: Callable[[T], R], items: Iterable[T], lost: Lost[R] | None = None
+        self, function: Callable[[T], R], items: Iterable[T], on_lost: Lost[R] | None = None
     ) -> Iterator[tuple[int, R]]:
         """Apply a function to each item; yield the index of each item with its result, in the order of completion.
 
@@ -77,7 +77,7 @@ class Engine:
         ----------
         function, items
             The function, and its arguments.
-        lost
+        on_lost
             Function that returns the result of an item whose worker died at each attempt; by default a `RunError`.
 
         Raises
@@ -93,12 +93,12 @@ class Engine:
 
         piece = partial(_piece, function)
         if self.scheduler:
-            return run_on_cluster(piece, items, self.scheduler, lost)
+            return run_on_cluster(piece, items, self.scheduler, on_lost)
         if self.local_workers == 1:
             return ((index, piece(item)) for index, item in enumerate(items))
         if self.kind == "threads":
             return run_in_threads(piece, items, self.local_workers)
-        return run_in_processes(piece, items, self.local_workers, lost)
+        return run_in_processes(piece, items, self.local_workers, on_lost)
 
     def each(self, function: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
         """Apply a function to each item in parallel; return the results in the order of the items.

@@ -23,11 +23,11 @@ def versions() -> Versions:
 
 def require_same_versions(worker_versions: Versions, worker: str) -> None:
     """Raise RunError if the package versions of a worker are not those of this process."""
-    ours, others = dict(versions()), dict(worker_versions)
+    local_versions, worker_versions_by_name = dict(versions()), dict(worker_versions)
     differing = [
-        f"{name} is {others.get(name, 'missing')} there and {ours.get(name, 'missing')} here"
-        for name in ours | others
-        if ours.get(name) != others.get(name)
+        f"{name} is {worker_versions_by_name.get(name, 'missing')} there and {local_versions.get(name, 'missing')} here"
+        for name in local_versions | worker_versions_by_name
+        if local_versions.get(name) != worker_versions_by_name.get(name)
     ]
     if differing:
         raise RunError(

@@ -33,36 +33,39 @@ def run_in_processes(
     waiting = dict(enumerate(items))
     deaths: Counter[int] = Counter()
     while waiting:
-        started: set[int] = set()
-        alone = next((index for index in waiting if deaths[index] >= TRIES), None)
-        submitted = waiting if alone is None else {alone: waiting[alone]}
+        started_indices: set[int] = set()
+        repeated_index = next((index for index in waiting if deaths[index] >= TRIES), None)
+        submitted_items = waiting if repeated_index is None else {repeated_index: waiting[repeated_index]}
         try:
-            for index, result in _run_pool(work, dict(submitted), workers, started):
+            for index, result in _run_pool(work, dict(submitted_items), workers, started_indices):
                 del waiting[index]
                 yield index, result
         except TerminatedWorkerError as death:
-            if alone is not None:
-                why = f"its worker process died {deaths[alone] + 1} times, the last time while it was the only one"
+            if repeated_index is not None:
+                count = deaths[repeated_index] + 1
+                cause = f"its worker process died {count} times, the last time while it was the only one"
                 if on_lost is None:
                     raise RunError(
-                        f"job {alone + 1} cannot be computed: {why}, possibly for lack of memory. Use fewer parallel "
-                        "processes (--workers)"
+                        f"job {repeated_index + 1} cannot be computed: {cause}, possibly for lack of memory. Use fewer "
+                        "parallel processes (--workers)"
                     ) from death
-                del waiting[alone]
-                yield alone, on_lost(alone, why)
-            deaths.update(started & waiting.keys())
+                del waiting[repeated_index]
+                yield repeated_index, on_lost(repeated_index, cause)
+            deaths.update(started_indices & waiting.keys())
 
 
-def _run_pool(work: Callable[[T], R], items: dict[int, T], workers: int, started: set[int]) -> Iterator[tuple[int, R]]:
+def _run_pool(
+    work: Callable[[T], R], items: dict[int, T], workers: int, started_indices: set[int]
+) -> Iterator[tuple[int, R]]:
     """Apply a function to items by index in a pool of processes, without a second try; yield index and result.
 
-    The indices of items that were handed to a process are added to the set `started`.
+    The indices of items that were handed to a process are added to the set `started_indices`.
     """
     from joblib import Parallel, delayed, parallel_config
 
     def pieces() -> Iterator[Any]:
         for index, item in items.items():
-            started.add(index)
+            started_indices.add(index)
             yield delayed(_piece)(work, index, item)
 
     # The thread of joblib that replaces a worker which ended, idle or grown, warns of it first: where warnings are

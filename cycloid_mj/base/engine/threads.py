@@ -19,17 +19,17 @@ def run_in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> 
 
     After the first error or Ctrl-C, items in progress stop at their next `check_interrupt` and no further one begins.
     """
-    stopped = threading.Event()
+    stop_requested = threading.Event()
 
-    def do(place: int, item: T) -> tuple[int, R]:
-        with interrupt_on_event(stopped):
+    def do(index: int, item: T) -> tuple[int, R]:
+        with interrupt_on_event(stop_requested):
             check_interrupt()
-            return place, work(item)
+            return index, work(item)
 
     with ThreadPoolExecutor(workers) as pool:
         try:
-            for done in as_completed([pool.submit(do, place, item) for place, item in enumerate(items)]):
+            for done in as_completed([pool.submit(do, index, item) for index, item in enumerate(items)]):
                 yield done.result()
         finally:
-            stopped.set()
+            stop_requested.set()
             pool.shutdown(cancel_futures=True)
