@@ -49,19 +49,19 @@ def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance:
     if np.min([_deviation(piece, points) for piece in pieces], axis=0).max() <= tolerance:
         yield from pieces
         return
-    middle = 0.5 * (low + high)
-    yield from _fit(curve, slope, low, middle, tolerance)
-    yield from _fit(curve, slope, middle, high, tolerance)
+    midpoint = 0.5 * (low + high)
+    yield from _fit(curve, slope, low, midpoint, tolerance)
+    yield from _fit(curve, slope, midpoint, high, tolerance)
 
 
 def _biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Array) -> tuple[Arc | LineSegment, ...]:
     """Return the biarc between two points (2,) [m] with unit tangents: two arcs with a common tangent."""
-    chord, turning = end - start, 1.0 - float(start_tangent @ end_tangent)
-    along = float(chord @ (start_tangent + end_tangent))
+    chord, turning_measure = end - start, 1.0 - float(start_tangent @ end_tangent)
+    chord_component = float(chord @ (start_tangent + end_tangent))
     square = float(chord @ chord)
-    reach = square / (along + math.sqrt(along**2 + 2.0 * turning * square))
-    middle = 0.5 * (start + end + reach * (start_tangent - end_tangent))
-    return _arc(start, start_tangent, middle), _arc(end, -end_tangent, middle)
+    tangent_length = square / (chord_component + math.sqrt(chord_component**2 + 2.0 * turning_measure * square))
+    junction = 0.5 * (start + end + tangent_length * (start_tangent - end_tangent))
+    return _arc(start, start_tangent, junction), _arc(end, -end_tangent, junction)
 
 
 def _arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
@@ -72,8 +72,8 @@ def _arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
         return LineSegment((float(start[0]), float(start[1])), (float(end[0]), float(end[1])))
     radius = float(chord @ chord) / (2.0 * height)
     centre = start + radius * normal
-    first, last = (math.atan2(*(point - centre)[::-1]) for point in (start, end))
-    low, high = (first, last) if radius > 0.0 else (last, first)
+    start_angle, end_angle = (math.atan2(*(point - centre)[::-1]) for point in (start, end))
+    low, high = (start_angle, end_angle) if radius > 0.0 else (end_angle, start_angle)
     return Arc((float(centre[0]), float(centre[1])), abs(radius), low, low + (high - low) % (2.0 * math.pi))
 
 

@@ -50,10 +50,10 @@ def _turning_inertia(reducer: Reducer) -> float:
 def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:
     """Add mass and inertia of all ring pins, evenly spaced on the pin circle, to those of the housing."""
     count, orbit = reducer.design.ring.mates, pin.mass * reducer.design.ring.pin_circle_radius**2
-    around = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
+    orbit_inertia = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
     return replace(
         housing,
         mass=significant(housing.mass + count * pin.mass),
         volume=significant(housing.volume + count * pin.volume),
-        inertia=significant_tensor(housing.inertia + count * (pin.inertia + around)),
+        inertia=significant_tensor(housing.inertia + count * (pin.inertia + orbit_inertia)),
     )

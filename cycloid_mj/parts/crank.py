@@ -88,9 +88,9 @@ class ShaftDimensions:
 def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
     """Return the dimensions of the balanced crank that its strength depends on, without spacers."""
     design = reducer.design
-    along = crank_stretches(reducer)
-    journal, weight = along[JOURNAL], along.get(COUNTERWEIGHT)
-    cams = [(stretch.z0, stretch.z1) for name, stretch in along.items() if names.family(name) == names.CAM]
+    stretches_by_name = crank_stretches(reducer)
+    journal, weight = stretches_by_name[JOURNAL], stretches_by_name.get(COUNTERWEIGHT)
+    cams = [(stretch.z0, stretch.z1) for name, stretch in stretches_by_name.items() if names.family(name) == names.CAM]
     end = min(journal.z1, reducer.near_face)
     return ShaftDimensions(
         radius=design.shaft.radius,
@@ -98,9 +98,9 @@ def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
         eccentricity=design.gear.eccentricity,
         counterweight_radius=design.shaft.counterweight_radius,
         end=journal.z0,
-        far_end=along[FAR].z1 if FAR in along else cams[-1][1],
+        far_end=stretches_by_name[FAR].z1 if FAR in stretches_by_name else cams[-1][1],
         counterweight=(weight.z0, weight.z1) if weight else (end, end),
         cams=tuple(cams),
         phases=reducer.phases,
-        bearings=bearing_seats(reducer, along),
+        bearings=bearing_seats(reducer, stretches_by_name),
     )

@@ -51,8 +51,8 @@ def gear_part(reducer: Reducer, disc: int = 0) -> Part:
     profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
     outline = TurnedContour(GearContour(reducer.shape), -reducer.phases[disc] / design.lobes)
     holes = circles_at(_hole_radius(reducer), output_centres(reducer))
-    half = design.gear.face_width / 2
-    stretch = Stretch("gear", outline, (CircleContour(_bore_radius(reducer)), *holes), -half, half)
+    half_width = design.gear.face_width / 2
+    stretch = Stretch("gear", outline, (CircleContour(_bore_radius(reducer)), *holes), -half_width, half_width)
     return Part(reducer.gears[disc], (stretch,), design.material_of("gear").density)
 
 
@@ -94,8 +94,11 @@ def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
     stretches = [(0.0, pitch, 0.0)]
     if rotation:
         ends = flank_ends(gear, offset, rotation)
-        up, down = (-ends.valley, pitch / 2.0 - ends.tip), (pitch / 2.0 + ends.tip, pitch + ends.valley)
-        stretches = [(*up, -rotation), (*down, rotation)]
+        rising_interval, falling_interval = (
+            (-ends.valley, pitch / 2.0 - ends.tip),
+            (pitch / 2.0 + ends.tip, pitch + ends.valley),
+        )
+        stretches = [(*rising_interval, -rotation), (*falling_interval, rotation)]
     lobe = [
         rotate_curve(curve, turn)
         for low, high, turn in stretches

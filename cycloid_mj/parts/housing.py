@@ -34,8 +34,8 @@ def pin_part(reducer: Reducer) -> Part:
     """
     design = reducer.design
     bore = [CircleContour(sleeve_core_radius(reducer) + design.clearance.pin_sleeve)] if design.ring.has_sleeves else []
-    half = design.gear.stack_width / 2 / design.ring.halves
-    stretch = Stretch("pin", CircleContour(design.ring.pin_radius), tuple(bore), -half, half)
+    half_length = design.gear.stack_width / 2 / design.ring.halves
+    stretch = Stretch("pin", CircleContour(design.ring.pin_radius), tuple(bore), -half_length, half_length)
     return Part("pin", (stretch,), design.material_of("pin").density)
 
 
@@ -53,9 +53,9 @@ def sleeve_core_radius(reducer: Reducer) -> float:
         The wall of the sleeve is too thick.
     """
     design = reducer.design
-    thickness, room = design.ring.sleeve_thickness, design.ring.pin_radius - design.clearance.pin_sleeve
-    require_below("ring.sleeve_thickness", thickness, room, "the sleeve leaves no room for its pin")
-    return room - thickness
+    thickness, core_space = design.ring.sleeve_thickness, design.ring.pin_radius - design.clearance.pin_sleeve
+    require_below("ring.sleeve_thickness", thickness, core_space, "the sleeve leaves no room for its pin")
+    return core_space - thickness
 
 
 def housing_part(reducer: Reducer) -> Part:
@@ -78,8 +78,8 @@ def housing_part(reducer: Reducer) -> Part:
     hole = _pinwheel(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
     outline = CircleContour(design.housing.outer_radius)
     rings = [
-        Stretch("housing", outline, (TurnedContour(hole, ahead),), low, high)
-        for low, high, ahead in ring_stretches(reducer)
+        Stretch("housing", outline, (TurnedContour(hole, lead_angle),), low, high)
+        for low, high, lead_angle in ring_stretches(reducer)
     ]
     return Part("housing", (*rings, *_cores(reducer)), design.material_of("housing").density)
 
@@ -92,11 +92,11 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
     """Return start and end along the axis [m] and clockwise rotation [rad] of the ring, or of each of its halves."""
     design = reducer.design
-    half = design.gear.stack_width / 2
+    half_width = design.gear.stack_width / 2
     if design.ring.halves == 1:
-        return [(-half, half, 0.0)]
-    (first_angle, second_angle), slit = design.ring.ahead, SLIT_SHARE * half
-    return [(-half, -slit, first_angle), (slit, half, second_angle)]
+        return [(-half_width, half_width, 0.0)]
+    (first_angle, second_angle), slit = design.ring.ahead, SLIT_SHARE * half_width
+    return [(-half_width, -slit, first_angle), (slit, half_width, second_angle)]
 
 
 def _cores(reducer: Reducer) -> list[Stretch]:
@@ -107,8 +107,8 @@ def _cores(reducer: Reducer) -> list[Stretch]:
     radius, angles = sleeve_core_radius(reducer), 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     return [
         Stretch("pins", core, (), low, high)
-        for low, high, ahead in ring_stretches(reducer)
-        for core in circles_at(radius, design.ring.pin_circle_radius * unit(angles - ahead))
+        for low, high, lead_angle in ring_stretches(reducer)
+        for core in circles_at(radius, design.ring.pin_circle_radius * unit(angles - lead_angle))
     ]
 
 
@@ -118,8 +118,8 @@ def _pinwheel(reducer: Reducer) -> Contour:
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
     radius = pin + design.socket_play
     require_above("ring.pin_radius", pin, design.gear.eccentricity, "the gear's tips reach beyond the sockets")
-    room = centre * math.sin(math.pi / teeth) - design.socket_play
-    require_below("ring.pin_radius", pin, room, "neighbouring sockets meet")
+    max_wall_radius = centre * math.sin(math.pi / teeth) - design.socket_play
+    require_below("ring.pin_radius", pin, max_wall_radius, "neighbouring sockets meet")
     require_above("housing.outer_radius", design.housing.outer_radius, centre + radius, "the sockets cut through it")
     return PinwheelContour(centre, radius, arc_half_angle(design, radius), wall_radius(design), teeth)
 

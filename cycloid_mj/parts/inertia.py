@@ -29,13 +29,13 @@ def mass_properties(solid: Solid) -> MassProperties:
     """
     moments = [_volume_moments(prism) for prism in solid.prisms]
     volume = sum(part[0] for part in moments)
-    first = np.sum([part[1] for part in moments], axis=0)
-    second = np.sum([part[2] for part in moments], axis=0)
-    central = second - np.outer(first, first) / volume
+    first_moment = np.sum([part[1] for part in moments], axis=0)
+    second_moment = np.sum([part[2] for part in moments], axis=0)
+    central = second_moment - np.outer(first_moment, first_moment) / volume
     return MassProperties(
         mass=significant(solid.density * volume),
         volume=significant(volume),
-        centroid=on_grid(first / volume),
+        centroid=on_grid(first_moment / volume),
         inertia=significant_tensor(solid.density * (np.trace(central) * np.eye(3) - central)),
     )
 
@@ -50,8 +50,10 @@ def _volume_moments(prism: Prism) -> tuple[float, Array, Array]:
     """Integrate 1 [m3], r (3,) [m4] and r r^T (3, 3) [m5] over a prism, about the origin."""
     area, x, y, xx, yy, xy = region_moments(prism)
     height, z0, z1 = prism.height, prism.z0, prism.z1
-    middle = (z0 + z1) / 2
+    mid_height = (z0 + z1) / 2
     zz = (z0 * z0 + z0 * z1 + z1 * z1) / 3
-    first = height * np.array([x, y, area * middle])
-    second = height * np.array([[xx, xy, x * middle], [xy, yy, y * middle], [x * middle, y * middle, area * zz]])
-    return area * height, first, second
+    first_moment = height * np.array([x, y, area * mid_height])
+    second_moment = height * np.array(
+        [[xx, xy, x * mid_height], [xy, yy, y * mid_height], [x * mid_height, y * mid_height, area * zz]]
+    )
+    return area * height, first_moment, second_moment

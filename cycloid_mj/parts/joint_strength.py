@@ -81,13 +81,13 @@ class Thread:
         lever = 0.16 * self.pitch + friction * (0.58 * self.pitch_diameter + 0.5 * head)
         return preload * lever
 
-    def stripping_force(self, engaged: float, shear: float) -> float:
+    def stripping_force(self, engaged_length: float, shear: float) -> float:
         """Compute the force [N] that strips an internal thread over an engaged length [m] (5.5.5, without C1 to C3).
 
         `shear` is the shear strength of the nut's material [Pa]; 0.8 of a pitch does not carry.
         """
         per_pitch = 0.5 * self.pitch + (self.diameter - self.pitch_diameter) / math.sqrt(3.0)
-        turns = max(engaged / self.pitch - 0.8, 0.0)
+        turns = max(engaged_length / self.pitch - 0.8, 0.0)
         return shear * math.pi * self.diameter * turns * per_pitch
 
 

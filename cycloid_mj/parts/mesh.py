@@ -63,11 +63,11 @@ def mesh(part: Prism | Solid) -> Mesh:
     numbers = sorted(levels)
     vertices[:, 2] = np.interp(vertices[:, 2] / GRIDS.height, numbers, [levels[number] for number in numbers])
     shape = Mesh(vertices, np.array(union.tri_verts, dtype=np.int32))
-    volume, true = _volume(shape), mass_properties(solid).volume
-    if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
+    volume, expected_volume = _volume(shape), mass_properties(solid).volume
+    if not abs(volume / expected_volume - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(
-            f"the mesh of the {solid.name} has a volume of {volume:.9g} m3 instead of {true:.9g} m3, so it is not "
-            "written: please report this design"
+            f"the mesh of the {solid.name} has a volume of {volume:.9g} m3 instead of {expected_volume:.9g} m3, so it "
+            "is not written: please report this design"
         )
     return shape
 
@@ -80,16 +80,16 @@ def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
     rings = [np.round(ring / GRIDS.plane) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     scale = GRIDS.plane / GRIDS.unit
     section = manifold3d.CrossSection([ring * scale for ring in rings])
-    new = np.setdiff1d(_corners([np.round(ring / scale) for ring in section.to_polygons()]), _corners(rings))
-    if new.size:
-        x, y = np.array([new[0].real, new[0].imag]) * GRIDS.plane * MILLIMETRES
+    new_corners = np.setdiff1d(_corners([np.round(ring / scale) for ring in section.to_polygons()]), _corners(rings))
+    if new_corners.size:
+        x, y = np.array([new_corners[0].real, new_corners[0].imag]) * GRIDS.plane * MILLIMETRES
         raise _contact_error(name, f" near x = {x:.6g} mm, y = {y:.6g} mm")
-    area, true = section.area() * GRIDS.unit**2, region_moments(prism).area
-    if not abs(area - true) <= VOLUME_TOLERANCE * area:
+    area, expected_area = section.area() * GRIDS.unit**2, region_moments(prism).area
+    if not abs(area - expected_area) <= VOLUME_TOLERANCE * area:
         raise DesignError(
-            f"the mesh of the {name} has a volume of {area * prism.height:.9g} m3 instead of {true * prism.height:.9g} "
-            "m3, because a hole lies outside the outline or inside another hole: reduce the radii of the holes of this "
-            "part in the design"
+            f"the mesh of the {name} has a volume of {area * prism.height:.9g} m3 instead of "
+            f"{expected_area * prism.height:.9g} m3, because a hole lies outside the outline or inside another hole: "
+            "reduce the radii of the holes of this part in the design"
         )
     if section.num_contour() != len(rings):
         raise _contact_error(name, "")

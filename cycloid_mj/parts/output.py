@@ -29,16 +29,16 @@ def output_part(reducer: Reducer) -> Part:
     with its cams fits. Pins under separate rollers (`roller_part`) have the radius of their cores.
     """
     design = reducer.design
-    gear, output, half = design.gear, design.output, design.gear.stack_width / 2
-    face = half + AXIAL_GAP
+    gear, output, half_width = design.gear, design.output, design.gear.stack_width / 2
+    face = half_width + AXIAL_GAP
     both_ends = output.support == "both_ends"
     rim = CircleContour(output.pin_circle_radius + (1 + RIM) * output.pin_radius)
     disc = Stretch("disc", rim, (), face, face + output.disc_thickness)
-    start = -face if both_ends else -half
+    start = -face if both_ends else -half_width
     pins = [Stretch("pins", pin, (), start, face) for pin in circles_at(pin_radius(reducer), output_centres(reducer))]
     eye = CircleContour(gear.bore_radius + gear.eccentricity)
-    second = [Stretch("second_disc", rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
-    return Part(names.OUTPUT, (disc, *pins, *second), design.material_of("output").density)
+    second_disc = [Stretch("second_disc", rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
+    return Part(names.OUTPUT, (disc, *pins, *second_disc), design.material_of("output").density)
 
 
 def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
@@ -58,6 +58,8 @@ def roller_part(reducer: Reducer) -> Part:
     It is as wide as the disc and its bore has the radius of the core: needles between them are taken as solid.
     """
     design = reducer.design
-    output, half = design.output, design.gear.face_width / 2
-    tube = Stretch("roller", CircleContour(output.pin_radius), (CircleContour(output.root_radius),), -half, half)
+    output, half_width = design.output, design.gear.face_width / 2
+    tube = Stretch(
+        "roller", CircleContour(output.pin_radius), (CircleContour(output.root_radius),), -half_width, half_width
+    )
     return Part(names.ROLLER, (tube,), design.material_of("output").density)

@@ -80,8 +80,8 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
     if isinstance(reducer, RvReducer):
         return rv_solids(reducer)
     joined_solids = {
-        body: make(reducer.shape)
-        for body, make in ((names.SHAFT, _crank_solid), (names.OUTPUT, _output_with_rollers))
+        body: make_solid(reducer.shape)
+        for body, make_solid in ((names.SHAFT, _crank_solid), (names.OUTPUT, _output_with_rollers))
         if attached_parts(reducer, body)
     }
     joined_parts = {part for body in joined_solids for part, _ in attached_parts(reducer, body).values()}
@@ -107,7 +107,7 @@ def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
         cams = {name: (name, np.zeros(3)) for name in names.all_numbered(names.CAM, gear.discs)}
         middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
         spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
-        return cams | {name: (names.SPACER, np.array([0.0, 0.0, middle])) for name, middle in spacers}
+        return cams | {name: (names.SPACER, np.array([0.0, 0.0, mid_height])) for name, mid_height in spacers}
     if body == names.OUTPUT and reducer.design.output.has_roller_parts:
         return roller_positions(reducer)
     return {}
@@ -143,9 +143,9 @@ def _output_with_rollers(reducer: Reducer) -> Solid:
     parts = _parts(reducer, None)
     (tube,) = parts[names.ROLLER].prisms
     rollers = [
-        Prism(tube.outline + place[:2], tuple(hole + place[:2] for hole in tube.holes), tube.z0 + z, tube.z1 + z)
-        for _, place in attached_parts(reducer, names.OUTPUT).values()
-        for z in (float(place[2]),)
+        Prism(tube.outline + position[:2], tuple(hole + position[:2] for hole in tube.holes), tube.z0 + z, tube.z1 + z)
+        for _, position in attached_parts(reducer, names.OUTPUT).values()
+        for z in (float(position[2]),)
     ]
     output = parts[names.OUTPUT]
     return Solid(names.OUTPUT, (*output.prisms, *rollers), output.density)

@@ -90,21 +90,25 @@ def within(points: Array, loop: Array) -> Mask:
     """
     (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
     x, y = points[:, :1], points[:, 1:]
-    across = (ay > y) != (by > y)
+    crosses_level = (ay > y) != (by > y)
     crossing_x = ax + (y - ay) * (bx - ax) / np.where(by == ay, 1.0, by - ay)
-    inside: Mask = (across & (x < crossing_x)).sum(axis=1) % 2 == 1
-    return inside
+    is_inside: Mask = (crosses_level & (x < crossing_x)).sum(axis=1) % 2 == 1
+    return is_inside
 
 
 def _sums(values: Array) -> Array:
     """Sum each row of values (k, n) in about twice the working precision by Knuth's two-sum; return (k,)."""
     left_out = np.zeros(len(values))
-    while (half := values.shape[1] // 2) > 0:
-        a, b, odd = values[:, :half], values[:, half : 2 * half], values[:, 2 * half :]
-        total = a + b
-        of_b = total - a
-        left_out += np.sum((a - (total - of_b)) + (b - of_b), axis=1)
-        values = np.concatenate([total, odd], axis=1)
+    while (half_count := values.shape[1] // 2) > 0:
+        first_half, second_half, odd_column = (
+            values[:, :half_count],
+            values[:, half_count : 2 * half_count],
+            values[:, 2 * half_count :],
+        )
+        total = first_half + second_half
+        of_b = total - first_half
+        left_out += np.sum((first_half - (total - of_b)) + (second_half - of_b), axis=1)
+        values = np.concatenate([total, odd_column], axis=1)
     return values[:, 0] + left_out
 
 

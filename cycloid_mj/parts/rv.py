@@ -122,8 +122,8 @@ def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
     parts = [housing_part(reducer), *_discs(reducer), *_crank_and_gears(reducer), *_flanges(reducer)]
     if reducer.design.ring.kind == "pin":
         parts.append(pin_part(reducer))
-    half = reducer.design.gear.face_width / 2.0
-    needle = Stretch(NEEDLE, CircleContour(reducer.cranks.needle_radius), (), -half, half)
+    half_width = reducer.design.gear.face_width / 2.0
+    needle = Stretch(NEEDLE, CircleContour(reducer.cranks.needle_radius), (), -half_width, half_width)
     parts.append(Part(NEEDLE, (needle,), reducer.design.material_of("shaft").density))
     return {part.name: part for part in parts}
 
@@ -137,25 +137,27 @@ def _discs(reducer: RvReducer) -> Iterator[Part]:
         *circles_at(reducer.bore_radius, crank_centres(reducer)),
         *circles_at(reducer.window_radius, post_centres(reducer)),
     )
-    half = design.gear.face_width / 2.0
+    half_width = design.gear.face_width / 2.0
     for name, phase in zip(reducer.gears, reducer.phases, strict=True):
         outline = TurnedContour(GearContour(reducer.shape), -phase / design.lobes)
-        yield Part(name, (Stretch("gear", outline, holes, -half, half),), design.material_of("gear").density)
+        yield Part(
+            name, (Stretch("gear", outline, holes, -half_width, half_width),), design.material_of("gear").density
+        )
 
 
 def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
     """Yield a crank in the frame of its axis, and planet and sun in frames of their own, a tooth space on +y."""
-    design, along = reducer.design, axial_layout(reducer)
+    design, axial = reducer.design, axial_layout(reducer)
     require_below("gear.eccentricity", design.gear.eccentricity, reducer.cranks.eccentric_radius, "no journal is left")
     density, journal = design.material_of("shaft").density, CircleContour(reducer.journal_radius)
-    half, start, stretches = design.gear.face_width / 2.0, along.planets[0], []
+    half_width, start, stretches = design.gear.face_width / 2.0, axial.planets[0], []
     for number, (phase, plane) in enumerate(zip(reducer.phases, design.gear.disc_planes, strict=True), start=1):
         x, y = design.gear.eccentricity * profile.unit(-phase)
         eccentric = CircleContour(reducer.cranks.eccentric_radius, (float(x), float(y)))
-        stretches.append(Stretch(f"journal {number}", journal, (), start, plane - half))
-        stretches.append(Stretch(f"eccentric {number}", eccentric, (), plane - half, plane + half))
-        start = plane + half
-    stretches.append(Stretch("last journal", journal, (), start, along.flanges[1][1]))
+        stretches.append(Stretch(f"journal {number}", journal, (), start, plane - half_width))
+        stretches.append(Stretch(f"eccentric {number}", eccentric, (), plane - half_width, plane + half_width))
+        start = plane + half_width
+    stretches.append(Stretch("last journal", journal, (), start, axial.flanges[1][1]))
     yield Part(CRANK, tuple(stretches), density)
     sun, planet = reducer.stage_gears
     for name, gear in ((SUN, sun), (PLANET, planet)):
@@ -164,20 +166,20 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
                 f"planet.{name}_teeth = {gear.teeth}: with the profile shift {gear.shift:.3g} these teeth are "
                 f"{gear.fault}; use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm to 0"
             )
-    half = reducer.planet.face_width / 2.0
-    yield Part(PLANET, (Stretch(PLANET, SpurGearContour(planet), (journal,), -half, half),), density)
-    yield Part(SUN, (Stretch(SUN, SpurGearContour(sun), (), -half, half),), density)
+    half_width = reducer.planet.face_width / 2.0
+    yield Part(PLANET, (Stretch(PLANET, SpurGearContour(planet), (journal,), -half_width, half_width),), density)
+    yield Part(SUN, (Stretch(SUN, SpurGearContour(sun), (), -half_width, half_width),), density)
 
 
 def _flanges(reducer: RvReducer) -> Iterator[Part]:
     """Yield both flanges of the carrier, the second with the posts, which reach to the first."""
-    cranks, along = reducer.cranks, axial_layout(reducer)
+    cranks, axial = reducer.cranks, axial_layout(reducer)
     holes = (*_middle_hole(reducer), *circles_at(cranks.taper_radius, crank_centres(reducer)))
     density = reducer.design.material_of("output").density
     posts = [
-        Stretch("post", post, (), along.flanges[0][1], along.flanges[1][0])
+        Stretch("post", post, (), axial.flanges[0][1], axial.flanges[1][0])
         for post in circles_at(cranks.post_radius, post_centres(reducer))
     ]
-    for name, (z0, z1), own in zip(FLANGES, along.flanges, ((), posts), strict=True):
+    for name, (z0, z1), own_posts in zip(FLANGES, axial.flanges, ((), posts), strict=True):
         flange = Stretch("flange", CircleContour(reducer.flange_radius), holes, z0, z1)
-        yield Part(name, (flange, *own), density)
+        yield Part(name, (flange, *own_posts), density)

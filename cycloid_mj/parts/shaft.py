@@ -76,11 +76,11 @@ def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
     design = reducer.design
     by_name, density = stretches(reducer), design.material_of("shaft").density
     journal, cams = by_name[JOURNAL], [by_name[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
-    ring, half = by_name[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
+    ring, half_gap = by_name[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
     ends = by_name.get(FAR, cams[-1]).z1
     return (
         Part(names.SHAFT, (Stretch(JOURNAL, journal.outline, (), journal.z0, ends),), density),
-        Part(names.SPACER, (Stretch(names.SPACER, ring.outline, ring.holes, -half, half),), density),
+        Part(names.SPACER, (Stretch(names.SPACER, ring.outline, ring.holes, -half_gap, half_gap),), density),
         *(Part(cam.name, (Stretch(names.CAM, cam.outline, ring.holes, cam.z0, cam.z1),), density) for cam in cams),
     )
 
@@ -121,7 +121,7 @@ class CounterweightContour:
 def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Stretch]:
     """Return the stretches of the crank of one disc, with the counterweight that balances the disc."""
     design = reducer.design
-    shaft, half = design.shaft, design.gear.face_width / 2
+    shaft, half_width = design.shaft, design.gear.face_width / 2
     journal, cam = JournalContour(shaft.radius), CircleContour(design.gear.bore_radius, (0.0, design.gear.eccentricity))
     require_above("shaft.counterweight_radius", shaft.counterweight_radius, shaft.radius, "it is within the shaft")
     counterweight = CounterweightContour(shaft.counterweight_radius, journal)
@@ -130,8 +130,8 @@ def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Stretch]:
     return [
         Stretch(JOURNAL, journal, (), end - shaft.length, start),
         Stretch(COUNTERWEIGHT, counterweight, (), start, end),
-        Stretch(INNER, journal, (), end, -half),
-        Stretch(names.CAM, cam, (), -half, half),
+        Stretch(INNER, journal, (), end, -half_width),
+        Stretch(names.CAM, cam, (), -half_width, half_width),
         *_far_journal(reducer, journal, start - (end - shaft.length)),
     ]
 
@@ -139,21 +139,21 @@ def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Stretch]:
 def _multi_disc_crank(reducer: Reducer) -> list[Stretch]:
     """Return the stretches of the crank of several discs, which balance each other without a counterweight."""
     design = reducer.design
-    gear, shaft, half = design.gear, design.shaft, design.gear.face_width / 2
-    room = gear.bore_radius - gear.eccentricity
-    require_below("shaft.radius", shaft.radius, room, "the cams leave no wall around the shaft")
+    gear, shaft, half_width = design.gear, design.shaft, design.gear.face_width / 2
+    free_radius = gear.bore_radius - gear.eccentricity
+    require_below("shaft.radius", shaft.radius, free_radius, "the cams leave no wall around the shaft")
     journal, cam = CircleContour(shaft.radius), CircleContour(gear.bore_radius, (0.0, gear.eccentricity))
     ring = CircleContour(spacer_radius(reducer))
     planes, end = gear.disc_planes, reducer.near_face
-    crank_stretches = [Stretch(JOURNAL, journal, (), end - shaft.length, planes[0] - half)]
+    crank_stretches = [Stretch(JOURNAL, journal, (), end - shaft.length, planes[0] - half_width)]
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
-            gap = planes[number - 2] + half, plane - half
+            gap = planes[number - 2] + half_width, plane - half_width
             crank_stretches.append(Stretch(names.numbered_name(NECK, number - 1), journal, (), *gap))
             crank_stretches.append(Stretch(names.numbered_name(names.SPACER, number - 1), ring, (journal,), *gap))
         cam_contour = TurnedContour(cam, phase)
         crank_stretches.append(
-            Stretch(names.numbered_name(names.CAM, number), cam_contour, (), plane - half, plane + half)
+            Stretch(names.numbered_name(names.CAM, number), cam_contour, (), plane - half_width, plane + half_width)
         )
     return crank_stretches + _far_journal(reducer, journal, shaft.length)
 
@@ -165,8 +165,8 @@ def spacer_radius(reducer: Reducer) -> float:
     """
     design = reducer.design
     gear, output = design.gear, design.output
-    reach = gear.bore_radius + design.clearance.cam + gear.eccentricity
-    return 0.5 * (reach + output.pin_circle_radius - output.pin_radius)
+    cam_reach = gear.bore_radius + design.clearance.cam + gear.eccentricity
+    return 0.5 * (cam_reach + output.pin_circle_radius - output.pin_radius)
 
 
 def bearing_width(reducer: Reducer, journal: float) -> float:
@@ -188,10 +188,10 @@ def bearing_seats(
     shaft, by_name = reducer.design.shaft, by_name or stretches(reducer)
     start, end = by_name[JOURNAL].z0, min(by_name[JOURNAL].z1, reducer.near_face)
     width = bearing_width(reducer, end - start)
-    near = end - shaft.bearing_offset
-    far = near - width - shaft.bearing_spacing if shaft.bearing_spacing else start
-    far = by_name[FAR].z1 - width if FAR in by_name else far
-    return (far, far + width), (near - width, near)
+    near_start = end - shaft.bearing_offset
+    far_start = near_start - width - shaft.bearing_spacing if shaft.bearing_spacing else start
+    far_start = by_name[FAR].z1 - width if FAR in by_name else far_start
+    return (far_start, far_start + width), (near_start - width, near_start)
 
 
 def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Stretch]:
@@ -218,6 +218,6 @@ def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour,
     if thickness >= shaft.length:
         # a half disc has the static moment -2/3 R^3 per thickness, the shaft in it takes 2/3 r^3 away
         radius = (shaft.radius**3 + 1.5 * unbalance / shaft.length) ** (1 / 3)
-        otherwise = "no counterweight within the shaft's length balances the gear"
-        raise too_small("shaft.counterweight_radius", shaft.counterweight_radius, radius, otherwise)
+        failure_text = "no counterweight within the shaft's length balances the gear"
+        raise too_small("shaft.counterweight_radius", shaft.counterweight_radius, radius, failure_text)
     return thickness

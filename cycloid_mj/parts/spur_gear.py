@@ -28,12 +28,14 @@ class SpurGearContour:
         gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
         fillet = SmoothCurve(gear.fillet, gear.fillet_length, gear.fillet_tangents, gear.fillet_curvature)
         flank = SmoothCurve(gear.flank, gear.flank_length, gear.flank_tangents, gear.flank_curvature)
-        up = [
+        tooth_side = [
             *fit_splines(fillet, 0.0, gear.last_corner, 1),
             *fit_splines(flank, gear.first_roll, gear.last_roll, 1),
         ]
-        upwards = [Spline(piece.knots, piece.controls * MIRROR) for piece in up]
-        downwards = [rotate_curve(Spline(-piece.knots[::-1], piece.controls[::-1]), -pitch) for piece in reversed(up)]
+        upwards = [Spline(piece.knots, piece.controls * MIRROR) for piece in tooth_side]
+        downwards = [
+            rotate_curve(Spline(-piece.knots[::-1], piece.controls[::-1]), -pitch) for piece in reversed(tooth_side)
+        ]
         root, tip, middle = gear.corner_offset / gear.reference_radius, gear.tip_half_angle, math.pi / 2.0
         tooth: tuple[Curve, ...] = (
             Arc((0.0, 0.0), gear.root_radius, middle - root, middle + root),
@@ -54,8 +56,8 @@ class SpurGearContour:
         root, tip, middle = gear.corner_offset / gear.reference_radius, gear.tip_half_angle, math.pi / 2.0
         bottom = arc(gear.root_radius, middle - root, middle + root, chord_error)
         top = arc(gear.tip_radius, middle + pitch / 2.0 - tip, middle + pitch / 2.0 + tip, chord_error)
-        down = rotate_points(side[::-1], pitch)
-        tooth = np.concatenate([bottom, (side * MIRROR)[1:], top[1:], down[1:-1]])
+        mirrored_side = rotate_points(side[::-1], pitch)
+        tooth = np.concatenate([bottom, (side * MIRROR)[1:], top[1:], mirrored_side[1:-1]])
         return np.concatenate([rotate_points(tooth, number * pitch) for number in range(gear.teeth)])
 
 

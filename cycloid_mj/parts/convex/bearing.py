@@ -80,16 +80,19 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
 
     The facets are at such a distance from the axis that their middles and corners deviate equally from the circle.
     """
-    play, whole = hole.radius - hole.inner_radius, hole.half_angle == math.pi
+    play, is_full_circle = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
     step = 2.0 * hole.half_angle / count
     error = 0.5 * play * (1.0 / math.cos(0.5 * step) - 1.0)
-    near, far = hole.radius - error, hole.radius + depth
-    width = 2.0 * near * math.tan(0.5 * step)
+    facet_radius, outer_radius = hole.radius - error, hole.radius + depth
+    width = 2.0 * facet_radius * math.tan(0.5 * step)
     edges = np.array([-0.5, 0.5]) * step
-    aside = 0.5 * METHOD.overlap * settings.chord_error * np.array([[-1.0, 0.0], [1.0, 0.0]])
-    face, base = near / math.cos(0.5 * step) * unit(edges) + aside, far * unit(edges) + aside
-    outline = np.concatenate([face, base[::-1]])
+    overlap_offset = 0.5 * METHOD.overlap * settings.chord_error * np.array([[-1.0, 0.0], [1.0, 0.0]])
+    face, outer_edge = (
+        facet_radius / math.cos(0.5 * step) * unit(edges) + overlap_offset,
+        outer_radius * unit(edges) + overlap_offset,
+    )
+    outline = np.concatenate([face, outer_edge[::-1]])
     curvature = 1.0 / hole.inner_radius - 1.0 / hole.radius
     facet = convex_slice(hole.name, outline, width, curvature, hole.radius, play)
     angles = (np.arange(count) + 0.5) * step - hole.half_angle
@@ -98,16 +101,18 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
         for member, (turn, centre) in enumerate(zip(hole.turns, hole.centres, strict=True), start=1)
         for angle in angles
     ]
-    seen = unit(hole.turns[0] + np.linspace(-1.0, 1.0, METHOD.samples, endpoint=not whole) * hole.half_angle)
-    corner = near / math.cos(0.5 * step) - hole.radius
-    base_area = 0.5 * count * far**2 * math.sin(step)
+    sample_directions = unit(
+        hole.turns[0] + np.linspace(-1.0, 1.0, METHOD.samples, endpoint=not is_full_circle) * hole.half_angle
+    )
+    corner = facet_radius / math.cos(0.5 * step) - hole.radius
+    base_area = 0.5 * count * outer_radius**2 * math.sin(step)
     return ConvexSurface(
         name=hole.name,
         slices=(facet,),
         places=tuple(placements),
         half_width=0.5 * (reducer.design.gear.stack_width if hole.name == "socket" else reducer.design.gear.face_width),
-        points=hole.centres[0] + hole.radius * seen,
-        normals=-seen,
+        points=hole.centres[0] + hole.radius * sample_directions,
+        normals=-sample_directions,
         strip_area=len(hole.turns) * (base_area - hole.half_angle * hole.radius**2),
         depth=depth * math.cos(0.5 * step),
         overfill_bound=METHOD.tolerance * max(error, settings.play_error),

@@ -24,8 +24,8 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
     points, normals
         Points (k, 2) [m] of its true walls and unit normals out of the material.
     """
-    middle = 0.5 * (region.z0 + region.z1)
-    points_3d, normals_3d = np.insert(points, 2, middle, axis=1), np.insert(normals, 2, 0.0, axis=1)
+    mid_height = 0.5 * (region.z0 + region.z1)
+    points_3d, normals_3d = np.insert(points, 2, mid_height, axis=1), np.insert(normals, 2, 0.0, axis=1)
     bodies = [hull_body(piece.vertices) for piece in pieces]
     ends = fill(
         points_3d,
@@ -74,7 +74,7 @@ def _first_crossing(corners: Array, edges: Array, normal: Array) -> float:
     """
     determinant = normal[0] * edges[:, 1] - normal[1] * edges[:, 0]
     determinant = np.where(determinant == 0.0, np.inf, determinant)
-    along = (corners[:, 0] * edges[:, 1] - corners[:, 1] * edges[:, 0]) / determinant
-    across = (corners[:, 0] * normal[1] - corners[:, 1] * normal[0]) / determinant
-    hits = (along > METHOD.depth) & (across >= 0.0) & (across <= 1.0)
-    return float(along[hits].min(initial=METHOD.reach))
+    distance = (corners[:, 0] * edges[:, 1] - corners[:, 1] * edges[:, 0]) / determinant
+    edge_position = (corners[:, 0] * normal[1] - corners[:, 1] * normal[0]) / determinant
+    is_hit = (distance > METHOD.depth) & (edge_position >= 0.0) & (edge_position <= 1.0)
+    return float(distance[is_hit].min(initial=METHOD.reach))

@@ -96,12 +96,12 @@ def fill(
     sample, low, high = _intervals(points, normals, bodies, max(start, reach))
     end = np.full(len(points), -start)
     while True:
-        joined = low <= end[sample] + seam
-        further = end.copy()
-        np.maximum.at(further, sample[joined], high[joined])
-        if not (further > end).any():
+        is_joined = low <= end[sample] + seam
+        extended_end = end.copy()
+        np.maximum.at(extended_end, sample[is_joined], high[is_joined])
+        if not (extended_end > end).any():
             return np.minimum(end, reach)
-        end = further
+        end = extended_end
 
 
 def surface_quality(surface: ConvexSurface) -> Quality:
@@ -112,13 +112,13 @@ def surface_quality(surface: ConvexSurface) -> Quality:
     DesignError
         The deviation exceeds its bound.
     """
-    outlines = [placed_outline(surface, place) for place in surface.places]
-    start, reach = 0.5 * surface.depth, surface.depth
-    ends = fill(surface.points, surface.normals, [polygon_body(outline) for outline in outlines], start, reach)
+    outlines = [placed_outline(surface, placement) for placement in surface.places]
+    start, max_height = 0.5 * surface.depth, surface.depth
+    ends = fill(surface.points, surface.normals, [polygon_body(outline) for outline in outlines], start, max_height)
     area = math.fsum(area_moments(outline).area for outline in outlines)
-    measured = summarize_quality(ends, len(outlines), area / surface.strip_area - 1.0)
-    require_within(surface.name, measured, surface.overfill_bound, surface.underfill_bound)
-    return measured
+    quality = summarize_quality(ends, len(outlines), area / surface.strip_area - 1.0)
+    require_within(surface.name, quality, surface.overfill_bound, surface.underfill_bound)
+    return quality
 
 
 def summarize_quality(heights: Array, parts: int, volume_error: float) -> Quality:
@@ -126,13 +126,13 @@ def summarize_quality(heights: Array, parts: int, volume_error: float) -> Qualit
 
     `parts` is the number of convex pieces; `volume_error` is their volume relative to that of the solid, minus 1.
     """
-    over, under = np.maximum(heights, 0.0), np.maximum(-heights, 0.0)
+    overfill, underfill = np.maximum(heights, 0.0), np.maximum(-heights, 0.0)
     return Quality(
         parts=parts,
-        max_overfill=float(over.max()),
-        rms_overfill=rms(over),
-        max_underfill=float(under.max()),
-        rms_underfill=rms(under),
+        max_overfill=float(overfill.max()),
+        rms_overfill=rms(overfill),
+        max_underfill=float(underfill.max()),
+        rms_underfill=rms(underfill),
         volume_error=volume_error,
         samples=len(heights),
     )
@@ -140,10 +140,10 @@ def summarize_quality(heights: Array, parts: int, volume_error: float) -> Qualit
 
 def require_within(name: str, quality: Quality, overfill: float, underfill: float) -> None:
     """Raise DesignError if convex pieces overfill or underfill a surface by more than the bounds [m]."""
-    for what, value, bound in (("over", quality.max_overfill, overfill), ("under", quality.max_underfill, underfill)):
+    for side, value, bound in (("over", quality.max_overfill, overfill), ("under", quality.max_underfill, underfill)):
         if not value <= bound:
             raise DesignError(
-                f"the convex pieces of the {name} {what}fill it by {1e6 * value:.4g} um, but at most {1e6 * bound:.4g} "
+                f"the convex pieces of the {name} {side}fill it by {1e6 * value:.4g} um, but at most {1e6 * bound:.4g} "
                 "um are allowed: reduce chord_error or depth of ConvexSettings"
             )
 
@@ -157,17 +157,17 @@ def _intervals(
     """
     intervals = []
     for body in bodies:
-        near = np.flatnonzero(np.linalg.norm(points - body.centre, axis=1) <= body.radius + max_distance)
-        if not len(near):
+        near_points = np.flatnonzero(np.linalg.norm(points - body.centre, axis=1) <= body.radius + max_distance)
+        if not len(near_points):
             continue
-        slope = normals[near] @ body.normals.T
-        room = body.offsets - points[near] @ body.normals.T
+        slope = normals[near_points] @ body.normals.T
+        plane_distance = body.offsets - points[near_points] @ body.normals.T
         with np.errstate(divide="ignore", invalid="ignore"):
-            crossing = room / slope
+            crossing = plane_distance / slope
         low = np.where(slope < -METHOD.parallel, crossing, -np.inf).max(axis=1)
         high = np.where(slope > METHOD.parallel, crossing, np.inf).min(axis=1)
-        outside = ((np.abs(slope) <= METHOD.parallel) & (room < -METHOD.seam)).any(axis=1)
-        inside = (low <= high) & ~outside
-        intervals.append((near[inside], low[inside], high[inside]))
+        is_outside = ((np.abs(slope) <= METHOD.parallel) & (plane_distance < -METHOD.seam)).any(axis=1)
+        is_inside = (low <= high) & ~is_outside
+        intervals.append((near_points[is_inside], low[is_inside], high[is_inside]))
     sample, low, high = (np.concatenate(column) for column in zip(*intervals, strict=True))
     return sample, low, high

@@ -51,9 +51,9 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
     bound = settings.depth * reducer.design.ring.pin_radius
     crank = [stretch for name, stretch in stretches(reducer, error).items() if family(name) != SPACER]
     shaft = [Sector("shaft", stretch.prism(error), bound) for stretch in crank]
-    disc, *others = output_solid(reducer, error).prisms
+    disc, *other_prisms = output_solid(reducer, error).prisms
     output = [Sector("output", disc, bound)]
-    for plate in others[reducer.design.output.pins :]:
+    for plate in other_prisms[reducer.design.output.pins :]:
         eye, rim = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
         # so narrow that its inner arc is as good as straight
         count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / eye, 0.0)))
@@ -73,12 +73,12 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
     shape, walls, coacd = mesh(sector.region), wall_samples(sector.region), settings.coacd
     for _ in range(METHOD.decompositions):
         pieces = coacd_pieces(shape, coacd)
-        measured = pieces_quality(sector.region, pieces, *walls)
-        if measured.max_overfill <= sector.bound:
+        quality = pieces_quality(sector.region, pieces, *walls)
+        if quality.max_overfill <= sector.bound:
             break
         coacd = replace(coacd, threshold=0.5 * coacd.threshold)
-    require_within(sector.part, measured, sector.bound, sector.bound)
-    return Rest(sector, pieces, measured)
+    require_within(sector.part, quality, sector.bound, sector.bound)
+    return Rest(sector, pieces, quality)
 
 
 def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
@@ -88,31 +88,31 @@ def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, S
     """
     design = reducer.design
     depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
-    half = design.gear.face_width / 2.0
+    half_width = design.gear.face_width / 2.0
     hole = output.hole_radius + design.clearance.output + depth
-    base = gear_base(reducer, depth, error)
-    waist = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base, axis=1).min()))
+    base_outline = gear_base(reducer, depth, error)
+    waist = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base_outline, axis=1).min()))
     inner = design.gear.bore_radius + design.clearance.cam + depth
     eye = circle(hole, error, (0.0, output.pin_circle_radius))
-    hub = Prism(_wedge(inner, waist, math.pi / output.pins, error), (eye,), -half, half)
+    hub = Prism(_wedge(inner, waist, math.pi / output.pins, error), (eye,), -half_width, half_width)
     pitch = math.pi / design.lobes
-    edge = float(np.sum(base[-1] * unit(pitch)))
+    edge = float(np.sum(base_outline[-1] * unit(pitch)))
     if edge <= waist:
         raise DesignError(
             f"the convex pieces of the disc cannot be generated: with ring.teeth = {design.ring.teeth}, the base of a "
             f"half lobe lies {1e3 * edge:.4g} mm from the axis, within the hub of {1e3 * waist:.4g} mm around the "
             "holes. Increase ring.teeth, or reduce output.pin_circle_radius_mm or output.hole_radius_mm"
         )
-    outer = np.concatenate([edge * unit([-pitch]), base, edge * unit([pitch])])
+    outer = np.concatenate([edge * unit([-pitch]), base_outline, edge * unit([pitch])])
     inner_arc = _arc(waist, -pitch, pitch, error)
-    band = Prism(np.concatenate([outer, inner_arc[::-1]])[::-1], (), -half, half)
+    band = Prism(np.concatenate([outer, inner_arc[::-1]])[::-1], (), -half_width, half_width)
     return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes, of_teeth=True)
 
 
 def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
     """Return the sector of the housing behind the sliced surface of one lobe, or around one pin."""
     design = reducer.design
-    ring, error, half = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
+    ring, error, half_width = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
     pitch = math.pi / ring.teeth
     depth = housing_depth(reducer, settings)
     if ring.kind == "nonpin":
@@ -122,10 +122,10 @@ def _housing_sector(reducer: Reducer, settings: ConvexSettings) -> Sector:
         opening = arc_half_angle(design, radius)
         socket = np.array([0.0, ring.pin_circle_radius]) + _arc(radius, -opening, opening, error)
         edge = math.atan2(socket[-1, 0], socket[-1, 1])
-        land = _arc(wall_radius(design), edge, pitch, error)[1:]
-        bore = np.concatenate([land[::-1] * [-1.0, 1.0], socket, land])
+        land_arc = _arc(wall_radius(design), edge, pitch, error)[1:]
+        bore = np.concatenate([land_arc[::-1] * [-1.0, 1.0], socket, land_arc])
     outer = _arc(design.housing.outer_radius, -pitch, pitch, error)
-    region = Prism(np.concatenate([outer, bore[::-1]])[::-1], (), -half, half)
+    region = Prism(np.concatenate([outer, bore[::-1]])[::-1], (), -half_width, half_width)
     return Sector("housing", region, depth, ring.teeth)
 
 

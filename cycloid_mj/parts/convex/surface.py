@@ -116,8 +116,8 @@ def convex_slice(
         The outline is not strictly convex.
     """
     edges = np.roll(outline, -1, axis=0) - outline
-    after = np.roll(edges, -1, axis=0)
-    bends = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
+    next_edges = np.roll(edges, -1, axis=0)
+    bends = edges[:, 0] * next_edges[:, 1] - edges[:, 1] * next_edges[:, 0]
     if not ((bends > 0.0).all() or (bends < 0.0).all()):
         raise DesignError(
             f"a slice of the {name} is not convex, but only convex slices can be simulated: reduce ConvexSettings.depth"

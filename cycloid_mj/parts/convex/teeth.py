@@ -44,13 +44,15 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
         )
     gear, depth = reducer.gear_profile, gear_depth(reducer, settings)
     offset = reducer.profile_offset - float(errors.disc_radius[disc])
-    half = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
-    face, base = (profile.outline(gear, half, offset + into) for into in (settings.chord_error, depth))
-    between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)
-    quads = _quads("teeth", face, base, between + 1.0 / gear.pin_radius, settings)
+    half_lobe_nodes = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
+    face, base_points = (
+        profile.outline(gear, half_lobe_nodes, offset + inset) for inset in (settings.chord_error, depth)
+    )
+    between = profile.curvature(gear, (half_lobe_nodes[:-1] + half_lobe_nodes[1:]) / 2.0, offset)
+    quads = _quads("teeth", face, base_points, between + 1.0 / gear.pin_radius, settings)
     slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
     samples = profile.sample(gear, METHOD.samples, offset)
-    base_area = -area_moments(_all_round(_symmetric(base), gear.lobes)).area
+    base_area = -area_moments(_all_round(_symmetric(base_points), gear.lobes)).area
     return ConvexSurface(
         name="teeth",
         slices=tuple(slices),
@@ -73,11 +75,11 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     """
     gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
     B = envelope.sigma_nodes(gear, 2.0 * settings.chord_error)
-    face, base = (_sigma(gear, B, into) for into in (settings.chord_error, depth))
-    middle = (B[:-1] + B[1:]) / 2.0
-    gear_bend = profile.curvature(gear, -middle / gear.lobes, reducer.profile_offset)
-    bends = gear_bend - 1.0 / envelope.Sigma(gear, middle).radius
-    slices = [*_quads("lobe", face, base, bends, settings), _ring_tip(gear, settings, depth)]
+    face, base_points = (_sigma(gear, B, inset) for inset in (settings.chord_error, depth))
+    mid_phases = (B[:-1] + B[1:]) / 2.0
+    gear_bend = profile.curvature(gear, -mid_phases / gear.lobes, reducer.profile_offset)
+    bends = gear_bend - 1.0 / envelope.Sigma(gear, mid_phases).radius
+    slices = [*_quads("lobe", face, base_points, bends, settings), _ring_tip(gear, settings, depth)]
     samples = envelope.sample_ring(gear, METHOD.samples)
     base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
     return ConvexSurface(
@@ -110,8 +112,8 @@ def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_
     these are None at phases whose chords have a `chord_error` [m].
     """
     gear = reducer.tooth_profile
-    left = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
-    return np.concatenate([left[::-1], left * [-1.0, 1.0]])
+    left_points = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)
+    return np.concatenate([left_points[::-1], left_points * [-1.0, 1.0]])
 
 
 def _gear_nodes(gear: CycloidGear, offset: float, chord_error: float) -> Array:
@@ -141,16 +143,16 @@ def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
     return flank.points + into * profile.unit(flank.normal_angle)
 
 
-def _quads(name: str, face: Array, base: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
+def _quads(name: str, face: Array, base_points: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
     """Return one quadrilateral slice per chord of a concave flank.
 
-    `face` and `base` (n, 2) [m] are points of the flank and of the far ends, `curvature` (n - 1,) [1/m] that of
+    `face` and `base_points` (n, 2) [m] are points of the flank and of the far ends, `curvature` (n - 1,) [1/m] that of
     contacts.
     """
     width = np.linalg.norm(np.diff(face, axis=0), axis=1)
     overlap = METHOD.overlap * settings.chord_error
     outlines = [
-        np.concatenate([_extend_ends(face[i : i + 2], overlap), _extend_ends(base[i : i + 2], overlap)[::-1]])
+        np.concatenate([_extend_ends(face[i : i + 2], overlap), _extend_ends(base_points[i : i + 2], overlap)[::-1]])
         for i in range(len(width))
     ]
     return [convex_slice(name, outline, float(width[i]), float(curvature[i])) for i, outline in enumerate(outlines)]
@@ -172,14 +174,14 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
     t = _flank_nodes(gear, offset, inflection, tip, 2.0 * error)
     face = profile.outline(gear, t, offset - error)
     edge = profile.outline(gear, inflection, offset + depth)
-    middle = float(edge @ profile.unit(tip)) * profile.unit(tip)
+    edge_projection = float(edge @ profile.unit(tip)) * profile.unit(tip)
     cuts = np.linspace(0, len(t) - 1, settings.hulls + 1).round().astype(int)
     overlap = METHOD.overlap * settings.chord_error
     slices = []
     for low, high in itertools.pairwise(cuts):
-        base = _extend_ends(edge + np.array([[high], [low]]) / (len(t) - 1) * (middle - edge), overlap)
+        base_edge = _extend_ends(edge + np.array([[high], [low]]) / (len(t) - 1) * (edge_projection - edge), overlap)
         bend = _hull_curvature(gear, offset, gear.lobes * t[[low, high]])
-        outline = np.concatenate([_extend_ends(face[low : high + 1], overlap), base])
+        outline = np.concatenate([_extend_ends(face[low : high + 1], overlap), base_edge])
         slices.append(convex_slice("teeth", outline, math.inf, bend))
     return slices
 
@@ -204,8 +206,8 @@ def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slic
     face = centre - (rho + error) * profile.unit(angle)
     edge = centre - (rho - depth) * profile.unit(angle[-1])
     overlap = METHOD.overlap * settings.chord_error
-    base = _extend_ends(np.array([edge, edge * [0.0, 1.0]]), overlap)
-    return convex_slice("lobe", np.concatenate([_extend_ends(face, overlap), base]), math.inf, 1.0 / rho)
+    base_edge = _extend_ends(np.array([edge, edge * [0.0, 1.0]]), overlap)
+    return convex_slice("lobe", np.concatenate([_extend_ends(face, overlap), base_edge]), math.inf, 1.0 / rho)
 
 
 def _all_places(slices: int, pitches: int) -> tuple[SlicePlacement, ...]:

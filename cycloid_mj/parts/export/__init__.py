@@ -203,22 +203,22 @@ def drive_files(
         The extra for DXF or STEP is not installed.
     """
     encoding = _Encoding(file_format, chord_error, polylines, arcs)
-    manufactured = manufactured_parts(reducer, chord_error, cam_seat, sizes)
+    parts_by_name = manufactured_parts(reducer, chord_error, cam_seat, sizes)
     if encoding.is_mesh:
-        return {f"{name}.{file_format}": encoding.mesh(name, mesh(part.solid)) for name, part in manufactured.items()}
+        return {f"{name}.{file_format}": encoding.mesh(name, mesh(part.solid)) for name, part in parts_by_name.items()}
     if encoding.is_polylines:
         assembled_parts = assembly_parts(reducer, sizes)
         return {
             f"{name}.{file_format}": encoding.polylines_of(assembled_parts[name], drilled_threads(reducer, sizes, name))
-            for name in manufactured
+            for name in parts_by_name
         }
     sections = assembly_sections(reducer, sizes, SPLINES if file_format == "step" else 1)
     if file_format == "dxf":
         return {
             f"{name}.dxf": dxf_bytes(sections[name], drilled_threads(reducer, sizes, name), encoding.arcs)
-            for name in manufactured
+            for name in parts_by_name
         }
-    return {f"{name}.step": step_part(name, sections[name]) for name in manufactured}
+    return {f"{name}.step": step_part(name, sections[name]) for name in parts_by_name}
 
 
 def drilled_threads(reducer: Reducer, sizes: Casing, part: str) -> Iterator[DrilledThread]:
@@ -275,20 +275,20 @@ def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | N
     ring, file_format = reducer.design.ring, encoding.file_format
     if ring.halves == 1:
         return _encode_parts(reducer, encoding, sizes)
-    undivided = reducer.but(ring={"halves": 1, "preload": 0.0})
-    encoded = _encode_parts(undivided, encoding, sizes)
+    undivided_reducer = reducer.but(ring={"halves": 1, "preload": 0.0})
+    encoded_files = _encode_parts(undivided_reducer, encoding, sizes)
     width = 0.5 * (1.0 - SLIT_SHARE) * reducer.design.gear.face_width
-    half_files = _encode_parts(undivided.but(gear={"face_width": width}), encoding, None).files
+    half_files = _encode_parts(undivided_reducer.but(gear={"face_width": width}), encoding, None).files
     housing = f"{names.HOUSING}.{file_format}"
     files: dict[str, bytes] = {}
-    for name, content in encoded.files.items():
+    for name, content in encoded_files.files.items():
         if name == housing:
             files |= {
                 f"{names.numbered_name(names.HOUSING, number)}.{file_format}": half_files[name] for number in (1, 2)
             }
         else:
             files[name] = half_files[name] if name.startswith((names.PIN, PRESSED_PIN)) else content
-    return Export(files, encoded.clearances)
+    return Export(files, encoded_files.clearances)
 
 
 def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
@@ -340,7 +340,7 @@ def _separate_pressed_pins(reducer: Reducer, solids: dict[str, Solid]) -> dict[s
 
 def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
     """Encode all parts of an RV reducer; return the files by name, and the clearances of the discs in the ring."""
-    laid = rv_parts(reducer)
+    part_list = rv_parts(reducer)
     error = encoding.chord_error
 
     def encode(name: str, part: Part) -> bytes:
@@ -352,9 +352,9 @@ def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
             return dxf_bytes(part.sections(1), (), encoding.arcs)
         return _encode_step(reducer, part.solid(EXPORT_CHORD_ERROR), part.sections(SPLINES))
 
-    discs = [laid[gear].solid(error).prisms[0].outline for gear in reducer.gears]
-    ring = laid[names.HOUSING].solid(error).prisms[0].holes[0]
-    files = {f"{name}.{encoding.file_format}": encode(name, part) for name, part in laid.items()}
+    discs = [part_list[gear].solid(error).prisms[0].outline for gear in reducer.gears]
+    ring = part_list[names.HOUSING].solid(error).prisms[0].holes[0]
+    files = {f"{name}.{encoding.file_format}": encode(name, part) for name, part in part_list.items()}
     return Export(files, measure_rings(reducer, discs, ring))
 
 
@@ -365,11 +365,11 @@ def _encode_step(reducer: Reducer, solid: Solid, stretches: tuple[PartSection, .
     """
     pins = reducer.design.ring.teeth if solid.name == names.HOUSING and reducer.design.ring.has_sleeves else 0
     content = step_part(solid.name, stretches, 1 + pins)
-    volume, true = read_volume(content), mass_properties(solid).volume
-    if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
+    volume, expected_volume = read_volume(content), mass_properties(solid).volume
+    if not abs(volume / expected_volume - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(
-            f"the STEP solid of the {solid.name} has a volume of {volume:.6g} m3 instead of {true:.6g} m3, so it is "
-            "not written: export STL (--format stl) instead, and please report this design"
+            f"the STEP solid of the {solid.name} has a volume of {volume:.6g} m3 instead of {expected_volume:.6g} m3, "
+            "so it is not written: export STL (--format stl) instead, and please report this design"
         )
     return content
 

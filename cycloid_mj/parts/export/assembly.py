@@ -83,13 +83,15 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
     """Yield all parts of an assembly with their positions at a crank angle [rad]; `sizes` None: without the casing."""
     design, origin = reducer.design, np.zeros(3)
     ring_angle, carrier_angle = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
-    turned = {names.HOUSING: ring_angle, names.SHAFT: crank, names.OUTPUT: carrier_angle}
-    for body, angle in turned.items():
+    angle_by_body = {names.HOUSING: ring_angle, names.SHAFT: crank, names.OUTPUT: carrier_angle}
+    for body, angle in angle_by_body.items():
         yield place_rotated(body, body, origin, angle, body)
     rollers = roller_positions(reducer) if design.output.rollers else {}
-    for body, attached in ((names.SHAFT, attached_parts(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
-        for name, (part, position) in attached.items():
-            yield place_rotated(name, part, position, turned[body], names.ROLLER if part == names.ROLLER else body)
+    for body, attached_by_name in ((names.SHAFT, attached_parts(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
+        for name, (part, position) in attached_by_name.items():
+            yield place_rotated(
+                name, part, position, angle_by_body[body], names.ROLLER if part == names.ROLLER else body
+            )
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
             yield place_rotated(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier_angle, names.OUTPUT)
@@ -106,7 +108,7 @@ def _place_parts(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterat
         yield from place_ring_pins(reducer, ring_angle, pin_pieces(reducer) if sizes else (1, 0.0))
         yield from _place_pressed_pins(reducer, ring_angle)
     for item in place_casing(reducer, sizes) if sizes else ():
-        yield place_rotated(item.name, item.part, np.array(item.origin), turned[item.body], item.body)
+        yield place_rotated(item.name, item.part, np.array(item.origin), angle_by_body[item.body], item.body)
 
 
 def _place_cam_bearings(
@@ -120,9 +122,9 @@ def _place_cam_bearings(
     width, count = (in_stock[0].width, in_stock[1]) if in_stock else (0.0, 1)
     name = gear.replace(names.GEAR, CAM_BEARING)
     for number in range(count):
-        numbered = f"{name}_{number + 1}" if count > 1 else name
+        bearing_name = f"{name}_{number + 1}" if count > 1 else name
         origin = x, y, z + width * (number - 0.5 * (count - 1))
-        yield PlacedPart(numbered, CAM_BEARING, origin, angle, gear)
+        yield PlacedPart(bearing_name, CAM_BEARING, origin, angle, gear)
 
 
 def _place_pressed_pins(reducer: Reducer, ring_angle: float) -> Iterator[PlacedPart]:

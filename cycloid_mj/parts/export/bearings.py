@@ -49,9 +49,9 @@ def cam_seat(reducer: Reducer) -> float:
     Where no bearing in stock fits, rollers that touch each other fill the bore of the disc, which is their outer ring:
     ``contact.cam_rollers``, or thinner ones that leave half of the room for the cam around the shaft.
     """
-    gear, bought = reducer.design.gear, cam_bearing(reducer)
-    if bought:
-        return round(0.5 * bought[0].bore, 9)
+    gear, stock_bearing = reducer.design.gear, cam_bearing(reducer)
+    if stock_bearing:
+        return round(0.5 * stock_bearing[0].bore, 9)
     ratio = math.sin(math.pi / reducer.design.contact.cam_rollers)
     raceway = gear.bore_radius * (1.0 - ratio) / (1.0 + ratio)
     thinnest = gear.eccentricity + reducer.design.shaft.radius

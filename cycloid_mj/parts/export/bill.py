@@ -133,28 +133,32 @@ def bill(
 
 def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
     """Yield the grease (a third of the free space) and the adhesive that a drive needs, with their volumes."""
-    parts, placed = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
-    inside = [place for place in placed if place.body != names.HOUSING and sizes.floor <= place.origin[2] <= sizes.top]
-    solid = sum(_inner_volume(parts[place.part], place.origin[2], sizes) for place in inside)
+    parts, placements = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
+    inner_placements = [
+        placement
+        for placement in placements
+        if placement.body != names.HOUSING and sizes.floor <= placement.origin[2] <= sizes.top
+    ]
+    solid = sum(_inner_volume(parts[placement.part], placement.origin[2], sizes) for placement in inner_placements)
     wall = reducer.design.ring_root_radius
-    room = math.pi * (
+    free_space = math.pi * (
         2.0 * sizes.end * wall**2
         + (-sizes.end - sizes.floor) * sizes.cavity**2
         + (sizes.bearings[0][0] - sizes.end) * sizes.output_cavity**2
     )
-    grease = CONSUMABLES.grease_fill * max(room - solid, 0.0)
+    grease = CONSUMABLES.grease_fill * max(free_space - solid, 0.0)
     designation = "NLGI 1 with EP additives"
     yield _consumable("grease", grease, "lithium soap", designation, "a third of the free space")
-    glued = [joint for joint in drive_joints(reducer, sizes) if joint.kind is JointKind.GLUED]
-    area = sum(math.pi * joint.count * joint.diameter * joint.length for joint in glued)
-    where = [joint.name for joint in glued]
+    glued_joints = [joint for joint in drive_joints(reducer, sizes) if joint.kind is JointKind.GLUED]
+    area = sum(math.pi * joint.count * joint.diameter * joint.length for joint in glued_joints)
+    glued_places = [joint.name for joint in glued_joints]
     if bore := motor_bore(reducer, sizes):
         radius, start, end = bore
         area += 2.0 * math.pi * radius * (end - start)
-        where.append("motor shaft in the crank")
-    if where:
+        glued_places.append("motor shaft in the crank")
+    if glued_places:
         volume = CONSUMABLES.adhesive_film * area
-        yield _consumable("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(where))
+        yield _consumable("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(glued_places))
 
 
 def describe_consumable(line: BillLine) -> str:
@@ -195,13 +199,13 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
 def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
     """Yield the lines of the manufactured parts: size, material, threads and fits, and mass."""
     joints = drive_joints(reducer, sizes) if sizes else ()
-    assembled = assembly_parts(reducer, sizes) if sizes and not cam_seat else {}
+    assembled_parts = assembly_parts(reducer, sizes) if sizes and not cam_seat else {}
     for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
-        bored = _format_bore(reducer, sizes) if name == names.SHAFT else ""
+        bore_text = _format_bore(reducer, sizes) if name == names.SHAFT else ""
         material = _material_name(part_material(reducer, name, sizes))
-        drawn = assembled.get(name, part.drawn)
-        mass = part.count * mass_properties(drawn.solid(EXPORT_CHORD_ERROR)).mass
-        size, fit = _extent(drawn) + bored, _describe_machining(joints, name)
+        drawn_part = assembled_parts.get(name, part.drawn)
+        mass = part.count * mass_properties(drawn_part.solid(EXPORT_CHORD_ERROR)).mass
+        size, fit = _extent(drawn_part) + bore_text, _describe_machining(joints, name)
         yield BillLine(name, part.count, size, material, "made", fit=fit, mass_kg=mass)
 
 
@@ -263,8 +267,8 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
             sleeve = _round_line(names.PIN, count * ring.teeth, diameters, length, material)
             yield replace(sleeve, designation="sleeve to measure", fit="F7 on its pin")
             core = sleeve_core_radius(reducer)
-            reach = sleeve_pin_length(reducer) if sizes else gear.stack_width
-            yield _pressed_pin_line(PRESSED_PIN, ring.teeth, core, reach, material)
+            cut_to = sleeve_pin_length(reducer) if sizes else gear.stack_width
+            yield _pressed_pin_line(PRESSED_PIN, ring.teeth, core, cut_to, material)
         elif ring.has_sockets:
             yield _free_pin_line(reducer, material)
         elif fixed_pin(reducer) or not free_pin(reducer):
@@ -323,9 +327,11 @@ def _pin_line(
     radius, length = size
     if not pin:
         return _round_line(item, count, (("diameter", radius),), length, material)
-    cut = length if pin.length > length + stock.ROUNDING else 0.0
-    line = _round_line(item, count, (("diameter", radius),), pin.length, material, cut)
-    return replace(line, designation=pin.designation, fit=fit + (f", cut to {_mm(cut)} mm" if cut else ""))
+    cut_length = length if pin.length > length + stock.ROUNDING else 0.0
+    line = _round_line(item, count, (("diameter", radius),), pin.length, material, cut_length)
+    return replace(
+        line, designation=pin.designation, fit=fit + (f", cut to {_mm(cut_length)} mm" if cut_length else "")
+    )
 
 
 def _free_pin_line(reducer: Reducer, material: Material) -> BillLine:
@@ -393,14 +399,15 @@ def _round_line(
     radii: tuple[tuple[str, float], ...],
     length: float,
     material: Material | None = None,
-    cut: float = 0.0,
+    cut_length: float = 0.0,
 ) -> BillLine:
-    """Return the line of `count` bought cylinders of a length [m], with their mass; `cut` is the length if shortened.
+    """Return the line of `count` bought cylinders of a length [m], with their mass.
 
-    `radii` are named radii [m], the outer one first. Without `material` they are steel, filled as a bearing.
+    `radii` are named radii [m], the outer one first; `cut_length` is the length [m] to which they are shortened, 0: not
+    shortened. Without `material` they are steel, filled as a bearing.
     """
     outer, inner = radii[0][1], radii[1][1] if len(radii) > 1 else 0.0
-    volume = math.pi * (outer**2 - inner**2) * (cut or length)
+    volume = math.pi * (outer**2 - inner**2) * (cut_length or length)
     mass = count * volume * (material.density if material else STEEL * filling(item))
     name = _material_name(material) if material else ""
     return BillLine(item, count, _cylinder_size(*radii, length=length), name, "bought", mass_kg=mass)

@@ -177,9 +177,9 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     screws = choose_cover_screws(reducer, wall)
     outer = _cover_radius(screws, design.housing.outer_radius, wall)
     dowel, dowel_angles, dowel_circle = choose_dowels(reducer, screws, wall)
-    far, near = bearing_seats(reducer, crank_stretches(reducer))
+    far_seat, near_seat = bearing_seats(reducer, crank_stretches(reducer))
     straddles = design.shaft.mounting == "straddle"
-    seat = seat_radius(reducer, near[1] - near[0])
+    seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
     return Casing(
         outer=outer,
@@ -188,8 +188,8 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         dowel=dowel,
         dowel_angles=dowel_angles,
         dowel_circle=dowel_circle,
-        near=(near[0] if straddles else far[0], near[1]),
-        far=far if straddles else None,
+        near=(near_seat[0] if straddles else far_seat[0], near_seat[1]),
+        far=far_seat if straddles else None,
         seat=seat,
         rim=rim,
         play=axial_play(reducer),
@@ -221,29 +221,35 @@ def _size_motor_side(
     `outer` and `rim` are the radii [m] of the cover and of the disc of the output. Errors are those of `casing`.
     """
     design, wall, end = reducer.design, least_wall(reducer), ring_end(reducer)
-    half, stretches = design.gear.stack_width / 2.0, crank_stretches(reducer)
-    far, near = bearing_seats(reducer, stretches)
-    seat = seat_radius(reducer, near[1] - near[0])
-    second = -half - AXIAL_GAP - design.output.disc_thickness if design.output.support == "both_ends" else -half
-    cavity, max_cavity = _cavity(reducer, screws, max(rim if second < -half else 0.0, seat - wall), wall)
+    half_width, stretches = design.gear.stack_width / 2.0, crank_stretches(reducer)
+    far_seat, near_seat = bearing_seats(reducer, stretches)
+    seat = seat_radius(reducer, near_seat[1] - near_seat[0])
+    second_disc_end = (
+        -half_width - AXIAL_GAP - design.output.disc_thickness if design.output.support == "both_ends" else -half_width
+    )
+    cavity, max_cavity = _cavity(reducer, screws, max(rim if second_disc_end < -half_width else 0.0, seat - wall), wall)
     weight = stretches.get("counterweight")
-    floor = min(weight.z0 if weight else second, second) - AXIAL_GAP
+    floor = min(weight.z0 if weight else second_disc_end, second_disc_end) - AXIAL_GAP
     flange = choose_motor_flange(reducer, motor, outer, seat, wall, max_cavity)
     if flange.tapped:
         cavity = max(cavity, motor_heads_end(flange))
-    under = motor_floor_thickness(reducer, flange, wall)
-    through = min_grip(screws.bolt, wall) + 2.0 * ((0.0 if screws.outside else end) - axial_play(reducer))
-    tip = (end if screws.outside else -end) - hole_depth(reducer, screws.bolt.thread, screws.length - through) - wall
-    first = near[0] if design.shaft.mounting == "straddle" else far[0]
-    face, journal = _input_side(reducer, flange, first, wall, min(floor, tip) - under)
+    floor_thickness = motor_floor_thickness(reducer, flange, wall)
+    clamped_length = min_grip(screws.bolt, wall) + 2.0 * ((0.0 if screws.outside else end) - axial_play(reducer))
+    screw_tip = (
+        (end if screws.outside else -end)
+        - hole_depth(reducer, screws.bolt.thread, screws.length - clamped_length)
+        - wall
+    )
+    bearing_start = near_seat[0] if design.shaft.mounting == "straddle" else far_seat[0]
+    face, journal = _input_side(reducer, flange, bearing_start, wall, min(floor, screw_tip) - floor_thickness)
     return {
         "motor": flange,
         "face": face,
         "journal": journal,
         "cavity": cavity,
         "floor": floor,
-        "pocket": min(face + under, floor),
-        "step": max(min(tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
+        "pocket": min(face + floor_thickness, floor),
+        "step": max(min(screw_tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
         "slim": max(cavity, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
     }
 
@@ -266,20 +272,24 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     `seat` and `rim` are radii [m] of the shaft bearings' seats and of the disc. Raises DesignError if no bearing fits.
     """
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
-    room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
-    hub = _choose_hub_bearing(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
+    max_hub_radius = screws.circle - counterbore(screws.bolt) - 2.0 * wall
+    hub = _choose_hub_bearing(
+        min(max_hub_radius, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0
+    )
     bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
     flange_circle, flange_screws = _flange_pattern(reducer, hub, bolt, wall)
     hub_floor = design.gear.stack_width / 2.0 + AXIAL_GAP + design.output.disc_thickness + AXIAL_GAP
-    far, _ = bearing_seats(reducer, crank_stretches(reducer))
-    deepest = (
-        max(far[1] + RULES.collar if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread
+    far_seat, _ = bearing_seats(reducer, crank_stretches(reducer))
+    thread_end = (
+        max(far_seat[1] + RULES.collar if straddles else 0.0, hub_floor)
+        + 2.0 * wall
+        + 2.0 * RULES.engagement * bolt.thread
     )
     washer = flange_washer(reducer, bolt)[1]
     return {
         "hub": hub,
         "hub_floor": hub_floor,
-        "spacing": max(0.5 * hub.width, deepest - hub_floor - 2.0 * hub.width),
+        "spacing": max(0.5 * hub.width, thread_end - hub_floor - 2.0 * hub.width),
         "flange_bolt": bolt,
         "flange_thickness": hole_depth(reducer, bolt.thread, bolt.head_height + washer + max(bolt.thread, wall)),
         "flange_screws": flange_screws,
@@ -296,11 +306,11 @@ def _input_side(
     (`bearing_start`); one to be coupled, or overhung, keeps its journal.
     """
     journal = crank_stretches(reducer)["journal"].z0
-    bored = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
-    shortened = reducer.design.shaft.mounting == "straddle" and motor.shaft > 0.0
-    start = bearing_start if shortened else journal
-    face = min(min(start - axial_play(reducer), bearing_start - wall) - RULES.pilot_depth, max_face, bored)
-    if shortened:
+    bore_limit = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
+    is_shortened = reducer.design.shaft.mounting == "straddle" and motor.shaft > 0.0
+    start = bearing_start if is_shortened else journal
+    face = min(min(start - axial_play(reducer), bearing_start - wall) - RULES.pilot_depth, max_face, bore_limit)
+    if is_shortened:
         journal = max(journal, min(bearing_start, face + motor.shaft_length - 2.0 * RULES.engagement * motor.shaft))
     return face, journal
 

@@ -88,8 +88,8 @@ def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | Non
         return shaft
     bore = motor_bore(reducer, sizes)
     holes = ((AXIS, *bore),) if bore else ()
-    fitted = fit_part(reducer, sizes, names.SHAFT, shaft)
-    return fitted.of(cut_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted.stretches))
+    fitted_part = fit_part(reducer, sizes, names.SHAFT, shaft)
+    return fitted_part.of(cut_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted_part.stretches))
 
 
 def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
@@ -103,8 +103,8 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     if name == names.HOUSING:
         return part.of(_wider(item, sizes.play, item is stretches[0], item is stretches[-1]) for item in stretches)
     if name == PRESSED_PIN:
-        reach = 0.5 * sleeve_pin_length(reducer)
-        return part.of(replace(stretch, z0=-reach, z1=reach) for stretch in stretches)
+        half_pin_length = 0.5 * sleeve_pin_length(reducer)
+        return part.of(replace(stretch, z0=-half_pin_length, z1=half_pin_length) for stretch in stretches)
     if name == names.PIN:
         _, length = pin_pieces(reducer)
         return part.of(replace(stretch, z0=-0.5 * length, z1=0.5 * length) for stretch in stretches)
@@ -134,10 +134,12 @@ def _fit_crank_stretches(
     if family == names.SHAFT:
         stretches = (replace(stretches[0], z0=sizes.journal), *stretches[1:])
     if reducer.design.gear.discs == 1:
-        back = counterweight_shift(reducer)
+        counterweight_offset = counterweight_shift(reducer)
         for stretch in stretches:
             low, high = stretch.name in (COUNTERWEIGHT, INNER), stretch.name in (JOURNAL, COUNTERWEIGHT)
-            yield replace(stretch, z0=stretch.z0 + back * low, z1=stretch.z1 + back * high)
+            yield replace(
+                stretch, z0=stretch.z0 + counterweight_offset * low, z1=stretch.z1 + counterweight_offset * high
+            )
         return
     key, radius = cam_key(reducer, sizes), reducer.design.shaft.radius
     pieces = _split_spacer(reducer, sizes, stretches) if family == names.SPACER else tuple(stretches)

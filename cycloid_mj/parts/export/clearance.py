@@ -47,9 +47,11 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     _, nearest = cKDTree(profile.outline(gear, grid)).query(points)
     t = grid[nearest]
     for _ in range(SEARCH.newton_steps):
-        away = profile.trochoid(gear, t) - points
-        first, second = profile.trochoid_derivatives(gear, t)
-        step = np.sum(away * first, axis=1) / (np.sum(first**2, axis=1) + np.sum(away * second, axis=1))
+        offset_vectors = profile.trochoid(gear, t) - points
+        first_derivative, second_derivative = profile.trochoid_derivatives(gear, t)
+        step = np.sum(offset_vectors * first_derivative, axis=1) / (
+            np.sum(first_derivative**2, axis=1) + np.sum(offset_vectors * second_derivative, axis=1)
+        )
         t = t - step
         if np.abs(step).max() < 1e-14:
             break
@@ -110,8 +112,8 @@ def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int)
     """Measure the clearance between a disc and the ring, and of the sockets, if any; errors as `measure_disc`."""
     design = reducer.design
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
-    turned = rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)
-    points: dict[str, Array] = {teeth: _flank_clearance(reducer, turned)}
+    rotated_outline = rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)
+    points: dict[str, Array] = {teeth: _flank_clearance(reducer, rotated_outline)}
     if design.ring.has_sockets:
         points["pin_socket"] = _socket_distances(reducer, ring_loop) - design.ring.pin_radius
     return tuple(_require_asked(reducer, pair, values) for pair, values in points.items())
@@ -143,8 +145,8 @@ def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
     """
     gear, change = reducer.gear_profile, reducer.design.modification
     rotations = (change.rotation, -change.rotation) if change.rotation else (0.0,)
-    inside = [flank_distance(gear, rotate_clockwise(outline, turn)) for turn in rotations]
-    return np.asarray(np.min(inside, axis=0) - reducer.design.ring.pin_radius - change.equidistant)
+    distances = [flank_distance(gear, rotate_clockwise(outline, turn)) for turn in rotations]
+    return np.asarray(np.min(distances, axis=0) - reducer.design.ring.pin_radius - change.equidistant)
 
 
 def _range(values: Array) -> tuple[float, float]:

@@ -58,8 +58,8 @@ def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
         if housing.support == "bolts":
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
             circle = design.bolt_circle_radius
-            outside = max(hole + wall, head + head_wall)
-            fits = circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside
+            outside_margin = max(hole + wall, head + head_wall)
+            fits = circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside_margin
         else:
             circle, angles = housing.outer_radius - max(hole, head) - head_wall, _land_angles(ring.teeth)
             pin_and_screw = unit(np.array([0.0, math.pi / ring.teeth])) * np.array([[ring.pin_circle_radius], [circle]])
@@ -120,9 +120,9 @@ def choose_dowels(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.
     if screws.outside or design.housing.support == "bolts":
         half_pitch = math.pi / len(screws.angles)
         angles = half_pitch, half_pitch + 2.0 * math.pi * (len(screws.angles) // 2) / len(screws.angles)
-        middle = 0.5 * (design.ring_root_radius + design.housing.outer_radius)
-        return pin, angles, middle if screws.outside else screws.circle
+        mid_radius = 0.5 * (design.ring_root_radius + design.housing.outer_radius)
+        return pin, angles, mid_radius if screws.outside else screws.circle
     teeth = design.ring.teeth
     free = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
-    opposite = min(free[1:], key=lambda land: abs(land - free[0] - 0.5 * teeth))
-    return pin, tuple(2.0 * math.pi * (land + 0.5) / teeth for land in (free[0], opposite)), screws.circle
+    opposite = min(free[1:], key=lambda wall_index: abs(wall_index - free[0] - 0.5 * teeth))
+    return pin, tuple(2.0 * math.pi * (wall_index + 0.5) / teeth for wall_index in (free[0], opposite)), screws.circle

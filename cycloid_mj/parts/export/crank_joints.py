@@ -91,8 +91,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     fits = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + RULES.min_wall
     if not (fits and radius - key.in_shaft >= core + RULES.min_wall):
         return None
-    middle = 0.5 * (low + high)
-    return CamKey(key, float(angles[best]), middle - 0.5 * key.length, middle + 0.5 * key.length)
+    midpoint = 0.5 * (low + high)
+    return CamKey(key, float(angles[best]), midpoint - 0.5 * key.length, midpoint + 0.5 * key.length)
 
 
 def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
@@ -105,25 +105,25 @@ def _cam_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     if key is None:
         yield Joint(name, JointKind.GLUED, parts, (), (), GLUE_FIT, *seats)
         return
-    bought = key.bought
-    foot = radius - bought.in_shaft
-    contour = KeyContour(foot, foot + bought.height, bought.width, key.angle)
+    bought_parts = key.bought
+    foot = radius - bought_parts.in_shaft
+    contour = KeyContour(foot, foot + bought_parts.height, bought_parts.width, key.angle)
     dimensions = (
-        *(("width", bought.width), ("height", bought.height)),
-        *(("depth", bought.in_shaft), ("length", bought.length)),
+        *(("width", bought_parts.width), ("height", bought_parts.height)),
+        *(("depth", bought_parts.in_shaft), ("length", bought_parts.length)),
     )
     solid = RoundPart(names.SHAFT, blocks=((contour, key.low, key.high),), bought=True)
-    part = BoughtPart(KEY, solid, names.SHAFT, ((0.0, 0.0, 0.0),), dimensions, "C45", bought.designation, "P9")
+    part = BoughtPart(KEY, solid, names.SHAFT, ((0.0, 0.0, 0.0),), dimensions, "C45", bought_parts.designation, "P9")
     yield Joint(name, JointKind.KEYED, parts, (), (part,), "H7/k6", *seats)
 
 
 def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
     """Yield the joint of discs and cam bearings: pressed in, or rollers in the bore; none if the cam slides."""
-    gear, bought = reducer.design.gear, cam_bearing(reducer)
+    gear, stock_bearing = reducer.design.gear, cam_bearing(reducer)
     if gear.bearing != "rolling":
         return
-    kind = JointKind.PRESSED if bought else JointKind.BEARING
-    fit = cup_fit(reducer, names.GEAR) if bought else "H6, rollers in the bore of the disc"
+    kind = JointKind.PRESSED if stock_bearing else JointKind.BEARING
+    fit = cup_fit(reducer, names.GEAR) if stock_bearing else "H6, rollers in the bore of the disc"
     seats = gear.discs, 2.0 * gear.bore_radius, gear.face_width
     yield Joint("cam bearings in the discs", kind, (CAM_BEARING, *reducer.gears), (), (), fit, *seats)
 

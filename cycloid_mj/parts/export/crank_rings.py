@@ -59,8 +59,8 @@ def _crank_rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
     cams = [stretch for name, stretch in stretches.items() if names.family(name) == names.CAM]
     ring_end = stretches[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in stretches else cams[0].z0
     retreat = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
-    thinnest, beyond = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
+    thinnest, max_radius = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
     if radius >= thinnest:
         yield CrankRing(names.numbered_name(CRANK_RING, 1), radius, sizes.near[1] + retreat, ring_end)
-    if sizes.far and beyond >= thinnest:
-        yield CrankRing(names.numbered_name(CRANK_RING, 2), beyond, cams[-1].z1, sizes.far[0] - retreat)
+    if sizes.far and max_radius >= thinnest:
+        yield CrankRing(names.numbered_name(CRANK_RING, 2), max_radius, cams[-1].z1, sizes.far[0] - retreat)

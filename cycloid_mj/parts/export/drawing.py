@@ -99,8 +99,8 @@ def part_drawings(reducer: Reducer, sizes: Casing) -> tuple[PartDrawing, ...]:
         A part cannot be manufactured.
     """
     parts, joints = assembly_parts(reducer, sizes), drive_joints(reducer, sizes)
-    manufactured = manufactured_parts(reducer, VISUAL_CHORD_ERROR, 0.0, sizes)
-    counts = {name: part.count for name, part in manufactured.items()}
+    parts_by_name = manufactured_parts(reducer, VISUAL_CHORD_ERROR, 0.0, sizes)
+    counts = {name: part.count for name, part in parts_by_name.items()}
     if reducer.design.output.has_roller_parts:
         counts[names.ROLLER] = reducer.design.output.pins * reducer.design.gear.discs
     return tuple(_draw_part(reducer, sizes, parts[name], name, count, joints) for name, count in counts.items())
@@ -114,7 +114,7 @@ def _draw_part(
     `count` is how many a drive has, `joints` are those of the drive.
     """
     prisms = part.solid(VISUAL_CHORD_ERROR).prisms
-    material, printed = part_material(reducer, name, sizes), is_printed(reducer, material_part(reducer, name))
+    material, is_printed_part = part_material(reducer, name, sizes), is_printed(reducer, material_part(reducer, name))
     front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
     section = tuple((prism.z0, prism.z1, low, high) for prism in prisms for low, high in cut_prism(prism))
     diameters = tuple(_diameters(reducer, part, name, joints))
@@ -123,7 +123,7 @@ def _draw_part(
     notes = (
         *_describe_holes(name, joints),
         *_describe_tolerances(reducer, name, diameters),
-        *_describe_surface(reducer, name, material, printed),
+        *_describe_surface(reducer, name, material, is_printed_part),
     )
     title = (
         f"{reducer.design.name}: {name}",
@@ -163,7 +163,7 @@ def _tolerance_zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius
     for joint in joints:
         seats = {
             joint.diameter,
-            *(size for part in joint.bought for what, size in part.dimensions if "outside" in what),
+            *(size for part in joint.bought for dimension, size in part.dimensions if "outside" in dimension),
         }
         if name in joint.parts and any(abs(0.5 * size - radius) < SAME_LENGTH for size in seats if size):
             for letters, grade in _ZONE.findall(joint.fit):
@@ -189,9 +189,11 @@ def _describe_holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
             circle, angle = 2.0 * float(radii.mean()), float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
             zone = f" {joint.fit}" if joint.kind in (JointKind.DOWELLED, JointKind.PRESSED) else ""
             thread = next((f"M{_mm(item)} in it, " for item in threads if radius < 0.75 * item), "")
-            place = f"on ⌀{_mm(circle)}, the first at {angle:.4g}°, position ⌀{'0.05' if zone else '0.2'} to A and B"
+            position_text = (
+                f"on ⌀{_mm(circle)}, the first at {angle:.4g}°, position ⌀{'0.05' if zone else '0.2'} to A and B"
+            )
             size = f"{len(centres)} x ⌀{_mm(2.0 * radius)}{zone}, {_mm(high - low)} deep"
-            yield f"{size}, {thread}{place} ({joint.name})"
+            yield f"{size}, {thread}{position_text} ({joint.name})"
 
 
 def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
@@ -220,14 +222,14 @@ def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimens
         yield f"{design.output.pins} x ⌀{_mm(2.0 * design.output.root_radius)} N7 on ⌀{circle}, position ⌀0.01 to A"
 
 
-def _describe_surface(reducer: Reducer, name: str, material: Material, printed: bool) -> Iterator[str]:
+def _describe_surface(reducer: Reducer, name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
     """Yield the notes on roughness, fillets, edges and general tolerances of a part."""
-    if printed:
+    if is_printed_part:
         yield PRINTED
     else:
         teeth = f"; teeth {ROUGHNESS['teeth']}" if names.family(name) in (names.GEAR, names.HOUSING) else ""
-        turning = names.family(name) in (names.SHAFT, names.CAM)
-        race = f"; raceways {ROUGHNESS['raceway']}" if turning and not material.is_plastic else ""
+        is_turned = names.family(name) in (names.SHAFT, names.CAM)
+        race = f"; raceways {ROUGHNESS['raceway']}" if is_turned and not material.is_plastic else ""
         yield f"{ROUGHNESS['other']} µm, seats {ROUGHNESS['seat']}{teeth}{race}"
     if names.family(name) == names.SHAFT:
         yield f"shoulders: fillet radius {_mm(reducer.design.shaft.shoulder_fillet)}"
@@ -300,19 +302,19 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
         for z0, z1, y0, y1 in (np.array(drawing.section) * MILLIMETRES).tolist():
             corners = [(z0, y0), (z1, y0), (z1, y1), (z0, y1)]
             space.add_lwpolyline(corners, close=True, dxfattribs={"layer": "section"})
-        right = (
+        right_edge = (
             high + (len(drawing.diameters) + 2.0) * step - MILLIMETRES * min(ring[:, 0].min() for ring in drawing.front)
         )
         for ring in drawing.front:
-            points = (MILLIMETRES * ring + np.array([right, 0.0])).tolist()
+            points = (MILLIMETRES * ring + np.array([right_edge, 0.0])).tolist()
             space.add_lwpolyline(points, close=True, dxfattribs={"layer": "front"})
         override = {"dimtxt": height, "dimasz": height, "dimexe": 0.5 * height, "dimexo": 0.5 * height}
         for start, end, item in dimension_lines(drawing):
             direction = {"base": start, "angle": 90.0 if item.radius else 0.0, "text": item.text.replace("⌀", "%%c")}
-            mark = space.add_linear_dim(
+            dimension_mark = space.add_linear_dim(
                 p1=start, p2=end, dimstyle="EZDXF", override=override, dxfattribs={"layer": "dimensions"}, **direction
             )
-            mark.render()
+            dimension_mark.render()
         top = bottom - (len(drawing.lengths) + 2.0) * step
         for number, text in enumerate((*drawing.title, *drawing.notes)):
             words = text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")

@@ -57,8 +57,8 @@ def casing_inertia(reducer: Reducer) -> float:
         manufactured_parts(reducer, EXPORT_CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer))
     )
     output_side, shaft_side = (
-        sum(_inertia(drive.get(name)) - _inertia(mechanism.get(name)) for name in turning)
-        for turning in (TURNING[reducer.mechanism.turning], (names.SHAFT,))
+        sum(_inertia(drive.get(name)) - _inertia(mechanism.get(name)) for name in bodies)
+        for bodies in (TURNING[reducer.mechanism.turning], (names.SHAFT,))
     )
     return shaft_side + output_side / reducer.design.reduction**2
 

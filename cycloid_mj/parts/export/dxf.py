@@ -77,28 +77,28 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
             loops[key] = loop
             spans.setdefault(key, []).append((section.z0, section.z1))
     layers: dict[str, list[Loop]] = {}
-    named = len(heights) > 1  # stretches with names of their own, as those of a crank
+    has_stretch_names = len(heights) > 1  # stretches with names of their own, as those of a crank
     for key, ends in spans.items():
         name, loop = key[0], loops[key]
         thread = next((item.words for item in threads if _is_drilled(loop, item)), "")
         full_spans = _join_stretches(list(heights[name]))
         for low, high in _join_stretches(ends):
-            prefix = thread or (name if named else "")
+            prefix = thread or (name if has_stretch_names else "")
             at_height = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
-            plain = not thread and (len(heights[name]) == 1 or (named and (low, high) in full_spans))
+            plain = not thread and (len(heights[name]) == 1 or (has_stretch_names and (low, high) in full_spans))
             layers.setdefault(name if plain else f"{prefix} {at_height}".strip(), []).append(loop)
     return list(layers.items())
 
 
 def _join_stretches(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Join intervals (start, end) along z [m] that follow each other without a gap."""
-    joined: list[tuple[float, float]] = []
+    joined_intervals: list[tuple[float, float]] = []
     for low, high in sorted(ends):
-        if joined and low - joined[-1][1] < SAME_LENGTH:
-            joined[-1] = joined[-1][0], high
+        if joined_intervals and low - joined_intervals[-1][1] < SAME_LENGTH:
+            joined_intervals[-1] = joined_intervals[-1][0], high
         else:
-            joined.append((low, high))
-    return joined
+            joined_intervals.append((low, high))
+    return joined_intervals
 
 
 def _loop_key(loop: Loop) -> object:
@@ -174,9 +174,9 @@ def _point(point: tuple[float, float]) -> tuple[float, float]:
 @contextmanager
 def fixed_metadata(ezdxf: Any) -> Iterator[None]:
     """Keep time stamps and random identifiers out of the files that ezdxf writes inside this context."""
-    before = ezdxf.options.write_fixed_meta_data_for_testing
+    previous_setting = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True
     try:
         yield
     finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = before
+        ezdxf.options.write_fixed_meta_data_for_testing = previous_setting

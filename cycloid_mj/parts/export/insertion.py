@@ -77,27 +77,27 @@ def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
 
     The outlines of moving parts are compared with those of all parts ahead of them that are there already.
     """
-    placed = {place.name: place for place in place_parts(reducer, 0.0, sizes)}
+    placement_by_name = {placement.name: placement for placement in place_parts(reducer, 0.0, sizes)}
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}
     groups: dict[str, list[str]] = {}
 
     @cache
     def sections(name: str) -> tuple[tuple[float, float, manifold3d.CrossSection], ...]:
-        place = placed[name]
-        return tuple(_section(place, prism) for prism in prisms[place.part])
+        placement = placement_by_name[name]
+        return tuple(_section(placement, prism) for prism in prisms[placement.part])
 
-    blocked = []
+    blocked_pairs = []
     for move in assembly_moves(reducer, sizes):
-        moving = [part for name in move.parts for part in groups.pop(name, [name])]
+        moving_parts = [part for name in move.parts for part in groups.pop(name, [name])]
         present_parts = groups.setdefault(move.group, [])
-        blocked += [
+        blocked_pairs += [
             Blockage(moving_part, present_part)
-            for moving_part in _distinct(moving, placed)
+            for moving_part in _distinct(moving_parts, placement_by_name)
             for present_part in present_parts
             if move.direction and _is_blocked(sections(moving_part), sections(present_part), move.direction)
         ]
-        present_parts += moving
-    return tuple(blocked)
+        present_parts += moving_parts
+    return tuple(blocked_pairs)
 
 
 def _distinct(moving: list[str], placed: dict[str, PlacedPart]) -> list[str]:
@@ -117,34 +117,34 @@ def _section(place: PlacedPart, prism: Prism) -> tuple[float, float, manifold3d.
 Sections = tuple[tuple[float, float, manifold3d.CrossSection], ...]
 
 
-def _is_blocked(moving: Sections, present: Sections, direction: int) -> bool:
+def _is_blocked(moving_sections: Sections, present_sections: Sections, direction: int) -> bool:
     """Return whether sections overlap on the path of the moving ones; those that they only touch do not count.
 
     A section is its ends along z [m] and its outline; `direction` is `UP` or `DOWN`.
     """
-    for low, high, moving_section in moving:
-        for bottom, top, present_section in present:
-            ahead = bottom < high - SAME_LENGTH if direction == UP else top > low + SAME_LENGTH
-            if not ahead:
+    for low, high, moving_section in moving_sections:
+        for bottom, top, present_section in present_sections:
+            is_ahead = bottom < high - SAME_LENGTH if direction == UP else top > low + SAME_LENGTH
+            if not is_ahead:
                 continue
-            common = moving_section ^ present_section
-            if not common.is_empty() and not common.offset(-0.5e6 * PASSAGE).is_empty():
+            overlap = moving_section ^ present_section
+            if not overlap.is_empty() and not overlap.offset(-0.5e6 * PASSAGE).is_empty():
                 return True
     return False
 
 
-def _list_moves(reducer: Reducer, sizes: Casing, placed: tuple[PlacedPart, ...]) -> Iterator[Move]:
+def _list_moves(reducer: Reducer, sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves that assemble a drive, in order: output, ring, discs and crank, motor cover."""
-    yield from _list_output_moves(sizes, placed)
-    yield from _list_crank_moves(reducer, placed)
+    yield from _list_output_moves(sizes, placements)
+    yield from _list_crank_moves(reducer, placements)
     yield Move((MOTOR_COVER,), MOTOR_COVER)
-    yield Move(_names_of_family(placed, SCREW_INSERT), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placed, MOTOR_INSERT), MOTOR_COVER, UP)
-    yield Move(_names_of_family(placed, MOTOR_SCREW), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placed, SHAFT_BEARING, DOWN), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placed, DOWEL, DOWN), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, SCREW_INSERT), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, MOTOR_INSERT), MOTOR_COVER, UP)
+    yield Move(_names_of_family(placements, MOTOR_SCREW), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, SHAFT_BEARING, DOWN), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, DOWEL, DOWN), MOTOR_COVER, DOWN)
     yield Move((MOTOR_COVER,), DRIVE, UP)
-    yield Move(_names_of_family(placed, SCREW), DRIVE, DOWN)
+    yield Move(_names_of_family(placements, SCREW), DRIVE, DOWN)
 
 
 def _names_of_family(placed: tuple[PlacedPart, ...], family: str, side: int = 0) -> tuple[str, ...]:
@@ -156,48 +156,48 @@ def _names_of_family(placed: tuple[PlacedPart, ...], family: str, side: int = 0)
     )
 
 
-def _list_output_moves(sizes: Casing, placed: tuple[PlacedPart, ...]) -> Iterator[Move]:
+def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves that assemble the output, its bearings and flange, then the ring and its pins."""
     yield Move((names.OUTPUT,), "hub")
-    yield Move(_names_of_family(placed, FLANGE_INSERT), "hub", DOWN)
-    yield Move(_names_of_family(placed, OUTPUT_PIN), "hub", UP)
+    yield Move(_names_of_family(placements, FLANGE_INSERT), "hub", DOWN)
+    yield Move(_names_of_family(placements, OUTPUT_PIN), "hub", UP)
     yield Move((OUTPUT_COVER,), DRIVE)
-    inner, outer = sorted(_names_of_family(placed, OUTPUT_BEARING))
+    inner, outer = sorted(_names_of_family(placements, OUTPUT_BEARING))
     yield Move((inner,), DRIVE, UP)
     yield Move((outer,), DRIVE, DOWN)
     if sizes.far:
-        yield Move(_names_of_family(placed, SHAFT_BEARING, UP), "hub", UP)
+        yield Move(_names_of_family(placements, SHAFT_BEARING, UP), "hub", UP)
     yield Move(("hub",), DRIVE, UP)
     yield Move((FLANGE,), "flange")
-    yield Move(_names_of_family(placed, LOAD_INSERT), "flange", DOWN)
+    yield Move(_names_of_family(placements, LOAD_INSERT), "flange", DOWN)
     yield Move(("flange",), DRIVE, DOWN)
-    yield Move(_names_of_family(placed, FLANGE_WASHER), DRIVE, DOWN)
-    yield Move(_names_of_family(placed, FLANGE_SCREW), DRIVE, DOWN)
-    yield Move(_names_of_family(placed, DOWEL, UP), DRIVE, UP)
+    yield Move(_names_of_family(placements, FLANGE_WASHER), DRIVE, DOWN)
+    yield Move(_names_of_family(placements, FLANGE_SCREW), DRIVE, DOWN)
+    yield Move(_names_of_family(placements, DOWEL, UP), DRIVE, UP)
     yield Move((names.HOUSING,), DRIVE, UP)
     for family in (PRESSED_PIN, names.PIN, names.ROLLER):
-        yield Move(_names_of_family(placed, family), DRIVE, UP)
+        yield Move(_names_of_family(placements, family), DRIVE, UP)
 
 
-def _list_crank_moves(reducer: Reducer, placed: tuple[PlacedPart, ...]) -> Iterator[Move]:
+def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
     """Yield the moves that assemble discs and crank: a disc, then the crank; or the crank of several with its discs."""
-    rings, shaft = _names_of_family(placed, CRANK_RING), names.SHAFT
+    rings, shaft = _names_of_family(placements, CRANK_RING), names.SHAFT
     second_disc = [Move((SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
     if reducer.design.gear.discs == 1:
         yield Move((names.GEAR,), names.GEAR)
-        yield Move(_names_of_family(placed, CAM_BEARING), names.GEAR, UP)
+        yield Move(_names_of_family(placements, CAM_BEARING), names.GEAR, UP)
         yield Move((names.GEAR,), DRIVE, UP)
         yield Move((shaft,), shaft)
         yield Move(rings[:1], shaft, UP)
         yield Move(rings[1:], shaft, DOWN)
         yield from (*second_disc, Move((shaft,), DRIVE, UP))
         return
-    yield Move((shaft, *_names_of_family(placed, KEY)), shaft)
+    yield Move((shaft, *_names_of_family(placements, KEY)), shaft)
     for number, gear in enumerate(reducer.gears, start=1):
         if number > 1:
             yield Move((names.numbered_name(names.SPACER, number - 1),), shaft, DOWN)
         yield Move((gear,), gear)
-        yield Move(tuple(item.name for item in placed if item.body == gear and item.name != gear), gear, DOWN)
+        yield Move(tuple(item.name for item in placements if item.body == gear and item.name != gear), gear, DOWN)
         yield Move((names.numbered_name(names.CAM, number),), gear, DOWN)
         yield Move((gear,), shaft, DOWN)
     yield Move(rings[1:], shaft, DOWN)

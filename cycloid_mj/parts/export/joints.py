@@ -111,11 +111,11 @@ def _motor_pilot_joint(sizes: Casing) -> Joint:
 
 def _cover_bearing_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of the shaft and the motor cover: one bearing, or both of an overhung shaft."""
-    first = sizes.near[0]
+    bearing_start = sizes.near[0]
     shoulder = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
     holes: tuple[Hole, ...] = (
-        (AXIS, shoulder, sizes.face + RULES.pilot_depth, first),
-        (AXIS, sizes.seat, first, sizes.floor),
+        (AXIS, shoulder, sizes.face + RULES.pilot_depth, bearing_start),
+        (AXIS, sizes.seat, bearing_start, sizes.floor),
     )
     numbers = (2,) if sizes.far else (1, 2)
     return Joint(
@@ -192,32 +192,32 @@ def _output_bearing_joint(sizes: Casing) -> Joint:
         fit=HUB_BEARING_FIT,
     )
     parts = (names.OUTPUT, OUTPUT_COVER)
-    drilled = tuple((OUTPUT_COVER, hole) for hole in holes)
+    cover_holes = tuple((OUTPUT_COVER, hole) for hole in holes)
     name, fit = "hub in the output cover", HUB_BEARING_FIT
-    return Joint(name, JointKind.BEARING, parts, drilled, (bearings,), fit, 2, hub.bore, hub.width)
+    return Joint(name, JointKind.BEARING, parts, cover_holes, (bearings,), fit, 2, hub.bore, hub.width)
 
 
 def _cover_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of both covers by screws, through the ring or outside of it, with its holes and threads."""
-    screws, bolt, half = sizes.screws, sizes.screws.bolt, sizes.end
-    centres, end = screws.centres(), half - sizes.play if screws.outside else -half
-    engagement = screws.length - sizes.grip - half + end
+    screws, bolt, ring_half_width = sizes.screws, sizes.screws.bolt, sizes.end
+    centres, end = screws.centres(), ring_half_width - sizes.play if screws.outside else -ring_half_width
+    engagement = screws.length - sizes.grip - ring_half_width + end
     thread_depth = hole_depth(reducer, bolt.thread, engagement)
     step = output_cover_step(sizes)
     holes: list[tuple[str, Hole]] = [
         (MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), end - thread_depth, end)),
-        (OUTPUT_COVER, (centres, screws.hole, half, half + sizes.grip)),
-        (OUTPUT_COVER, (centres, counterbore(bolt), half + sizes.grip, step or sizes.top)),
+        (OUTPUT_COVER, (centres, screws.hole, ring_half_width, ring_half_width + sizes.grip)),
+        (OUTPUT_COVER, (centres, counterbore(bolt), ring_half_width + sizes.grip, step or sizes.top)),
     ]
     if not screws.outside:
-        holes.append((names.HOUSING, (centres, screws.hole, -half, half)))
-    bought = [
-        _screws(SCREW, bolt, screws.length, names.HOUSING, centres, half + sizes.grip),
+        holes.append((names.HOUSING, (centres, screws.hole, -ring_half_width, ring_half_width)))
+    bought_parts = [
+        _screws(SCREW, bolt, screws.length, names.HOUSING, centres, ring_half_width + sizes.grip),
         *_inserts(reducer, SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
     ]
     parts = (MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), OUTPUT_COVER)
     threads = (_tapped_holes(reducer, MOTOR_COVER, centres, bolt.thread, thread_depth),)
-    return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought), threads=threads)
+    return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought_parts), threads=threads)
 
 
 def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
@@ -235,8 +235,8 @@ def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
         (centres, 0.5 * stock.bolt_hole(motor.thread), face, under_head),
         (centres, counterbore(thickest_bolt(motor.thread)), under_head, sizes.floor),
     )
-    bought = _screws(MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, under_head)
-    return Joint(name, JointKind.SCREWED, parts, tuple((MOTOR_COVER, hole) for hole in holes), (bought,))
+    bought_parts = _screws(MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, under_head)
+    return Joint(name, JointKind.SCREWED, parts, tuple((MOTOR_COVER, hole) for hole in holes), (bought_parts,))
 
 
 def _ring_seat_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
@@ -258,14 +258,14 @@ def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
         (FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, under_head - washer)),
         (FLANGE, (centres, bore, under_head - washer, end)),
     )
-    bought = (
+    bought_parts = (
         _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, under_head, FLANGE_CLASS),
         *(_washers(bolt, centres, under_head) if washer else ()),
         *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
     threads = (_tapped_holes(reducer, names.OUTPUT, centres, bolt.thread, depth),)
     parts = (names.OUTPUT, FLANGE)
-    return Joint("screws of the output flange", JointKind.SCREWED, parts, holes, bought, threads=threads)
+    return Joint("screws of the output flange", JointKind.SCREWED, parts, holes, bought_parts, threads=threads)
 
 
 def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
@@ -298,11 +298,11 @@ def _dowel_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     dowel = sizes.dowel
     if dowel is None:
         return
-    half, centres = sizes.end, dowel_centres(sizes)
+    ring_half_width, centres = sizes.end, dowel_centres(sizes)
     radius, depth = 0.5 * dowel.diameter, 0.5 * dowel.length
-    faces = (-half, MOTOR_COVER, names.HOUSING), (half, names.HOUSING, OUTPUT_COVER)
+    faces = (-ring_half_width, MOTOR_COVER, names.HOUSING), (ring_half_width, names.HOUSING, OUTPUT_COVER)
     for index, (face, below, above) in enumerate(faces):
-        bought = BoughtPart(
+        bought_part = BoughtPart(
             DOWEL,
             dowel_body(dowel),
             names.HOUSING,
@@ -322,7 +322,7 @@ def _dowel_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
             JointKind.DOWELLED,
             (below, above),
             holes,
-            (bought,),
+            (bought_part,),
             DOWEL_FIT,
             len(centres),
             dowel.diameter,
@@ -385,12 +385,12 @@ def _inserts(
     The holes have the axes `centres` (n, 2) [m] and go from z = `mouth` [m] along +z or -z (`direction` 1 or -1).
     """
     if insert := insert_in(reducer, thread):
-        middle = mouth + direction * 0.5 * insert.length
+        insert_middle = mouth + direction * 0.5 * insert.length
         yield BoughtPart(
             item,
             tube(0.5 * insert.thread, 0.5 * insert.hole, insert.length),
             body,
-            tuple(_point(centre, middle) for centre in centres),
+            tuple(_point(centre, insert_middle) for centre in centres),
             (("hole", insert.hole), ("length", insert.length)),
             "brass",
             insert.designation,

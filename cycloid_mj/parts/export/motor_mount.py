@@ -36,9 +36,11 @@ def choose_motor_flange(
         return (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole(flange) + wall, outer)
 
     def fits(flange: MotorFlange) -> bool:
-        needed, available = reach(flange)
+        needed_radius, available_radius = reach(flange)
         return (
-            flange.circle - hole(flange) - wall >= seat and needed <= available and _fits_shaft(reducer, flange, wall)
+            flange.circle - hole(flange) - wall >= seat
+            and needed_radius <= available_radius
+            and _fits_shaft(reducer, flange, wall)
         )
 
     drive = reducer.design.drive
@@ -49,11 +51,11 @@ def choose_motor_flange(
     if flange and fits(flange):
         return flange
     if flange:
-        needed, available = reach(flange)
+        needed_radius, available_radius = reach(flange)
         feature = "room for its screw heads up to" if flange.tapped else "a cover with"
         raise DesignError(
-            f"the motor flange {flange.name} does not fit. It needs {feature} a radius of {1e3 * needed:.4g} mm "
-            f"(actual: {1e3 * available:.4g} mm), a bearing with a diameter of at most "
+            f"the motor flange {flange.name} does not fit. It needs {feature} a radius of {1e3 * needed_radius:.4g} mm "
+            f"(actual: {1e3 * available_radius:.4g} mm), a bearing with a diameter of at most "
             f"{2e3 * (flange.circle - hole(flange) - wall):.4g} mm (actual: {2e3 * seat:.4g} mm), and a crank with a "
             f"diameter of at least {2e3 * flange.shaft + 4e3 * wall:.4g} mm around the motor shaft (actual: "
             f"{2e3 * reducer.design.shaft.radius:.4g} mm). Choose another motor"

@@ -65,16 +65,16 @@ ALONG = (
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
     """Describe the assembly of a drive in ten sentences, with parts and tools of each step; see ``insertion``."""
     screws, hub = sizes.screws, sizes.hub.designation
-    printed = is_plastic(reducer)
+    has_plastic = is_plastic(reducer)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
     return (
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth.",
-        "Set the threaded inserts with a hot iron." if printed else "Check that each screw enters its thread.",
+        "Set the threaded inserts with a hot iron." if has_plastic else "Check that each screw enters its thread.",
         _describe_output_pins(reducer),
         f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside.",
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
         f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
-        f"{', with washers' if printed else ''}): it clamps them.",
+        f"{', with washers' if has_plastic else ''}): it clamps them.",
         f"Lay the {names.HOUSING} on it{dowels.rstrip(',')}{_describe_ring_pins(reducer)}.",
         _describe_discs(reducer, sizes),
         _describe_crank(reducer, sizes),
@@ -134,27 +134,33 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
     design = reducer.design
     if design.gear.discs == 1:
         rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
-        first = f"Press the {CAM_BEARING} into the {names.GEAR}" if design.gear.bearing == "rolling" else "Oil its bore"
-        second = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
-        return f"{first}{rollers} {names.GEAR} over them{second}."
+        bearing_step = (
+            f"Press the {CAM_BEARING} into the {names.GEAR}" if design.gear.bearing == "rolling" else "Oil its bore"
+        )
+        second_disc_step = (
+            f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
+        )
+        return f"{bearing_step}{rollers} {names.GEAR} over them{second_disc_step}."
     first_step = "Lay the key into the shaft" if cam_key(reducer, sizes) else "Mark the phases of the cams on the shaft"
-    glued = "" if cam_key(reducer, sizes) else " with retaining compound"
+    retaining_note = "" if cam_key(reducer, sizes) else " with retaining compound"
     return (
         f"{first_step}. Put each cam with its bearing into its gear, then push them on the shaft from its output "
-        f"end{glued}: gear 1, a {names.SPACER}, gear 2{' and so on' if design.gear.discs > 2 else ''}."
+        f"end{retaining_note}: gear 1, a {names.SPACER}, gear 2{' and so on' if design.gear.discs > 2 else ''}."
     )
 
 
 def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
     """Describe the step that mounts the crank, or the crank of several discs with its discs."""
     design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
-    first, second = (names.numbered_name(CRANK_RING, number) for number in (1, 2))
-    ring_notes = [f"{first} on its journal"] * (first in rings) + [f"{second} on its far end"] * (second in rings)
+    first_ring, second_ring = (names.numbered_name(CRANK_RING, number) for number in (1, 2))
+    ring_notes = [f"{first_ring} on its journal"] * (first_ring in rings) + [f"{second_ring} on its far end"] * (
+        second_ring in rings
+    )
     if design.gear.discs == 1:
         start = f"Put {' and '.join(ring_notes)}; push" if ring_notes else "Push"
         return f"{start} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
     rollers = "Put a roller on each output pin; lower" if design.output.rollers else "Lower"
     disc = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
-    last = f"; put {ring_notes[0]}" if first in rings else ""
-    far = f"{second} on, " if second in rings else ""
-    return f"{rollers} the crank, {far}with its gears over the output pins into the ring{disc}{last}."
+    last = f"; put {ring_notes[0]}" if first_ring in rings else ""
+    far_ring_note = f"{second_ring} on, " if second_ring in rings else ""
+    return f"{rollers} the crank, {far_ring_note}with its gears over the output pins into the ring{disc}{last}."

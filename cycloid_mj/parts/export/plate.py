@@ -120,24 +120,26 @@ def plates(
     DesignError
         As `plate`, or a part is larger than the bed.
     """
-    printed = printed_parts(reducer, chord_error, cam_seat, sizes)
-    lying = [(name, part.count, *_lay_flat(part.solid)) for name, part in printed.items()]
+    parts_to_print = printed_parts(reducer, chord_error, cam_seat, sizes)
+    lying = [(name, part.count, *_lay_flat(part.solid)) for name, part in parts_to_print.items()]
     shapes = {name: mesh(solid) for name, _, solid, _ in lying}
-    supports, hanging = _build_supports(reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error)
-    copies = [(name, over) for name, count, _, over in lying for _ in range(count)]
+    supports, unsupported_areas = _build_supports(
+        reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error
+    )
+    copies = [(name, is_turned_over) for name, count, _, is_turned_over in lying for _ in range(count)]
     boxes = [np.stack([shapes[name].vertices.min(axis=0), shapes[name].vertices.max(axis=0)]) for name, _ in copies]
-    spots = _pack_plates([name for name, _ in copies], [box[1, :2] - box[0, :2] for box in boxes], bed)
-    numbers = sorted({number for number, _ in spots})
+    positions = _pack_plates([name for name, _ in copies], [box[1, :2] - box[0, :2] for box in boxes], bed)
+    numbers = sorted({number for number, _ in positions})
     return tuple(
         _build_plate(
             [
-                (*copy, box, np.array([*spot, 0.0]) - box[0])
-                for copy, box, (plate_number, spot) in zip(copies, boxes, spots, strict=True)
+                (*copy, box, np.array([*corner_position, 0.0]) - box[0])
+                for copy, box, (plate_number, corner_position) in zip(copies, boxes, positions, strict=True)
                 if plate_number == number
             ],
             shapes,
             supports,
-            hanging,
+            unsupported_areas,
         )
         for number in numbers
     )
@@ -147,16 +149,18 @@ def _build_plate(
     copies: Sequence[tuple[str, bool, Array, Array]],
     shapes: Mapping[str, Mesh],
     supports: Mapping[str, Sequence[Mesh]],
-    hanging: Mapping[str, Mapping[float, float]],
+    unsupported_areas: Mapping[str, Mapping[float, float]],
 ) -> PrintPlate:
     """Return a plate with copies of parts, at their positions, with their supports.
 
     A copy is its part, whether it is turned over, the corners (2, 3) of its bounding box and its shift (3,) [m]. By
-    part `shapes` are the meshes, `supports` those below it and `hanging` its faces without one.
+    part `shapes` are the meshes, `supports` those below it and `unsupported_areas` its faces without one.
     """
     positions = tuple(
-        PlatePosition(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
-        for name, over, (low, high), shift in copies
+        PlatePosition(
+            name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), is_turned_over
+        )
+        for name, is_turned_over, (low, high), shift in copies
     )
     meshes = tuple(_translate_mesh(shapes[name], shift) for name, _, _, shift in copies)
     plate_supports = tuple(
@@ -164,7 +168,10 @@ def _build_plate(
     )
     laid_parts = {name for name, *_ in copies}
     return PrintPlate(
-        meshes, positions, plate_supports, {name: faces for name, faces in hanging.items() if name in laid_parts}
+        meshes,
+        positions,
+        plate_supports,
+        {name: faces for name, faces in unsupported_areas.items() if name in laid_parts},
     )
 
 
@@ -181,26 +188,28 @@ def _pack_plates(
     """
     pairs = [(float(width), float(depth)) for width, depth in sizes]
     if bed is None:
-        return [(0, spot) for spot in pack_rows(pairs, GAP)]
+        return [(0, corner_position) for corner_position in pack_rows(pairs, GAP)]
     length, width = bed
-    for part, (along, across) in zip(parts, pairs, strict=True):
-        if along > length or across > width:
-            size, room = (" x ".join(f"{MILLIMETRES * item:.4g}" for item in pair) for pair in ((along, across), bed))
+    for part, (part_length, part_depth) in zip(parts, pairs, strict=True):
+        if part_length > length or part_depth > width:
+            size, bed_size = (
+                " x ".join(f"{MILLIMETRES * item:.4g}" for item in pair) for pair in ((part_length, part_depth), bed)
+            )
             raise DesignError(
-                f"{part} measures {size} mm, but the bed measures only {room} mm: choose a larger bed (--bed), or "
+                f"{part} measures {size} mm, but the bed measures only {bed_size} mm: choose a larger bed (--bed), or "
                 "manufacture this part by another process"
             )
-    spots = [(0, (0.0, 0.0))] * len(pairs)
-    number, x, y, deepest = 0, 0.0, 0.0, 0.0
+    corner_positions = [(0, (0.0, 0.0))] * len(pairs)
+    number, x, y, row_depth = 0, 0.0, 0.0, 0.0
     for i in sorted(range(len(pairs)), key=lambda i: (-pairs[i][1], -pairs[i][0])):
-        along, across = pairs[i]
-        if x > 0.0 and x + along > length:
-            x, y, deepest = 0.0, y + deepest + GAP, 0.0
-        if y > 0.0 and y + across > width:
-            number, x, y, deepest = number + 1, 0.0, 0.0, 0.0
-        spots[i] = number, (x, y)
-        x, deepest = x + along + GAP, max(deepest, across)
-    return spots
+        part_length, part_depth = pairs[i]
+        if x > 0.0 and x + part_length > length:
+            x, y, row_depth = 0.0, y + row_depth + GAP, 0.0
+        if y > 0.0 and y + part_depth > width:
+            number, x, y, row_depth = number + 1, 0.0, 0.0, 0.0
+        corner_positions[i] = number, (x, y)
+        x, row_depth = x + part_length + GAP, max(row_depth, part_depth)
+    return corner_positions
 
 
 def _build_supports(
@@ -212,15 +221,15 @@ def _build_supports(
     without a possible support, by their height [m].
     """
     supports: dict[str, list[Mesh]] = {name: [] for name in solids}
-    hanging: dict[str, dict[float, float]] = {}
+    unsupported_areas: dict[str, dict[float, float]] = {}
     for name, solid in solids.items():
         faces = find_overhangs(shapes[name]) if is_printed(reducer, material_part(reducer, name)) else ()
         for face in faces:
             if below := build_support(solid, face, chord_error):
                 supports[name].append(below)
             else:
-                hanging.setdefault(name, {})[face.z] = face.area
-    return supports, hanging
+                unsupported_areas.setdefault(name, {})[face.z] = face.area
+    return supports, unsupported_areas
 
 
 def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:

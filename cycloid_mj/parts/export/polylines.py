@@ -50,9 +50,9 @@ def svg_bytes(sections: tuple[PolylineSection, ...]) -> bytes:
 
     The y axis of SVG points downwards, so y is negated and the picture is not mirrored.
     """
-    (left, low), (right, high) = (np.array(_extent(sections)) * MILLIMETRES).tolist()
-    x, y = left - MARGIN_MM, -high - MARGIN_MM
-    width, height = right - left + 2.0 * MARGIN_MM, high - low + 2.0 * MARGIN_MM
+    (min_x, min_y), (max_x, max_y) = (np.array(_extent(sections)) * MILLIMETRES).tolist()
+    x, y = min_x - MARGIN_MM, -max_y - MARGIN_MM
+    width, height = max_x - min_x + 2.0 * MARGIN_MM, max_y - min_y + 2.0 * MARGIN_MM
     paths = [
         f'<path id="{section.name}_{number}" d="{" ".join(map(_path, section.loops))}"/>'
         for number, section in enumerate(sections, start=1)

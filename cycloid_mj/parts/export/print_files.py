@@ -79,39 +79,42 @@ def print_files(
         A part cannot be manufactured, or is larger than the bed.
     """
     error, seat = settings.chord_error, settings.cam_seat
-    laid = plates(widen_clearances(reducer, settings.offset), error, seat, sizes, settings.bed)
-    stems = [PLATE] if len(laid) == 1 else [f"{PLATE}_{number}" for number in range(1, len(laid) + 1)]
-    by_stem = dict(zip(stems, laid, strict=True))
-    items, needed = bill(reducer, seat, sizes, torques), tuple(consumables(reducer, sizes)) if sizes else ()
-    materials = printed_materials(reducer, sizes, {part for plate in laid for part in plate.counts})
-    files, warnings = {BILL: bill_csv((*items, *needed))}, [*out_of_stock(items)]
+    print_plates = plates(widen_clearances(reducer, settings.offset), error, seat, sizes, settings.bed)
+    stems = [PLATE] if len(print_plates) == 1 else [f"{PLATE}_{number}" for number in range(1, len(print_plates) + 1)]
+    by_stem = dict(zip(stems, print_plates, strict=True))
+    items, consumable_lines = bill(reducer, seat, sizes, torques), tuple(consumables(reducer, sizes)) if sizes else ()
+    materials = printed_materials(reducer, sizes, {part for plate in print_plates for part in plate.counts})
+    files, warnings = {BILL: bill_csv((*items, *consumable_lines))}, [*out_of_stock(items)]
     for stem, plate in by_stem.items():
         files |= {f"{stem}.stl": stl_bytes(plate.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(plate, materials)}
     if is_plastic(reducer):
         files |= {f"{name}.stl": stl_bytes(mesh(plate), MILLIMETRES) for name, plate in coupon_solids(error).items()}
-        hanging = {name: faces for plate in laid for name, faces in plate.hanging.items()}
-        warnings += print_warnings(reducer, hanging, error, sizes)
-    described = tuple(describe_consumable(line) for line in needed)
-    notes = _describe_plates(by_stem, described, coupon_words() if is_plastic(reducer) else "")
-    return PrintFiles(by_stem, files, (*items, *needed), described, notes, tuple(warnings))
+        unsupported_areas = {name: faces for plate in print_plates for name, faces in plate.hanging.items()}
+        warnings += print_warnings(reducer, unsupported_areas, error, sizes)
+    consumable_texts = tuple(describe_consumable(line) for line in consumable_lines)
+    notes = _describe_plates(by_stem, consumable_texts, coupon_words() if is_plastic(reducer) else "")
+    return PrintFiles(by_stem, files, (*items, *consumable_lines), consumable_texts, notes, tuple(warnings))
 
 
-def _describe_plates(by_stem: Mapping[str, PrintPlate], needed: tuple[str, ...], coupon_note: str) -> tuple[str, ...]:
+def _describe_plates(
+    by_stem: Mapping[str, PrintPlate], consumable_texts: tuple[str, ...], coupon_note: str
+) -> tuple[str, ...]:
     """Describe the plates with their size, what else is needed, the coupon, and the parts with supports."""
     notes = [
         f"{stem} of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in plate.size)} mm"
         for stem, plate in by_stem.items()
     ]
-    notes += [f"also needed: {text}" for text in needed]
+    notes += [f"also needed: {text}" for text in consumable_texts]
     notes += [coupon_note] if coupon_note else []
-    supported = [
-        place.part
+    supported_parts = [
+        position.part
         for plate in by_stem.values()
-        for place, props in zip(plate.places, plate.supports, strict=True)
+        for position, props in zip(plate.places, plate.supports, strict=True)
         if props
     ]
-    if supported:
+    if supported_parts:
         notes.append(
-            f"supports that break away, a layer below the faces that they hold: {', '.join(dict.fromkeys(supported))}"
+            "supports that break away, a layer below the faces that they hold: "
+            f"{', '.join(dict.fromkeys(supported_parts))}"
         )
     return tuple(notes)

@@ -50,9 +50,13 @@ def coupon_solids(chord_error: float) -> dict[str, Solid]:
     for number, clearance in enumerate(COUPON.clearances):
         x, y = (number + 0.5) * pitch, 0.5 * pitch
         holes.append(circle(COUPON.pin_radius + clearance, chord_error, (x, y)))
-        for mark in range(number + 1):
+        for mark_number in range(number + 1):
             holes.append(
-                circle(COUPON.mark_radius, chord_error, (x + 4.0 * COUPON.mark_radius * (mark - 0.5 * number), pitch))
+                circle(
+                    COUPON.mark_radius,
+                    chord_error,
+                    (x + 4.0 * COUPON.mark_radius * (mark_number - 0.5 * number), pitch),
+                )
             )
     block = Prism(corners, tuple(holes), 0.0, COUPON.height)
     pin = Prism(circle(COUPON.pin_radius, chord_error), (), 0.0, 2.0 * COUPON.height)
@@ -69,23 +73,23 @@ def coupon_words() -> str:
 
 
 def print_warnings(
-    reducer: Reducer, hanging: Mapping[str, Mapping[float, float]], chord_error: float, sizes: Casing | None
+    reducer: Reducer, unsupported_areas: Mapping[str, Mapping[float, float]], chord_error: float, sizes: Casing | None
 ) -> Iterator[str]:
     """Yield a warning for each plastic part that is hard to print: thin walls, small holes, faces without support.
 
-    `hanging` has the faces that cannot be supported, as ``PrintPlate.hanging``.
+    `unsupported_areas` has the faces that cannot be supported, as ``PrintPlate.hanging``.
     """
     for name, part in printed_parts(reducer, chord_error, 0.0, sizes).items():
         if not is_printed(reducer, material_part(reducer, name)):
             continue
         wall = min(map(thinnest_wall, part.solid.prisms))
         if wall < RULES.min_printed_wall - SAME_LENGTH:
-            least = MILLIMETRES * RULES.min_printed_wall
-            yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {least:g} mm on"
+            min_wall = MILLIMETRES * RULES.min_printed_wall
+            yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {min_wall:g} mm on"
         hole = min((_diameter(item) for prism in part.solid.prisms for item in prism.holes), default=np.inf)
         if hole < MIN_HOLE:
             yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * MIN_HOLE:g} mm"
-        if faces := hanging.get(name):
+        if faces := unsupported_areas.get(name):
             areas = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
             yield f"{name} needs the slicer's supports, as it lies: {areas}"
 

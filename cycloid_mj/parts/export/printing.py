@@ -125,7 +125,10 @@ def manufactured_parts(
     design = reducer.design
     gear, ring, output = design.gear, design.ring, design.output
     cam = _checked_cam_radius(reducer, cam_seat) if cam_seat else 0.0
-    laid, of_mechanism = separate_parts(reducer, cam, sizes, chord_error), lay_out_parts(reducer, chord_error)
+    separated_parts, of_mechanism = (
+        separate_parts(reducer, cam, sizes, chord_error),
+        lay_out_parts(reducer, chord_error),
+    )
     counts = dict.fromkeys((names.HOUSING, *reducer.gears), 1)
     if gear.discs > 1:
         counts |= dict.fromkeys(names.all_numbered(names.CAM, gear.discs), 1) | {names.SPACER: gear.discs - 1}
@@ -137,14 +140,22 @@ def manufactured_parts(
     if is_printed(reducer, names.OUTPUT):
         counts[OUTPUT_PIN] = output.pins
     if sizes:
-        added = casing_parts(reducer, sizes).items()
-        counts |= {name: 1 for name, part in added if not part.bought and name not in of_mechanism}
-    drawn = parts(reducer, chord_error)  # kept there, for what stays as it is
+        added_parts = casing_parts(reducer, sizes).items()
+        counts |= {name: 1 for name, part in added_parts if not part.bought and name not in of_mechanism}
+    drawn_parts = parts(reducer, chord_error)  # kept there, for what stays as it is
 
     def solid(name: str) -> Solid:
-        return drawn[name] if laid[name] is of_mechanism.get(name) else laid[name].solid(chord_error)
+        return (
+            drawn_parts[name]
+            if separated_parts[name] is of_mechanism.get(name)
+            else separated_parts[name].solid(chord_error)
+        )
 
-    return {name: PrintedPart(count, solid(name), laid[name]) for name, count in counts.items() if name in laid}
+    return {
+        name: PrintedPart(count, solid(name), separated_parts[name])
+        for name, count in counts.items()
+        if name in separated_parts
+    }
 
 
 def separate_parts(
@@ -173,9 +184,15 @@ def separate_parts(
     parts_by_name = lay_out_parts(reducer, chord_error)
     housing = parts_by_name[names.HOUSING]
     rings = housing.stretches[: reducer.design.ring.halves]
-    if pressed := housing.stretches[len(rings) :]:
+    if pressed_stretches := housing.stretches[len(rings) :]:
         parts_by_name[names.HOUSING] = housing.of(rings)
-        core = Stretch(PRESSED_PIN, CircleContour(sleeve_core_radius(reducer)), (), pressed[0].z0, pressed[0].z1)
+        core = Stretch(
+            PRESSED_PIN,
+            CircleContour(sleeve_core_radius(reducer)),
+            (),
+            pressed_stretches[0].z0,
+            pressed_stretches[0].z1,
+        )
         parts_by_name[PRESSED_PIN] = parts_by_name[names.PIN].of([core], PRESSED_PIN)
     parts_by_name |= _split_output(reducer, parts_by_name[names.OUTPUT])
     if reducer.design.output.rollers:
@@ -189,9 +206,9 @@ def separate_parts(
     if sizes:
         parts_by_name = {name: fit_part(reducer, sizes, name, part) for name, part in parts_by_name.items()}
     for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
-        base = parts_by_name[name].stretches if name in parts_by_name else ()
+        base_stretches = parts_by_name[name].stretches if name in parts_by_name else ()
         density = STEEL if part.bought else part_material(reducer, name, sizes).density
-        parts_by_name[name] = Part(name, cut_holes(name, part, base), density)
+        parts_by_name[name] = Part(name, cut_holes(name, part, base_stretches), density)
     if SECOND_OUTPUT in parts_by_name:
         density = part_material(reducer, SECOND_OUTPUT, sizes).density
         parts_by_name[SECOND_OUTPUT] = replace(parts_by_name[SECOND_OUTPUT], density=density)
@@ -230,18 +247,20 @@ def _resize_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:
     return replace(stretch, outline=cam)
 
 
-def _split_output(reducer: Reducer, drawn: Part) -> dict[str, Part]:
+def _split_output(reducer: Reducer, output_part: Part) -> dict[str, Part]:
     """Split the output into parts by name: its discs, with bores, and its pins; empty if it is printed in one piece."""
     if in_one_piece(reducer):
         return {}
-    disc, *others = drawn.stretches
+    disc, *other_stretches = output_part.stretches
     radius = reducer.design.output.root_radius
-    pressed = RoundPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
+    pressed_holes = RoundPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
     pin = Stretch(OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
     pieces = {
-        names.OUTPUT: drawn.of(cut_holes(names.OUTPUT, pressed, [disc])),
-        OUTPUT_PIN: drawn.of([pin], OUTPUT_PIN),
+        names.OUTPUT: output_part.of(cut_holes(names.OUTPUT, pressed_holes, [disc])),
+        OUTPUT_PIN: output_part.of([pin], OUTPUT_PIN),
     }
     if reducer.design.output.support == "both_ends":
-        pieces[SECOND_OUTPUT] = drawn.of(cut_holes(SECOND_OUTPUT, pressed, others[-1:]), SECOND_OUTPUT)
+        pieces[SECOND_OUTPUT] = output_part.of(
+            cut_holes(SECOND_OUTPUT, pressed_holes, other_stretches[-1:]), SECOND_OUTPUT
+        )
     return pieces

@@ -74,13 +74,13 @@ def dowel_body(dowel: stock.Dowel) -> RoundPart:
     return RoundPart(names.PIN, ((0.5 * dowel.diameter, -half, half),), bought=True)
 
 
-def cut_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
-    """Return a part as stretches of exact outlines: a round part and a `base`, with the part's holes cut into both.
+def cut_holes(name: str, part: RoundPart, base_stretches: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
+    """Cut the holes of a round part into the part and into `base_stretches`; return both as stretches of exact outlines.
 
     The stretches end at all faces of the part, of its holes and of its pockets.
     """
     rounds = ((CircleContour(radius), z0, z1) for radius, z0, z1 in part.rounds)
-    shells = [*base, *(Stretch(name, contour, (), z0, z1) for contour, z0, z1 in (*rounds, *part.blocks))]
+    shells = [*base_stretches, *(Stretch(name, contour, (), z0, z1) for contour, z0, z1 in (*rounds, *part.blocks))]
     ends = [(shell.z0, shell.z1) for shell in shells]
     ends += [(start, end) for *_, start, end in (*part.holes, *part.pockets)]
     faces = sorted({z for pair in ends for z in pair})
@@ -90,13 +90,13 @@ def cut_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tuple
         for low, high in pairwise([shell.z0, *inner_faces, shell.z1]):
             if high - low < SAME_LENGTH:
                 continue
-            through = [
+            through_holes = [
                 hole
                 for centres, radius, start, end in part.holes
                 if start < 0.5 * (low + high) < end
                 for hole in circles_at(radius, centres)
             ]
-            piece = Stretch(shell.name, shell.outline, (*shell.holes, *through), low, high)
+            piece = Stretch(shell.name, shell.outline, (*shell.holes, *through_holes), low, high)
             pocket = next(
                 (candidate for candidate in part.pockets if candidate[2] < 0.5 * (low + high) < candidate[3]), None
             )

@@ -30,11 +30,11 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
                 f"{gap.part} and {gap.other} move against each other but are only {MILLIMETRES * gap.distance:.3g} mm "
                 f"apart; {MILLIMETRES * sizes.play:g} mm are needed: please report this design"
             )
-    for blocked in blockages(reducer, sizes):
-        yield f"{blocked.part} cannot pass {blocked.other} to its place: please report this design"
+    for blockage in blockages(reducer, sizes):
+        yield f"{blockage.part} cannot pass {blockage.other} to its place: please report this design"
     joints = drive_joints(reducer, sizes)
-    dowelled = {part for joint in joints if joint.kind is JointKind.DOWELLED for part in joint.parts}
-    if sizes.screws.outside and names.HOUSING not in dowelled:
+    dowelled_parts = {part for joint in joints if joint.kind is JointKind.DOWELLED for part in joint.parts}
+    if sizes.screws.outside and names.HOUSING not in dowelled_parts:
         yield "no dowel fits in the wall of the ring, which only friction keeps from turning: enlarge the housing"
     for joint in joints:
         if joint.diameter and not joint.fit:

@@ -95,8 +95,8 @@ def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
         axial, radial = annulus.distances(other)
         if annulus.body == other.body or annulus.part == other.part or _are_mates(annulus, other, axial, radial):
             continue
-        apart = math.hypot(max(axial, 0.0), max(radial, 0.0)) or max(axial, radial)
-        gap = RunningGap(annulus.part, other.part, apart, axial > radial)
+        distance = math.hypot(max(axial, 0.0), max(radial, 0.0)) or max(axial, radial)
+        gap = RunningGap(annulus.part, other.part, distance, axial > radial)
         key = min((annulus.part, other.part), (other.part, annulus.part))
         if key not in smallest or gap.distance < smallest[key].distance:
             smallest[key] = gap
@@ -124,26 +124,26 @@ def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
 def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
     """Yield the annuli that all stretches of all parts of a drive sweep, those of bearings by ring."""
     parts = assembly_parts(reducer, sizes)
-    for place in place_parts(reducer, 0.0, sizes):
-        for stretch in parts[place.part].stretches:
-            annulus = _sweep(place, stretch)
-            if names.family(place.part) in (SHAFT_BEARING, OUTPUT_BEARING):
+    for placement in place_parts(reducer, 0.0, sizes):
+        for stretch in parts[placement.part].stretches:
+            annulus = _sweep(placement, stretch)
+            if names.family(placement.part) in (SHAFT_BEARING, OUTPUT_BEARING):
                 yield from _split_bearing(reducer, sizes, annulus)
             else:
                 yield annulus
 
 
-def _sweep(place: PlacedPart, stretch: Stretch) -> Annulus:
+def _sweep(placement: PlacedPart, stretch: Stretch) -> Annulus:
     """Return the annulus that a stretch of a part sweeps as its body turns about the axis, or orbits with a disc."""
-    x, y, z = place.origin
-    orbit = math.hypot(x, y) if names.family(place.body) == names.GEAR else 0.0
+    x, y, z = placement.origin
+    orbit = math.hypot(x, y) if names.family(placement.body) == names.GEAR else 0.0
     centre = np.zeros(2) if orbit else np.array([x, y])
     inner, outer = _radii(stretch.outline, centre)
     inner = max((_radii(hole, centre)[0] for hole in stretch.holes if _surrounds_axis(hole, centre)), default=inner)
     solid = _surrounds_axis(stretch.outline, centre) and inner == _radii(stretch.outline, centre)[0]
     radii = 0.0 if solid else max(inner - orbit, 0.0), outer + orbit
     ends = stretch.z0 + z, stretch.z1 + z
-    return Annulus(place.part, place.body, *(round(value, 10) for value in (*radii, *ends)))
+    return Annulus(placement.part, placement.body, *(round(value, 10) for value in (*radii, *ends)))
 
 
 def _radii(contour: Contour, centre: Array) -> tuple[float, float]:

@@ -53,22 +53,24 @@ def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPar
 
     All clearances are centred, so nothing touches.
     """
-    kinematics, along, origin = reducer.kinematics, axial_layout(reducer), (0.0, 0.0, 0.0)
+    kinematics, axial, origin = reducer.kinematics, axial_layout(reducer), (0.0, 0.0, 0.0)
     carrier_angle = crank / float(kinematics.crank_per_carrier)
     sun_angle = crank / float(kinematics.crank_per_sun)
-    middle = sum(along.planets) / 2.0
+    planet_middle = sum(axial.planets) / 2.0
     yield PlacedPart(names.HOUSING, names.HOUSING, origin, 0.0, names.HOUSING)
     for flange in FLANGES:
         yield PlacedPart(flange, flange, origin, carrier_angle, CARRIER)
-    yield PlacedPart(SUN, SUN, (0.0, 0.0, middle), sun_angle, SUN)
+    yield PlacedPart(SUN, SUN, (0.0, 0.0, planet_middle), sun_angle, SUN)
     yield from place_discs(reducer, crank, carrier_angle)
     # at the crank angle 0, a tooth of planet 1 points at the sun's tooth space on +y
     first_tooth = np.pi - np.pi / reducer.planet.planet_teeth
     for number, (x, y) in enumerate(reducer.stage.crank_places([crank])[0].tolist(), start=1):
-        own = names.numbered_name(CRANK, number)
-        yield PlacedPart(own, CRANK, (x, y, 0.0), crank, own)
-        yield PlacedPart(names.numbered_name(PLANET, number), PLANET, (x, y, middle), crank + first_tooth, own)
-        for bearing, ends in enumerate(along.flanges, start=2 * number - 1):
+        crank_name = names.numbered_name(CRANK, number)
+        yield PlacedPart(crank_name, CRANK, (x, y, 0.0), crank, crank_name)
+        yield PlacedPart(
+            names.numbered_name(PLANET, number), PLANET, (x, y, planet_middle), crank + first_tooth, crank_name
+        )
+        for bearing, ends in enumerate(axial.flanges, start=2 * number - 1):
             name = names.numbered_name(TAPERED_BEARING, bearing)
             yield PlacedPart(name, TAPERED_BEARING, (x, y, sum(ends) / 2.0), carrier_angle, CARRIER)
         yield from _place_needles(reducer, number, (x, y), crank)
@@ -82,10 +84,10 @@ def _place_needles(
     """Yield the positions of the needles of a crank, evenly spaced around each of its eccentrics."""
     gear, cranks = reducer.design.gear, reducer.cranks
     pitch_radius = cranks.eccentric_radius + cranks.needle_radius
-    around = pitch_radius * unit(2.0 * np.pi * np.arange(cranks.needles) / cranks.needles - crank)
-    first = (crank_number - 1) * cranks.needles * gear.discs + 1
+    needle_offsets = pitch_radius * unit(2.0 * np.pi * np.arange(cranks.needles) / cranks.needles - crank)
+    first_number = (crank_number - 1) * cranks.needles * gear.discs + 1
     for disc, (phase, plane) in enumerate(zip(reducer.phases, gear.disc_planes, strict=True)):
         centre = np.array(axis) + gear.eccentricity * unit(-(crank + phase))
-        for needle, (x, y) in enumerate((centre + around).tolist()):
-            name = names.numbered_name(NEEDLE, first + disc * cranks.needles + needle)
+        for needle, (x, y) in enumerate((centre + needle_offsets).tolist()):
+            name = names.numbered_name(NEEDLE, first_number + disc * cranks.needles + needle)
             yield PlacedPart(name, NEEDLE, (x, y, plane), crank, NEEDLE)

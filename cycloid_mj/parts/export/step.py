@@ -46,7 +46,10 @@ def step_part(name: str, sections: Sequence[PartSection], solids_wanted: int = 1
 
 
 def step_assembly(
-    name: str, parts: Mapping[str, Sequence[PartSection]], colours: Mapping[str, Colour], places: Sequence[PlacedPart]
+    name: str,
+    parts: Mapping[str, Sequence[PartSection]],
+    colours: Mapping[str, Colour],
+    placements: Sequence[PlacedPart],
 ) -> bytes:
     """Encode an assembly as one STEP file of named, coloured parts, each drawn once, with all its positions.
 
@@ -65,11 +68,11 @@ def step_assembly(
         colour = occ.Quantity_Color(*colours[part][:3], occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)
         colouring.SetColor(label, colour, occ.XCAFDoc_ColorType.XCAFDoc_ColorSurf)
     axis = occ.gp_Ax1(occ.gp_Pnt(), occ.gp_Dir(0.0, 0.0, 1.0))
-    for place in places:
+    for placement in placements:
         motion = occ.gp_Trsf()
-        motion.SetRotation(axis, place.angle)
-        motion.SetTranslationPart(occ.gp_Vec(*(MILLIMETRES * value for value in place.origin)))
-        _set_name(shapes.AddComponent(root, labels[place.part], occ.TopLoc_Location(motion)), place.name)
+        motion.SetRotation(axis, placement.angle)
+        motion.SetTranslationPart(occ.gp_Vec(*(MILLIMETRES * value for value in placement.origin)))
+        _set_name(shapes.AddComponent(root, labels[placement.part], occ.TopLoc_Location(motion)), placement.name)
     shapes.UpdateAssemblies()
     return _encode_document(document, name)
 
@@ -112,8 +115,8 @@ def _add_part(document: Any, name: str, sections: Sequence[PartSection], solids_
     Returns the label of the part.
     """
     try:
-        first, *others = [_extrude(section) for section in sections]
-        shape = _fuse(first, others) if others else first
+        first_body, *other_bodies = [_extrude(section) for section in sections]
+        shape = _fuse(first_body, other_bodies) if other_bodies else first_body
     except CycloidError:
         raise
     except Exception as error:
@@ -171,7 +174,7 @@ def _make_reproducible(model: Any) -> None:
     # each starts a chain from a styled solid to its colour; equal colours are shared
     position = {id(entity): number for number, entity in enumerate(entities)}
     chains = [entities[start:end] for start, end in pairwise([*starts, len(entities)])]
-    chains.sort(key=lambda styled: position[id(styled[1].Item())])
+    chains.sort(key=lambda style_chain: position[id(style_chain[1].Item())])
     styles = entities[starts[0] :]
     for number, entity in enumerate(sorted(chain.from_iterable(chains), key=_rgb)):
         current = styles.index(entity, number)
@@ -186,11 +189,11 @@ def _rgb(entity: Any) -> tuple[float, ...]:
     return (entity.Red(), entity.Green(), entity.Blue()) if is_colour else ()
 
 
-def _fuse(first: Any, others: Sequence[Any]) -> Any:
+def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
     """Return the union of solids of OpenCASCADE, without superfluous faces and edges."""
     fuse = occ.BRepAlgoAPI_Fuse()
-    fuse.SetArguments(_list([first]))
-    fuse.SetTools(_list(others))
+    fuse.SetArguments(_list([first_body]))
+    fuse.SetTools(_list(other_bodies))
     fuse.Build()
     fuse.SimplifyResult()
     return fuse.Shape()

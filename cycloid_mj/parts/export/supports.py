@@ -40,11 +40,15 @@ class Overhang:
 def find_overhangs(shape: Mesh) -> Iterator[Overhang]:
     """Yield the overhanging faces of a part as it lies on the plate, without those that are printed as bridges."""
     corners = shape.vertices[shape.faces]
-    a, b, c = corners.transpose(1, 0, 2)
+    corner_a, corner_b, corner_c = corners.transpose(1, 0, 2)
     level = np.ptp(corners[..., 2], axis=1) == 0.0
-    down = level & (np.cross(b - a, c - a)[:, 2] < -SUPPORTS.sliver_area) & (a[:, 2] > 0.0)
-    for z in np.unique(a[down, 2]):
-        triangles = corners[down & (a[:, 2] == z)][:, ::-1, :2] / GRIDS.unit
+    faces_down = (
+        level
+        & (np.cross(corner_b - corner_a, corner_c - corner_a)[:, 2] < -SUPPORTS.sliver_area)
+        & (corner_a[:, 2] > 0.0)
+    )
+    for z in np.unique(corner_a[faces_down, 2]):
+        triangles = corners[faces_down & (corner_a[:, 2] == z)][:, ::-1, :2] / GRIDS.unit
         for region in manifold3d.CrossSection(list(triangles)).decompose():
             outline, *holes = sorted(
                 (GRIDS.unit * ring for ring in region.to_polygons()), key=signed_area, reverse=True
@@ -54,31 +58,33 @@ def find_overhangs(shape: Mesh) -> Iterator[Overhang]:
                 yield face
 
 
-def build_support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
+def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh | None:
     """Return the mesh of the support under a round face, standing on the plate or on the part; None if impossible.
 
-    `solid` is the part as it lies, `under` the face.
+    `solid` is the part as it lies, `overhang` the face.
     """
-    outer = _circle_of(under.outline)
+    outer = _circle_of(overhang.outline)
     if not outer:
         return None
-    (middle, radius), inner = outer, _largest(under.holes)
+    (centre, radius), inner = outer, _largest(overhang.holes)
     width = radius - (inner[1] if inner else 0.0)
     gap = min(SUPPORTS.gap_aside, 0.25 * width)
-    outline = circle(radius - gap, chord_error, middle)
+    outline = circle(radius - gap, chord_error, centre)
     holes: tuple[Array, ...] = ()
     if inner:
         (x, y), bore = inner
-        if np.hypot(x - middle[0], y - middle[1]) + bore + 3.0 * gap > radius:
+        if np.hypot(x - centre[0], y - centre[1]) + bore + 3.0 * gap > radius:
             return None
         holes = (circle(bore + gap, chord_error, inner[0]),)
-    floors = _floor_heights(solid, np.concatenate([outline, *holes]), under.z)
+    floors = _floor_heights(solid, np.concatenate([outline, *holes]), overhang.z)
     if len(floors) > 1:
         return None
     floor = floors.pop()
     low = floor + SUPPORTS.gap_below if floor else 0.0
     return (
-        mesh(Prism(outline, holes, low, under.z - SUPPORTS.gap_below)) if low < under.z - SUPPORTS.gap_below else None
+        mesh(Prism(outline, holes, low, overhang.z - SUPPORTS.gap_below))
+        if low < overhang.z - SUPPORTS.gap_below
+        else None
     )
 
 
@@ -108,6 +114,6 @@ def _floor_heights(solid: Solid, points: Array, z: float) -> set[float]:
     heights = np.zeros(len(points))
     for prism in solid.prisms:
         if prism.z1 <= z:
-            covered = within(points, prism.outline) & ~np.any([within(points, hole) for hole in prism.holes], axis=0)
-            heights[covered] = np.maximum(heights[covered], prism.z1)
+            is_covered = within(points, prism.outline) & ~np.any([within(points, hole) for hole in prism.holes], axis=0)
+            heights[is_covered] = np.maximum(heights[is_covered], prism.z1)
     return set(heights.tolist())

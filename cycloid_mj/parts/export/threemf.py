@@ -44,10 +44,10 @@ def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
     """
     objects: list[str] = []
     build_ids: list[int] = []
-    base = list(dict.fromkeys(materials.values()))
+    base_materials = list(dict.fromkeys(materials.values()))
     for placement, name, mesh, supports in zip(plate.places, _names(plate), plate.meshes, plate.supports, strict=True):
         material = materials.get(placement.part)
-        property_ = f' pid="{MATERIALS_ID}" pindex="{base.index(material)}"' if material else ""
+        property_ = f' pid="{MATERIALS_ID}" pindex="{base_materials.index(material)}"' if material else ""
         objects.append(_object(len(objects) + 1, name, _mesh(mesh), property_))
         first_id = len(objects)
         for number, support in enumerate(supports, start=1):
@@ -62,7 +62,7 @@ def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">\n'
-        f"<resources>\n{_base_materials(base)}{''.join(objects)}</resources>\n<build>{items}</build>\n</model>\n"
+        f"<resources>\n{_base_materials(base_materials)}{''.join(objects)}</resources>\n<build>{items}</build>\n</model>\n"
     )
 
 
