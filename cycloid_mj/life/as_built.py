@@ -66,9 +66,10 @@ def has_tolerances(design: Design) -> bool:
 
 
 def find_critical_sample(reducer: Reducer) -> int | None:
-    """Return the number of the sample at the percentile of the largest tooth force, of those that have a balance.
+    """Return the number of the sample whose largest tooth force is at the rated percentile of all samples.
 
-    None if the design has no tolerances; 0, the first sample, if none has a balance.
+    Samples without a static equilibrium are left out. None if the design has no tolerances; 0, the first sample, if no
+    sample has an equilibrium.
     """
     zones = tolerance_zones(reducer)
     if not zones:

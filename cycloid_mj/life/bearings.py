@@ -124,9 +124,9 @@ class Bearing:
 def bearings_of(reducer: Reducer) -> tuple[Bearing, ...]:
     """List the rolling bearings of a drive: cams, shaft, hub of the output, rollers of the output pins.
 
-    The shaft's bearing far from the discs is in the hub of the output if the shaft straddles the discs, else in the
-    housing next to the near one. A roller of the radius r in a hole of the radius R spins by R/r - 1 for each turn of
-    the crank against the disc: the hole's middle moves by (R - r) times that speed, and the roller rolls in it.
+    The second bearing of the shaft is in the hub of the output if the bearings are on both sides of the discs, else in
+    the housing next to the first bearing. A roller of radius r rolls in a hole of radius R: it spins R/r - 1 times per
+    turn of the crank relative to the disc.
     """
     return tuple(_iterate_bearings(reducer))
 
@@ -152,9 +152,9 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
 
 
 def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Array:
-    """Return the force on each bearing of a key of `bearings_of` [N], shape (m, bearings), at the m crank angles.
+    """Return the force on each bearing of one kind [N], shape (m, bearings), at the m crank angles of a loading.
 
-    Several like bearings, such as those of the cams or rollers, share a key.
+    `bearing_key` is a key of `bearings_of`; equal bearings, such as those of all cams, share a key.
     """
     if bearing_key == "cam_bearing":
         return loading.cam

@@ -33,7 +33,7 @@ STILL_AIR = 8.0, 15.0
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Yield the power lost, the housing's temperature in still air, and the clearance that each pair loses by heat.
 
-    All parts are taken at the housing's temperature.
+    All parts are assumed to have the temperature of the housing.
     """
     design = reducer.design
     service = design.service

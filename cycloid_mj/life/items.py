@@ -99,7 +99,10 @@ def _rate_parts(
     poses: int,
     stops: bool,
 ) -> Rating:
-    """Rate the parts of one reducer as they are for a required life [h]; arguments as those of `rate`."""
+    """Rate the parts of one reducer without regard to tolerances, for a required life [h].
+
+    `ranges`, `compliance`, `poses` and `stops` are those of `rate`.
+    """
     design = reducer.design
     items, work = _rate_all_items(reducer, duty, ranges, poses, stops)
     if compliance and not design.thermal.applied:

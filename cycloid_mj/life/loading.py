@@ -255,7 +255,7 @@ def _summarize_sliding(
 ) -> Sliding:
     """Return power, p v and speed of contacts under forces [N] at speeds [m/s], shapes (m, n), on pins of a radius [m].
 
-    `density` is the largest wear power per length [W/m], which is passed on.
+    `density` is the largest friction power per length of the surface [W/m], which becomes part of the result.
     """
     power, is_loaded = force * speed, force > 0.0
     return Sliding(

@@ -132,7 +132,7 @@ def _next_in_bracket(low: float, high: float) -> float:
 
 
 def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:
-    """Compute the torque [N m] at which the first of some items fails by its law, and that item.
+    """Extrapolate the torque [N m] at which the first of some rated items reaches its limit, and return that item, too.
 
     The laws are for loads in proportion to the torque (docs/rating.md); far from the torque at which the items were
     rated, the result is an estimate.
@@ -162,7 +162,7 @@ def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dic
 
 
 def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
-    """Compute the torque [N m] at which an item that was rated at a torque is just enough for a life [h]."""
+    """Extrapolate the torque [N m] at which an item, rated at another torque, just reaches its limit or a life [h]."""
     margin = item.margin(life)
     if item.safety is None:
         power = 2.0 * (SET_POWER if item.key.endswith("_set") else AGMA_2001.power)

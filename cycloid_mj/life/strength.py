@@ -95,7 +95,8 @@ def pin_moment(reducer: Reducer, force: Array) -> Array:
 def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
     """Return the fatigue item of the weakest shoulder of the shaft.
 
-    In the frame of the shaft the load is nearly constant: its ripple over a turn is the amplitude, the rest the mean.
+    In the frame of the shaft, the load is nearly constant: its ripple over a turn is the stress amplitude, its mean the
+    mean stress.
     """
     design = reducer.design
     shaft, material, fillet = shaft_dimensions(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet

@@ -69,8 +69,8 @@ NAMES = {
 def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate the Hertz pressures of teeth, holes and seats: yield and shakedown by the largest, pitting by Miner's sum.
 
-    Where the weaker surface is a plastic, the item is the time until the pressure leaves a permanent set: first yield
-    below the surface does no harm there. Contacts that conform too closely for Hertz are left out.
+    If the weaker surface is a plastic, the item is the time until the pressure leaves a permanent set instead of first
+    yield. Contacts of surfaces with nearly equal radii, where Hertz's theory is not valid, are left out.
     """
     for kind, name in NAMES.items():
         if any(kind not in loading.pressures for loading in loadings):

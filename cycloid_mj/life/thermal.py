@@ -313,7 +313,7 @@ def _at(design: Design, temperatures: Mapping[str, float]) -> Design:
 
 
 def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Yield each thermal limit in words and its relative margin at part temperatures [°C]; negative beyond it."""
+    """Yield each thermal limit in words with its relative margin at part temperatures [°C]; negative: exceeded."""
     design = reducer.design
     hottest = max(temperatures.values())
     for limit in heat_limits(reducer):
@@ -330,7 +330,7 @@ def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Ite
 def _largest_duty_factor(
     reducer: Reducer, scale_duty: Callable[[float], Sequence[DutyPoint]], steady: _Steady, settings: ThermalSettings
 ) -> tuple[float, str]:
-    """Return the largest factor on a duty whose steady state stays within all limits, and the limit reached first.
+    """Return the largest factor on a duty that keeps all thermal limits, and the limit that is then reached.
 
     Losses in proportion to the factor give the first estimate; the steady state at the estimate corrects it. Beyond
     `ThermalSettings.solved` times the duty, where statics would be extrapolated, the estimate is not corrected.

@@ -97,8 +97,8 @@ class WearingDrive:
     def crank(self) -> Array:
         """Return crank angles spaced evenly over a turn [rad], shape (m,).
 
-        Their number has no divisor in common with those of teeth and pins: so the pins together pass through all phases
-        at equal steps of a pitch over m.
+        Their number m has no divisor in common with the numbers of teeth and pins. Over the turn, the pins therefore
+        take m different positions within a pitch, equally spaced.
         """
         design, count = self.reducer.design, self.settings.poses
         while math.gcd(count, design.ring.teeth * design.output.pins) > 1:
@@ -107,7 +107,7 @@ class WearingDrive:
 
     @cached_property
     def deflections(self) -> dict[Gap, float]:
-        """Return the deflection of a contact of each gap under its working force [m], by gap."""
+        """Return the elastic deflection of a contact under its working force [m], for each gap whose surfaces wear."""
         contacts = self.reducer.at_rated_load.contacts
         return {
             "teeth": contacts.teeth.force / contacts.mesh_stiffness,

@@ -102,7 +102,7 @@ def wearing_surfaces(reducer: Reducer) -> tuple[WearingSurface, ...]:
 def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     """Yield the wearing surfaces of the mesh: flanks and pins or lobes, or the seats of pins that turn.
 
-    A pin with a seat turns in it, and the seat wears, if the friction there is lower than at the flank.
+    If the friction in the seat of a pin is lower than at the flank, the pin turns in its seat, and the seat wears.
     """
     design, ring, gear = reducer.design, reducer.design.ring, reducer.tooth_profile
     length, count = design.line_length(design.tooth_pair), ring.mates * design.gear.discs

@@ -139,9 +139,9 @@ class BreakAway:
 def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     """Increase the output torque from zero with a free crank until the crank starts, from several independent starts.
 
-    Contacts have the stiffness of the rated load, or they would creep under the growing one. Friction without a load is
-    that by weight and inertia of the parts; friction in proportion to the load is part of the back-driving efficiency.
-    The crank's speed follows T t^2/2 - T0 t: its acceleration, a straight line, is zero at the break-away torque T0.
+    The torque rises as T t. The acceleration of the crank is then proportional to T t - T0; a line fitted to it is zero
+    at the break-away torque T0. Contacts have the stiffness of the rated load. Friction without load follows from
+    weight and inertia of the parts; friction in proportion to the load is part of the back-driving efficiency.
     """
     return BreakAway(
         tuple(each_in_threads(lambda start: _find_break_away(Reducer(start), solver), independent_starts(reducer)))

@@ -116,8 +116,8 @@ def prepare_bench(
 ) -> Reducer:
     """Return the design with time step, contact damping, duration and log rate for a slow run with locked crank.
 
-    Below the creep speed the model's friction is viscous, so that a slow motion would have nearly none. The creep speed
-    is therefore as low as the time step allows.
+    Below the creep speed, the friction of the model is viscous and would nearly vanish in a slow motion. The creep
+    speed is therefore as low as the time step allows.
 
     Parameters
     ----------

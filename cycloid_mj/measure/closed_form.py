@@ -38,7 +38,7 @@ def ideal_efficiency(reducer: Reducer, load: float) -> EfficiencyReference:
 
 
 def ideal_limit(reducer: Reducer) -> Reducer:
-    """Return the design for which ideal sharing is valid: fixed pins, equal friction, nearly no play, a rigid cam.
+    """Return a design with ideal load sharing: fixed pins, equal friction, nearly no clearance, a rigid cam.
 
     The cam deflects by a hundredth of the deflection of the teeth.
     """

@@ -187,8 +187,8 @@ def run_forward(reducer: Reducer, torque: float, speed: float, periods: int, sol
 def run_backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> OperatingPoint:
     """Simulate the output driving against a torque on the crank [N m]; without a torque, the crank is free.
 
-    The crank runs at constant speed against the torque, so that its rotor does not have to cross the clearance first.
-    The driving torque follows from a shorter run; for a self-locking drive it is that without losses.
+    The crank runs at constant speed, so that its inertia does not have to cross the clearance first. The driving torque
+    follows from a shorter run; for a self-locking drive it is the torque without losses.
     """
     if not torque:
         with suppress_warnings(tuple(creep_warning(reducer))):

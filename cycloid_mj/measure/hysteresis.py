@@ -198,9 +198,9 @@ def run_loop(
 def quasi_static_period(reducer: Reducer, peak_torque: float) -> float:
     """Compute the period [s] of a torque loop that is so slow that inertia does not matter.
 
-    The torque's T (omega t)^5 carries output and gear, inertia J [kg m2], over their play b [rad] in (omega t)^7 = 42 J
-    b omega^2/T; it has then the share (omega t)^5 of T, which shall be `LOOP.arrival`. The period is also at least
-    `LOOP.slowness` oscillation periods of J on the stiffness of the reducer.
+    The torque T (omega t)^5 moves output and discs, of inertia J [kg m2], across their play b [rad] until (omega t)^7 =
+    42 J b omega^2/T. The period is chosen so that the torque is then only the share `LOOP.arrival` of T. It is also at
+    least `LOOP.slowness` periods of the oscillation of J on the stiffness of the reducer.
     """
     inertia = turning_inertia(reducer)
     angular_frequency = math.sqrt(

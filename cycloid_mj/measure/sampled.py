@@ -26,7 +26,8 @@ class ClosedForm:
 def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) -> float | None:
     """Estimate the error of the mean over the turn from values at a few crank angles, shape (k,).
 
-    For the remainder of the closed form it is the standard error of the mean, by Student's t.
+    The closed form, known over the full turn, has an exact error; for the difference of the values from the closed
+    form, the error is the standard error of the mean by Student's t.
 
     Returns
     -------
@@ -44,8 +45,9 @@ def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedForm | None = None) -> float | None:
     """Estimate the error of the largest (or smallest) value over the turn from values at crank angles, shape (k,).
 
-    For the remainder of the closed form it is its range over the number of values: the peak of a sine that is sampled k
-    times in its period exceeds the samples by less.
+    The closed form, known over the full turn, has an exact error. For the difference of the values from the closed
+    form, the error is its range divided by the number of values, an upper bound for a sine that is sampled k times per
+    period.
     """
     explained_error, remainder = _split_closed_form(np.asarray(values, float), closed_form)
     if remainder.size == 1:
@@ -62,7 +64,7 @@ def add_errors(*errors: float | None) -> float | None:
 def _split_closed_form(
     values: Array, closed_form: ClosedForm | None
 ) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Return a function from a statistic to its error by the closed form, and the remainder of the values."""
+    """Return a function that computes a statistic's error by the closed form, and the values less that form."""
     if closed_form is None:
         return lambda statistic: 0.0, values
     return lambda statistic: float(

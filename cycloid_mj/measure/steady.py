@@ -23,11 +23,10 @@ REMEDY = (
 def averaging_periods(reducer: Reducer, min_periods: int, load: float | None = None) -> int:
     """Return the number of mesh periods to average over: `min_periods` or more, near full periods of the output pins.
 
-    Relative to the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
-    which pass the direction of the eccentric every 2 pi/pins x (N - 1)/N: m mesh periods are m pins/(N - 1) of theirs.
-    A full crank turn is no better, except where the weight of the discs matters against the `load` on the output [N m],
-    by default the nominal torque
-    (`SteadySettings.heavy_disc_share`): then it is two turns.
+    Torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins: m mesh periods are m
+    pins/(N - 1) periods of the output pins. If the weight of the discs is not small compared with the `load` on the
+    output [N m], by default the nominal torque, the average is over two crank turns
+    (`SteadySettings.heavy_disc_share`).
     """
     design = reducer.design
     ratio = design.output.pins / design.lobes

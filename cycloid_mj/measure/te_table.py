@@ -70,7 +70,7 @@ def quantities(
 def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, ...]:
     """Return the errors over the crank angle, and the amplitude spectra of the `evaluated_conditions`.
 
-    The loaded error has its own axes and is first, because a drive works under load and the unloaded one is larger.
+    The loaded error is drawn first and in a panel of its own, because the unloaded error is larger.
     """
     paces = dict.fromkeys(condition.pace for condition in traces)
     result = [
@@ -139,8 +139,8 @@ def evaluated_conditions(traces: Traces) -> list[TraceCondition]:
 def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics) -> Iterator[Quantity]:
     """Yield the differences of mean errors [arcsec]: between directions the backlash, between loads the wind-up.
 
-    Both are positive: a carrier turns against the crank and so lags at a larger angle, a ring turns with it and lags at
-    a smaller one.
+    The signs are chosen so that both are positive for a carrier, which turns against the crank, and for a ring, which
+    turns with the crank.
     """
     evaluated_condition = evaluated_conditions(traces)[0]
     by_load_and_direction = {

@@ -90,8 +90,8 @@ def copy_model(compiled: Model) -> Model:
 def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCycle:
     """Return a drive cycle at constant crank speed from an angle [rad], with a load pulse that closes the flanks first.
 
-    With a light drag alone the disc oscillates in its clearance for some 30 ms; a pulse of up to the nominal torque, a
-    sine squared, shortens this to a few ms.
+    With a light load, the disc oscillates in its clearance for about 30 ms. A pulse of the load, a squared sine with a
+    peak of up to the nominal torque, shortens this to a few milliseconds.
     """
     design = reducer.design
     law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking_sign(reducer)

@@ -137,7 +137,7 @@ def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
 def _level_quantities(
     reducer: Reducer, runs: Sequence[VibrationRun], half_step_runs: Mapping[str, VibrationRun]
 ) -> Iterator[Quantity]:
-    """Yield the rms levels of all signals at the design's speed, and the shares of their power above the band.
+    """Yield rms levels of all signals at the design's speed, and the share of power above the stored band.
 
     The balance of momentum is the second method for the force on the housing. `half_step_runs` maps the load to the run
     with half the time step, for the error.

@@ -45,8 +45,8 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
     }
     if motion.pin_1:
         figures_by_name["fig9_pin1"] = pin_figure(motion, motion.pin_1)
-    ended = "" if motion.phase == "hold" else ", a run that ended in its ramp"
-    followed = f"; gear and q: {motion.gear_words}" if motion.design.gear.discs > 1 else ""
+    ramp_note = "" if motion.phase == "hold" else ", a run that ended in its ramp"
+    disc_note = f"; gear and q: {motion.gear_words}" if motion.design.gear.discs > 1 else ""
     for figure in figures_by_name.values():
-        state(figure, f"{motion.design.name}, {condition(motion.reducer)}{ended}{followed}")
+        state(figure, f"{motion.design.name}, {condition(motion.reducer)}{ramp_note}{disc_note}")
     return figures_by_name

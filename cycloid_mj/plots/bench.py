@@ -28,25 +28,23 @@ MODEL = {"color": VERMILION, "linewidth": 1.1}
 @with_style
 def calibration_figure(calibration: Calibration) -> Figure:
     """Draw each measured loop with the fitted model, deflection over torque, and the residual below."""
-    fitted, loops = calibration.fitted, calibration.fitted.loops
+    fit, loops = calibration.fitted, calibration.fitted.loops
     figure = sheet(4.4)
     grid = figure.subplots(2, len(loops), squeeze=False, sharex="col", height_ratios=(3.0, 1.0))
     for column, loop in enumerate(loops):
         loop_axes, residual_axes = grid[0, column], grid[1, column]
         loop_axes.plot(loop.torque, loop.deflection / DEGREE, **MEASURED)
-        for torque, model_angles in fitted.branches[column]:
+        for torque, model_angles in fit.branches[column]:
             loop_axes.plot(torque, model_angles / DEGREE, **MODEL)
         loop_axes.set_title(loop.name)
         loop_axes.margins(x=0.02)
-        residual_axes.plot(loop.torque, (loop.deflection - fitted.turns[column]) / DEGREE, **MEASURED)
-        centre_on_zero(residual_axes, (loop.deflection - fitted.turns[column]) / DEGREE)
+        residual_axes.plot(loop.torque, (loop.deflection - fit.turns[column]) / DEGREE, **MEASURED)
+        centre_on_zero(residual_axes, (loop.deflection - fit.turns[column]) / DEGREE)
         residual_axes.set_xlabel("torque at the output [N m]")
     grid[0, 0].set_ylabel("deflection [deg]")
     grid[1, 0].set_ylabel("residual [deg]")
     legend_above(grid[0, -1], ("measured", MEASURED), ("model", MODEL))
-    state(
-        figure, f"{calibration.design.name}, {fitted.bench.held} fixed, crank at {fitted.bench.crank / DEGREE:.4g} deg"
-    )
+    state(figure, f"{calibration.design.name}, {fit.bench.held} fixed, crank at {fit.bench.crank / DEGREE:.4g} deg")
     return figure
 
 

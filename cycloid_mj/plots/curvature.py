@@ -41,9 +41,9 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
     for number, design in enumerate(designs):
         gear = tooth_profile(design)
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
-        look = {"color": COLORS[number % len(COLORS)], "linewidth": MAX_LINE_WIDTH * (1 - number / len(designs))}
-        _draw_flanks(top, lines, 1e-3 * lines.relative_curvature, look)
-        _draw_flanks(bottom, lines, 1e-6 * _pressure(lines, Reducer(design)), look)
+        line_style = {"color": COLORS[number % len(COLORS)], "linewidth": MAX_LINE_WIDTH * (1 - number / len(designs))}
+        _draw_flanks(top, lines, 1e-3 * lines.relative_curvature, line_style)
+        _draw_flanks(bottom, lines, 1e-6 * _pressure(lines, Reducer(design)), line_style)
     top.set_title("Relative normal curvature of the contact lines")
     top.set_ylabel("curvature [1/mm]")
     forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(Reducer(design)) for design in designs))

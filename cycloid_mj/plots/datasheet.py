@@ -157,11 +157,11 @@ def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], to
     name, unit, condition = (LAYOUT.left + share * (LAYOUT.right - LAYOUT.left) for share in LAYOUT.columns)
     line = top - 0.0185
     for quantity in quantities:
-        look: dict[str, Any] = {"fontsize": 7.6, "va": "center", "color": INK}
-        figure.text(name, line, quantity.name, **look)
-        figure.text(unit - 0.012, line, format_value(quantity), weight="bold", ha="right", **look)
-        figure.text(unit, line, "" if quantity.unit == "1" else quantity.unit, **look)
-        figure.text(condition, line, _shorten(quantity.note), **{**look, "fontsize": 6.2, "color": SOFT})
+        text_style: dict[str, Any] = {"fontsize": 7.6, "va": "center", "color": INK}
+        figure.text(name, line, quantity.name, **text_style)
+        figure.text(unit - 0.012, line, format_value(quantity), weight="bold", ha="right", **text_style)
+        figure.text(unit, line, "" if quantity.unit == "1" else quantity.unit, **text_style)
+        figure.text(condition, line, _shorten(quantity.note), **{**text_style, "fontsize": 6.2, "color": SOFT})
         line -= LAYOUT.row
         _draw_rule(figure, line + 0.5 * LAYOUT.row, RULE, 0.4)
     return line - 0.012
@@ -204,10 +204,10 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve]) -> None:
     """Draw the curves of a panel with title, axis labels and legend."""
     for curve, colour in zip(curves, (ACCENT, SOFT), strict=False):
         axes.plot(curve.x, curve.y, color=colour, linewidth=1.4, marker="o", markersize=2.2, label=curve.name)
-    first, values = curves[0], np.concatenate([curve.y for curve in curves])
-    axes.set_title(first.panel, fontsize=8.0, weight="bold", color=NAVY)
-    axes.set_xlabel(first.x_label, fontsize=7.0)
-    axes.set_ylabel(first.y_label, fontsize=7.0)
+    first_curve, values = curves[0], np.concatenate([curve.y for curve in curves])
+    axes.set_title(first_curve.panel, fontsize=8.0, weight="bold", color=NAVY)
+    axes.set_xlabel(first_curve.x_label, fontsize=7.0)
+    axes.set_ylabel(first_curve.y_label, fontsize=7.0)
     axes.tick_params(labelsize=6.5)
     low, high = float(values.min()), float(values.max())
     if low > 0.0:

@@ -47,8 +47,8 @@ def draw_dimension(
     axes.annotate("", (x1, y1), (x0, y0), arrowprops=arrow)
     if is_short:
         _ticks(axes, ends, level, overshoot, upright)
-    middle = 0.5 * (ends[0] + ends[1])
-    x, y = (level, middle) if upright else (middle, level)
+    midpoint = 0.5 * (ends[0] + ends[1])
+    x, y = (level, midpoint) if upright else (midpoint, level)
     axes.text(x, y, text, rotation=90 if upright else 0, bbox=PAPER, zorder=9, **TEXT)
 
 

@@ -70,12 +70,12 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
         for component in members:
             top = max(top, _draw_section(exploded_axes, component, prisms[component.part], shift))
         start += max(ends) - min(ends) + gap
-        middle = MILLIMETRES * (shift + 0.5 * (min(ends) + max(ends)))
+        mid_height = MILLIMETRES * (shift + 0.5 * (min(ends) + max(ends)))
         text = family.replace("_", " ") + (f" x{counts[family]}" if counts[family] > 1 else "")
         exploded_axes.annotate(
             f"{position + 1}  {text}",
-            (middle, MILLIMETRES * top),
-            (middle, 1.12 * MILLIMETRES * sizes.outer),
+            (mid_height, MILLIMETRES * top),
+            (mid_height, 1.12 * MILLIMETRES * sizes.outer),
             rotation=60,
             fontsize=6.5,
             arrowprops={"arrowstyle": "-", "linewidth": 0.3, "color": "#7A8590"},

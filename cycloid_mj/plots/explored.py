@@ -153,11 +153,11 @@ def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
 
 def _mark_failures(axes: Axes, sweep: Sweep, key: str) -> None:
     """Mark the points that failed by crosses on the x axis, at their values of an input."""
-    failed = sweep["error"] != ""
-    if failed.any():
-        positions = _input_positions(axes, sweep, key)[failed]
+    is_failed = sweep["error"] != ""
+    if is_failed.any():
+        positions = _input_positions(axes, sweep, key)[is_failed]
         axes.plot(
-            positions, np.zeros(failed.sum()), "x", color=VERMILION, markersize=5, clip_on=False,
+            positions, np.zeros(is_failed.sum()), "x", color=VERMILION, markersize=5, clip_on=False,
             transform=axes.get_xaxis_transform(),
         )  # fmt: skip
 
@@ -181,19 +181,21 @@ def _spans_a_plane(points: Array) -> bool:
 def _draw_map(axes: Axes, sweep: Sweep, name: str) -> None:
     """Draw a quantity over two inputs as a contour map on a Delaunay triangulation of the points."""
     numbers = sweep.frame.numbers
-    first, second = number_inputs(sweep)
-    x, y, z = numbers[first], numbers[second], numbers[name]
-    good = np.isfinite(z)
-    axes.set(xlabel=_title(sweep, first), ylabel=_title(sweep, second))
+    x_input, y_input = number_inputs(sweep)
+    x, y, z = numbers[x_input], numbers[y_input], numbers[name]
+    is_finite = np.isfinite(z)
+    axes.set(xlabel=_title(sweep, x_input), ylabel=_title(sweep, y_input))
     axes.grid(False)
-    points = _scaled_points(x[good], y[good])
-    if _spans_a_plane(points) and np.ptp(z[good]) > 0.0:
+    points = _scaled_points(x[is_finite], y[is_finite])
+    if _spans_a_plane(points) and np.ptp(z[is_finite]) > 0.0:
         triangles = Triangulation(*points.T).triangles
-        contours = axes.tricontourf(Triangulation(x[good], y[good], triangles), z[good], levels=10, cmap="viridis")
+        contours = axes.tricontourf(
+            Triangulation(x[is_finite], y[is_finite], triangles), z[is_finite], levels=10, cmap="viridis"
+        )
         axes.figure.colorbar(contours, ax=axes, pad=0.02)
-    if good.sum() <= 10 * SWEEP.max_markers:
-        axes.plot(x[good], y[good], ".", color=BLACK, markersize=1.5)
-    axes.plot(x[~good], y[~good], "x", color=VERMILION, markersize=3)
+    if is_finite.sum() <= 10 * SWEEP.max_markers:
+        axes.plot(x[is_finite], y[is_finite], ".", color=BLACK, markersize=1.5)
+    axes.plot(x[~is_finite], y[~is_finite], "x", color=VERMILION, markersize=3)
     axes.margins(0.03)
 
 
@@ -203,13 +205,13 @@ def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     rows = max(1, len(quantities))
     figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
-    correlated = rank_correlations(sweep, tuple(quantities))
+    correlations = rank_correlations(sweep, tuple(quantities))
     stride = math.ceil(len(sweep) / SWEEP.max_points) or 1
     for row, name in enumerate(quantities):
         for column, key in enumerate(keys):
             axes = panels[row, column]
             values = sweep.frame.numbers[name][::stride]
-            rho = correlated.rho[row, correlated.inputs.index(key)] if key in correlated.inputs else math.nan
+            rho = correlations.rho[row, correlations.inputs.index(key)] if key in correlations.inputs else math.nan
             strength = 0.0 if math.isnan(rho) else abs(rho)
             colour = VERMILION if strength > 0.5 else BLUE
             axes.plot(
@@ -228,8 +230,8 @@ def _main_inputs(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
     """Return the inputs to draw in their order; if there are too many, those with the largest rank correlations."""
     if len(sweep.task.keys) <= SWEEP.max_inputs:
         return sweep.task.keys
-    correlated = rank_correlations(sweep, tuple(quantities))
-    rho = np.nan_to_num(np.abs(correlated.rho))
-    largest = rho.max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(correlated.inputs))
-    kept = {correlated.inputs[column] for column in np.argsort(-largest, kind="stable")[: SWEEP.max_inputs]}
-    return tuple(key for key in sweep.task.keys if key in kept) or sweep.task.keys[: SWEEP.max_inputs]
+    correlations = rank_correlations(sweep, tuple(quantities))
+    rho = np.nan_to_num(np.abs(correlations.rho))
+    largest = rho.max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(correlations.inputs))
+    main_inputs = {correlations.inputs[column] for column in np.argsort(-largest, kind="stable")[: SWEEP.max_inputs]}
+    return tuple(key for key in sweep.task.keys if key in main_inputs) or sweep.task.keys[: SWEEP.max_inputs]

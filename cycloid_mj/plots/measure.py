@@ -67,16 +67,16 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
     heights = [PANEL.polar_height if curves[0].style == "polar" else PANEL.height for curves in panels.values()]
     figure = sheet(sum(heights) + 0.4)
     grid = figure.add_gridspec(len(panels), 1, height_ratios=heights)
-    for row, (name, shown) in enumerate(panels.items()):
-        polar = shown[0].style == "polar"
+    for row, (name, panel_curves) in enumerate(panels.items()):
+        polar = panel_curves[0].style == "polar"
         axes = figure.add_subplot(grid[row], projection="polar" if polar else None)
         axes.set_title(name)
         if polar:
-            _draw_polar(axes, shown)
+            _draw_polar(axes, panel_curves)
         else:
-            _draw_curves(axes, shown)
-            _limit_axes(axes, shown)
-            axes.set(xlabel=shown[0].x_label, ylabel=shown[0].y_label)
+            _draw_curves(axes, panel_curves)
+            _limit_axes(axes, panel_curves)
+            axes.set(xlabel=panel_curves[0].x_label, ylabel=panel_curves[0].y_label)
         axes.yaxis.set_major_formatter(lambda value, _: typeset(f"{value:g}"))
         if axes.get_legend_handles_labels()[1]:
             axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
@@ -87,11 +87,11 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
 
 def _draw_curves(axes: Axes, curves: list[Curve]) -> None:
     """Draw the curves of a panel as lines, bars or markers according to their styles, with labels and legend."""
-    measured = [curve for curve in curves if curve.style not in ("theory", "rings")]
-    colours = {id(curve): COLOURS[number % len(COLOURS)] for number, curve in enumerate(measured)}
-    by_name = {curve.name: colours[id(curve)] for curve in measured}
-    bars = [curve for curve in measured if curve.style == "bars"]
-    points = [curve for curve in measured if curve.style == "points"]
+    measured_curves = [curve for curve in curves if curve.style not in ("theory", "rings")]
+    colours = {id(curve): COLOURS[number % len(COLOURS)] for number, curve in enumerate(measured_curves)}
+    by_name = {curve.name: colours[id(curve)] for curve in measured_curves}
+    bars = [curve for curve in measured_curves if curve.style == "bars"]
+    points = [curve for curve in measured_curves if curve.style == "points"]
     for name in dict.fromkeys(curve.name for curve in curves if curve.of):
         axes.plot([], [], label=name, **{**THEORY, "color": GREY, "alpha": 0.4})
     for curve in curves:
@@ -111,8 +111,8 @@ def _draw_curves(axes: Axes, curves: list[Curve]) -> None:
         elif curve.style == "points":
             size = max(PANEL.marker_size - PANEL.marker_decrement * points.index(curve), PANEL.marker_decrement)
             # markers on the edge of the panel are not clipped
-            look: dict[str, Any] = {"markersize": size, "color": colours[id(curve)], "clip_on": False}
-            axes.plot(curve.x, curve.y, "o", label=curve.name, **look)
+            marker_style: dict[str, Any] = {"markersize": size, "color": colours[id(curve)], "clip_on": False}
+            axes.plot(curve.x, curve.y, "o", label=curve.name, **marker_style)
         else:
             axes.plot(curve.x, curve.y, label=curve.name, color=colours[id(curve)], linewidth=0.9)
 
@@ -137,8 +137,8 @@ def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
         if number == 0:
             axes.vlines(about, 0.0, curve.y, color=colour, linewidth=1.2)
         face = colour if number == 0 else "none"
-        look: dict[str, Any] = {"markersize": 3.5, "markerfacecolor": face, "markeredgecolor": colour}
-        axes.plot(about, curve.y, "o", label=curve.name, **look)
+        marker_style: dict[str, Any] = {"markersize": 3.5, "markerfacecolor": face, "markeredgecolor": colour}
+        axes.plot(about, curve.y, "o", label=curve.name, **marker_style)
     axes.set_title(f"{curves[0].panel}: {curves[0].y_label}")
     polar: Any = axes
     polar.set_theta_zero_location("N")
@@ -165,5 +165,5 @@ def _limit_axes(axes: Axes, curves: list[Curve]) -> None:
     if low >= 0.0 and low < PANEL.max_from_zero * high:
         axes.set_ylim(0.0, (1.0 + PANEL.margin) * high)
     elif low < high or low != 0.0:
-        reach = max((0.5 + PANEL.margin) * (high - low), 0.5 * PANEL.min_span * max(abs(low), abs(high)))
-        axes.set_ylim(0.5 * (low + high) - reach, 0.5 * (low + high) + reach)
+        half_span = max((0.5 + PANEL.margin) * (high - low), 0.5 * PANEL.min_span * max(abs(low), abs(high)))
+        axes.set_ylim(0.5 * (low + high) - half_span, 0.5 * (low + high) + half_span)

@@ -68,8 +68,8 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
     _draw_parts(axes, reducer, pose)
     _draw_motion(axes, reducer, pose)
     _draw_forces(axes, reducer, contact_forces(reducer, columns).of("pin_gear", "tooth", "output"))
-    reach = 1.02e3 * reducer.design.housing.outer_radius
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+    axis_limit = 1.02e3 * reducer.design.housing.outer_radius
+    axes.set(xlim=(-axis_limit, axis_limit), ylim=(-axis_limit, axis_limit), aspect="equal")
     axes.axis("off")
     shows_forces = run is not None and reducer.design.gear.discs > 1
     figure.legend(
@@ -161,13 +161,13 @@ def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> Non
 
 def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
     """Draw the forces of ring and output pins on the discs as arrows with a common scale, in a colour for each disc."""
-    loaded = acting.size[0] > 0.0
-    if not loaded.any():
+    has_force = acting.size[0] > 0.0
+    if not has_force.any():
         return
     largest, discs = float(acting.size.max()), np.array(acting.discs)
     scale = largest / (MAX_ARROW * 1e3 * reducer.design.housing.outer_radius)
     for disc in range(reducer.design.gear.discs):
-        rows, colour = loaded & (discs == disc), DISC_COLOURS[disc]
+        rows, colour = has_force & (discs == disc), DISC_COLOURS[disc]
         points, forces = 1e3 * acting.point[0, rows].T, acting.force[0, rows].T
         arrows = axes.quiver(*points, *forces, scale=scale, color=colour, **FORCE)
     power = 10.0 ** math.floor(math.log10(largest))
@@ -204,8 +204,8 @@ def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, swee
 
 def _list_legend(reducer: Reducer, forces: bool) -> list[Patch]:
     """List the legend entries of the parts, and with `forces` those of the forces on each disc."""
-    pinned = reducer.design.ring.kind == "pin"
-    names = {"ring": "ring" if pinned else "internal gear", "pins": "ring pins" if pinned else ""}
+    has_pins = reducer.design.ring.kind == "pin"
+    names = {"ring": "ring" if has_pins else "internal gear", "pins": "ring pins" if has_pins else ""}
     names |= {"gear": "cycloid disc", "output": "output pins", "cam": "cam", "shaft": "input shaft"}
     parts = [Patch(label=name, linewidth=0.7, **LOOKS[part]) for part, name in names.items() if name]
     discs = reducer.design.gear.discs if forces else 0

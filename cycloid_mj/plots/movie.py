@@ -62,24 +62,26 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = ANIMATION
 def _write_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
     """Write RGB frames as a GIF; all frames share the palette of the first one, which avoids flicker."""
     pictures = (Image.fromarray(frame) for frame in frames)
-    first = next(pictures).quantize(COLOURS, dither=Image.Dither.NONE)
-    further = (picture.quantize(palette=first, dither=Image.Dither.NONE) for picture in pictures)
+    first_picture = next(pictures).quantize(COLOURS, dither=Image.Dither.NONE)
+    other_pictures = (picture.quantize(palette=first_picture, dither=Image.Dither.NONE) for picture in pictures)
     # GIF has hundredths of a second
     duration = 10 * round(100 / rate)
-    first.save(path, format="GIF", save_all=True, append_images=further, duration=duration, loop=0, disposal=1)
+    first_picture.save(
+        path, format="GIF", save_all=True, append_images=other_pictures, duration=duration, loop=0, disposal=1
+    )
 
 
 def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
     """Write RGB frames as an MP4 file (H.264) by PyAV; raise OSError if a frame cannot be written."""
     av = import_extra("av", "MP4", "video", "write a .gif")
     stream = iter(frames)
-    first = next(stream)
+    first_picture = next(stream)
     try:
         with av.open(str(path), "w", format="mp4") as container:
             video = container.add_stream("libx264", rate=rate, options={"crf": QUALITY})
-            video.height, video.width = first.shape[:2]
+            video.height, video.width = first_picture.shape[:2]
             video.pix_fmt = "yuv420p"
-            for frame in chain([first], stream):
+            for frame in chain([first_picture], stream):
                 container.mux(video.encode(av.VideoFrame.from_ndarray(frame)))
             container.mux(video.encode())
     except av.FFmpegError as problem:

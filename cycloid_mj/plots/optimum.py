@@ -29,8 +29,8 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
 
     The axes cover the feasible points and the start.
     """
-    objectives, varied = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
-    rows = -(-len(varied) // 3)
+    objectives, varied_ranges = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
+    rows = -(-len(varied_ranges) // 3)
     figure = sheet(3.0 + 1.9 * rows)
     grid = figure.add_gridspec(1 + rows, 3, height_ratios=[3.0, *([1.9] * rows)])
     main_axes = figure.add_subplot(grid[0, :])
@@ -46,8 +46,8 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
         _scatter(main_axes, optimum, np.asarray(columns["evaluation"], dtype=float), y)
         main_axes.set(xlabel="evaluation", ylabel=_axis_label(optimum, objectives[0].key))
     infeasible = len(optimum.feasible) < np.isfinite(y).sum()
-    legend_above(main_axes, *(look for look in LOOKS if infeasible or look is not LOOKS[1]))
-    for number, key_range in enumerate(varied):
+    legend_above(main_axes, *(marker_style for marker_style in LOOKS if infeasible or marker_style is not LOOKS[1]))
+    for number, key_range in enumerate(varied_ranges):
         axes = figure.add_subplot(grid[1 + number // 3, number % 3])
         _scatter(
             axes,
@@ -73,15 +73,15 @@ def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
     has_values = np.isfinite(x) & np.isfinite(y)
     is_feasible = np.zeros(len(x), dtype=bool)
     is_feasible[optimum.feasible] = True
-    for rows, (_, look) in ((has_values & ~is_feasible, LOOKS[1]), (has_values & is_feasible, LOOKS[0])):
-        axes.plot(x[rows], y[rows], **look)
-    highlighted = [(0, LOOKS[2][1]), *([(optimum.best, LOOKS[3][1])] if optimum.best is not None else [])]
-    for row, look in highlighted:
+    for rows, (_, marker_style) in ((has_values & ~is_feasible, LOOKS[1]), (has_values & is_feasible, LOOKS[0])):
+        axes.plot(x[rows], y[rows], **marker_style)
+    highlighted_points = [(0, LOOKS[2][1]), *([(optimum.best, LOOKS[3][1])] if optimum.best is not None else [])]
+    for row, marker_style in highlighted_points:
         if has_values[row]:
-            axes.plot(x[row], y[row], **look)
-    inside = has_values & is_feasible
-    inside[0] |= has_values[0]
-    for values, limit in ((x[inside], axes.set_xlim), (y[inside], axes.set_ylim)):
+            axes.plot(x[row], y[row], **marker_style)
+    is_inside = has_values & is_feasible
+    is_inside[0] |= has_values[0]
+    for values, limit in ((x[is_inside], axes.set_xlim), (y[is_inside], axes.set_ylim)):
         if values.size and np.ptp(values) > 0.0:
             low, high = float(values.min()), float(values.max())
             limit(low - 0.06 * (high - low), high + 0.06 * (high - low))

@@ -58,19 +58,19 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     return figure
 
 
-def _limit_of_centre(reducer: Reducer, clearance: float, reach: float) -> Array:
+def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) -> Array:
     """Compute the curve that limits the position of a pin's centre [um], shape (2, n), in a closed seat or open socket.
 
     On the arc of the socket it is the circle of the clearance. Beyond, the pin rolls over an edge of the socket: its
-    centre moves on a circle of its own radius about the edge, drawn up to `reach` [um] or to the contact with both
-    edges.
+    centre moves on a circle of its own radius about the edge, drawn up to `max_distance` [um] or to the contact with
+    both edges.
     """
     design = reducer.design
     half_angle = socket_half_angle(design) if design.ring.has_sockets else np.pi
     limit = clearance * unit(np.linspace(0.0, half_angle, 100))
     if half_angle < np.pi:
         radius = 1e6 * design.ring.pin_radius
-        angles_of_rolling = half_angle - np.linspace(0.0, 3.0 * (reach + clearance) / radius, 100)
+        angles_of_rolling = half_angle - np.linspace(0.0, 3.0 * (max_distance + clearance) / radius, 100)
         rolling_path = (radius + clearance) * unit([half_angle]) - radius * unit(angles_of_rolling)
         limit = np.concatenate([limit, rolling_path[np.minimum.accumulate(rolling_path[:, 0] > 0.0)]])
     return np.concatenate([(limit * [-1.0, 1.0])[::-1], limit]).T

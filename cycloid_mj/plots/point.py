@@ -83,14 +83,14 @@ def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
 def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
     """Draw both paths around the sample with index `worst` [um], with lines between corresponding samples."""
     centre = position.theory[worst]
-    theory, simulated = (1e6 * (path - centre).T for path in (position.theory, position.simulated))
+    theory, simulated_path = (1e6 * (path - centre).T for path in (position.theory, position.simulated))
     steps = np.linalg.norm(np.diff(theory.T, axis=0), axis=1)
     pitch = float(steps[max(0, worst - 1) : worst + 1].mean()) if steps.size else 1.0
     half_span = max(2.5e6 * float(position.error_size[worst]), 1.3 * pitch, 1e-3)
     axes.plot(*theory, marker="o", markersize=5, **THEORY)
-    axes.plot(*simulated, marker="o", markersize=2.5, **SIMULATED)
+    axes.plot(*simulated_path, marker="o", markersize=2.5, **SIMULATED)
     is_inside = np.abs(theory).max(axis=0) < 3 * half_span
-    for start, end in zip(theory.T[is_inside], simulated.T[is_inside], strict=True):
+    for start, end in zip(theory.T[is_inside], simulated_path.T[is_inside], strict=True):
         axes.plot(*zip(start, end, strict=True), **ERROR)
     square(axes, half_span)
     axes.set_title("largest difference")

@@ -222,8 +222,8 @@ def _of_findings(findings: Findings) -> Figures:
 @figures_of.register
 def _of_rating(rating: Rating) -> Figures:
     margins = {item.name: item.margin(rating.life) for item in rating.items.values() if item.decisive}
-    limited = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
-    tightest = dict(sorted(limited.items(), key=lambda item: item[1])[: RESULT.max_checks])
+    finite_margins = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
+    tightest = dict(sorted(finite_margins.items(), key=lambda item: item[1])[: RESULT.max_checks])
     condition = f"{rating.design}, {rating.duty}, for {rating.life:g} h; below 1: not passed"
     return {
         "margins": _draw_bars(tightest, "safety factor, or life / required life [1]", condition, fails_below_1=True)

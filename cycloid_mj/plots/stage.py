@@ -81,21 +81,21 @@ class Script:
 
 def create_stage(script: Script, width: int) -> AnimatedFigure:
     """Draw everything of an animation once, and return the figure with its movable artists; `width` is in pixels."""
-    reducer, acting = script.reducer, script.acting
+    reducer, forces = script.reducer, script.acting
     figure = Figure(figsize=(WIDTH, HEIGHT), dpi=width / WIDTH)
     axes = figure.add_axes((0.02, 0.262, 0.96, 0.7), aspect="equal")
-    reach = 1.02e3 * reducer.design.housing.outer_radius
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
+    axis_limit = 1.02e3 * reducer.design.housing.outer_radius
+    axes.set(xlim=(-axis_limit, axis_limit), ylim=(-axis_limit, axis_limit))
     axes.axis("off")
     wall = _draw_wall(axes, reducer)
     parts = _draw_parts(axes, reducer, script.drawn)
-    arrows = {kind: _draw_arrows(axes, reducer, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
+    arrows = {kind: _draw_arrows(axes, reducer, forces.of(kind)) for kind in FORCES if kind in forces.kinds}
     figure.text(0.025, 0.972, _title(reducer, script.drawn), fontsize=9.5, weight="bold")
     lines = (str(condition(reducer)), *_view_words(script.drawn, reducer))
     figure.text(0.025, 0.961, "\n".join(lines), fontsize=8.5, va="top")
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
-    _add_legend(figure, acting)
-    bars, steps = _draw_load_bars(figure, acting.of(*RING), script.ideal)
+    _add_legend(figure, forces)
+    bars, steps = _draw_load_bars(figure, forces.of(*RING), script.ideal)
     return AnimatedFigure(figure, axes, clock, parts, wall, arrows, bars, steps)
 
 
@@ -268,12 +268,12 @@ def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
     )
 
 
-def _add_legend(figure: Figure, acting: ContactForces) -> None:
+def _add_legend(figure: Figure, forces: ContactForces) -> None:
     """Add a legend of the force arrows that states the largest force of each kind of contact."""
     entries = [
-        Patch(color=colour, label=f"{name}: at most {acting.of(kind).size.max():.4g} N")
+        Patch(color=colour, label=f"{name}: at most {forces.of(kind).size.max():.4g} N")
         for kind, (name, colour) in FORCES.items()
-        if kind in acting.kinds
+        if kind in forces.kinds
     ]
     if entries:
         title = "forces on the disc (separate scale for each kind)"

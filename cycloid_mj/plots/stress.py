@@ -56,13 +56,13 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     figure = sheet(4.0)
     top, bottom = figure.subplots(2, 1, sharex=True)
     for index, findings_of_design, maxima in studies:
-        degrees, look = np.degrees(maxima.angle), _look(index)
-        top.plot(degrees, maxima.bulk / MEGAPASCAL, **look)
+        degrees, line_style = np.degrees(maxima.angle), _look(index)
+        top.plot(degrees, maxima.bulk / MEGAPASCAL, **line_style)
         peak = maxima.bulk_peak
-        top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **look)
-        bottom.plot(degrees, maxima.contact / MEGAPASCAL, **look)
-        if published := findings_of_design.published_limit(part):
-            top.axhline(published / MEGAPASCAL, color=_color(index), **RANGE)
+        top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **line_style)
+        bottom.plot(degrees, maxima.contact / MEGAPASCAL, **line_style)
+        if published_limit := findings_of_design.published_limit(part):
+            top.axhline(published_limit / MEGAPASCAL, color=_color(index), **RANGE)
     top.set_title(f"Largest bulk stress of {TITLES[part]} (von Mises, away from contacts)")
     bottom.set_title("Largest stress below a contact (von Mises, by Hertz)")
     for panel in (top, bottom):
@@ -103,8 +103,8 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
 @with_style
 def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
     """Draw the finite-element grid of every part, and a magnified lobe of a planar disc."""
-    magnified = [part for part, grid in grids.items() if part in GEARS and grid.dimension == 2]
-    names = [name for part in grids for name in ([part, f"{part}, magnified"] if part in magnified else [part])]
+    magnified_parts = [part for part, grid in grids.items() if part in GEARS and grid.dimension == 2]
+    names = [name for part in grids for name in ([part, f"{part}, magnified"] if part in magnified_parts else [part])]
     figure, panels = _create_panels(names, f"{design}: grids of quadratic elements")
     for axes, name in zip(panels, names, strict=False):
         part = name.partition(",")[0]
@@ -189,27 +189,27 @@ def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
 
     A solid part is drawn in its view, with visible faces only; `top` is the value at the end of the colours.
     """
-    look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
+    map_style: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
     if stress.points.shape[1] == 2:
-        flat = _triangulate(stress.points / MILLIMETRE, stress.cells)
-        return axes.tripcolor(flat, values, **look)
+        triangulation = _triangulate(stress.points / MILLIMETRE, stress.cells)
+        return axes.tripcolor(triangulation, values, **map_style)
     points, faces, _ = _project(stress.points, stress.cells, stress.part)
     axes.set_axis_off()
-    return axes.tripcolor(_triangulate(points, faces), values, **look)
+    return axes.tripcolor(_triangulate(points, faces), values, **map_style)
 
 
 def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
     """Draw the element edges of a planar grid, or the visible faces of a solid grid; `width` is the line width [pt]."""
     points, cells = grid.points, grid.cells
-    look: dict[str, Any] = {"linewidths": width, "rasterized": True}
+    line_style: dict[str, Any] = {"linewidths": width, "rasterized": True}
     if points.shape[1] == 2:
         ends = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [0, 2]]]), axis=1)
         lines = points[np.unique(ends, axis=0)] / MILLIMETRE
-        axes.add_collection(LineCollection(list(lines), colors=EDGE, **look))
+        axes.add_collection(LineCollection(list(lines), colors=EDGE, **line_style))
     else:
-        projected, faces, _ = _project(points, cells, grid.part)
+        projected_points, faces, _ = _project(points, cells, grid.part)
         axes.add_collection(
-            PolyCollection(list(projected[faces[:, :3]]), facecolors="#EAF2F8", edgecolors=EDGE, **look)
+            PolyCollection(list(projected_points[faces[:, :3]]), facecolors="#EAF2F8", edgecolors=EDGE, **line_style)
         )
         axes.set_axis_off()
     axes.autoscale_view()
@@ -239,10 +239,10 @@ def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers
     Return the nodes [mm], shape (n, 2), the visible faces from far to near, shape (f, 6), and their depth, shape (f,).
     """
     view = VIEWS.get(part, FRONT)
-    right = view[0] / np.linalg.norm(view[0])
-    up = view[1] - (view[1] @ right) * right
-    up = up / np.linalg.norm(up)
-    towards = np.cross(right, up)
+    right_axis = view[0] / np.linalg.norm(view[0])
+    up_axis = view[1] - (view[1] @ right_axis) * right_axis
+    up_axis = up_axis / np.linalg.norm(up_axis)
+    towards = np.cross(right_axis, up_axis)
     faces, opposite_corner = _outer_faces(cells)
     corners = points[faces[:, :3]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -250,7 +250,7 @@ def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers
     visible = outward * (normal @ towards) > 0.0
     depth = corners.mean(axis=1) @ towards
     order = np.flatnonzero(visible)[np.argsort(depth[visible])]
-    return points @ np.stack([right, up], axis=1) / MILLIMETRE, faces[order], depth[order]
+    return points @ np.stack([right_axis, up_axis], axis=1) / MILLIMETRE, faces[order], depth[order]
 
 
 def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
@@ -261,6 +261,6 @@ def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
     """
     sides = ((0, 1, 2, 4, 5, 6, 3), (0, 1, 3, 4, 8, 7, 2), (1, 2, 3, 5, 9, 8, 0), (0, 2, 3, 6, 9, 7, 1))
     faces = np.concatenate([cells[:, side] for side in sides])
-    _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
-    outer = faces[first[count == 1]]
+    _, first_index, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
+    outer = faces[first_index[count == 1]]
     return outer[:, :6], outer[:, 6]

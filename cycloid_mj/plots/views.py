@@ -34,8 +34,10 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
     outer, mm = MILLIMETRES * reducer.design.housing.outer_radius, MILLIMETRES
     z = [mm * end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     shift = outer * (1.0 + 4.0 * STEP) - min(z)
-    right = max(z) + shift + 4.2 * STEP * outer
-    axes.set(xlim=(-outer * (1.0 + 2.0 * STEP), right), ylim=(-outer * (1.0 + 4.2 * STEP), outer * (1.0 + 2.6 * STEP)))
+    right_end = max(z) + shift + 4.2 * STEP * outer
+    axes.set(
+        xlim=(-outer * (1.0 + 2.0 * STEP), right_end), ylim=(-outer * (1.0 + 4.2 * STEP), outer * (1.0 + 2.6 * STEP))
+    )
     axes.set_aspect("equal")
     axes.axis("off")
     _draw_front_view(axes, reducer, outer)
@@ -58,9 +60,9 @@ def _draw_front_view(axes: Axes, reducer: Reducer, outer: float) -> None:
     draw_disc(axes, origin[:2], design.shaft.radius, "shaft")
     for radius in (ring.pin_circle_radius, output.pin_circle_radius):
         axes.add_patch(Circle((0.0, 0.0), mm * radius, fill=False, **AXIS))
-    reach = outer * (1.0 + 0.4 * STEP)
-    axes.plot((-reach, reach), (0.0, 0.0), **AXIS)
-    axes.plot((0.0, 0.0), (-reach, reach), **AXIS)
+    half_size = outer * (1.0 + 0.4 * STEP)
+    axes.plot((-half_size, half_size), (0.0, 0.0), **AXIS)
+    axes.plot((0.0, 0.0), (-half_size, half_size), **AXIS)
     axes.text(0.0, outer * (1.0 + 2.2 * STEP), "front view, from the output", **{**TEXT, "fontsize": 7.0})
     teeth = f"{ring.teeth} pins Ø{2 * mm * ring.pin_radius:.4g}" if ring.kind == "pin" else f"{ring.teeth} lobes"
     for angle, radius, text, side in (
@@ -98,10 +100,10 @@ def _draw_section(axes: Axes, reducer: Reducer, shift: float) -> None:
     """
     for name, prism, centre, plane in _placed_prisms(reducer):
         part = family(name)
-        look = {**LOOKS[PARTS[part]], "linewidth": 0.6, "hatch": HATCHES[part]}
+        patch_style = {**LOOKS[PARTS[part]], "linewidth": 0.6, "hatch": HATCHES[part]}
         for low, high in cut_prism(prism, (float(centre[0]), float(centre[1]))):
             corner = (MILLIMETRES * (prism.z0 + plane) + shift, MILLIMETRES * low)
-            axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, MILLIMETRES * (high - low), **look))
+            axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, MILLIMETRES * (high - low), **patch_style))
     ends = [MILLIMETRES * end + shift for _, prism, _, plane in _placed_prisms(reducer) for end in (prism.z0, prism.z1)]
     overhang = 0.08 * (max(ends) - min(ends))
     axes.plot((min(ends) - overhang, max(ends) + overhang), (0.0, 0.0), **AXIS)
@@ -128,12 +130,12 @@ def _draw_lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> N
 
     `shift` is that of the section and `outer` the housing's radius [mm].
     """
-    mm, half = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
+    mm, half_width = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     solids = body_solids(reducer)
     disc = solids[OUTPUT].prisms[0]
     ends = [mm * end for solid in solids.values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     rows = (
-        ((-half, half), 1, -outer),
+        ((-half_width, half_width), 1, -outer),
         ((mm * disc.z0, mm * disc.z1), 2, -mm * _outer_radius(disc)),
         ((min(ends), max(ends)), 3, 0.0),
     )
@@ -148,7 +150,7 @@ def _draw_diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, en
 
     `shift` is that of the section, `outer` the housing's radius, and `ends` the ends of the drive along its axis [mm].
     """
-    mm, half = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
+    mm, half_width = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     shaft, disc = mm * reducer.design.shaft.radius, body_solids(reducer)[OUTPUT].prisms[0]
     left_end = ends[0] + shift
     draw_dimension(
@@ -156,7 +158,7 @@ def _draw_diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, en
     )
     right_end = ends[1] + shift
     disc_radius = mm * _outer_radius(disc)
-    for radius, start, row in ((disc_radius, mm * disc.z1 + shift, 1.3), (outer, half + shift, 2.8)):
+    for radius, start, row in ((disc_radius, mm * disc.z1 + shift, 1.3), (outer, half_width + shift, 2.8)):
         level = right_end + row * STEP * outer
         draw_dimension(axes, (-radius, radius), level, (start, start), f"Ø{2 * radius:.4g}", upright=True)
 

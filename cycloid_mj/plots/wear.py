@@ -32,7 +32,9 @@ def wear_figure(result: WearLife) -> Figure:
 
 def _draw_lost_motion(axes: Axes, result: WearLife) -> None:
     """Draw the lost motion over the hours for each case of wear coefficients, their interval, and the limit."""
-    courses = {case: (course.hours, course.lost_motion / ARCMINUTE) for case, course in result.courses.items()}
+    courses = {
+        case: (wear_course.hours, wear_course.lost_motion / ARCMINUTE) for case, wear_course in result.courses.items()
+    }
     if {"low", "high"} <= courses.keys():
         hours, high = courses["high"]
         axes.fill_between(hours, np.interp(hours, *courses["low"]), high, color=BLUE, alpha=0.12, linewidth=0.0)

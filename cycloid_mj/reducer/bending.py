@@ -39,17 +39,17 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
     """
     bending, shearing = round_beam(material, radius)
 
-    def free(first: Array, other: Array) -> Array:
-        near, far = np.minimum.outer(first, other), np.maximum.outer(first, other)
-        return np.asarray(near**2 * (3.0 * far - near) / (6.0 * bending) + near / shearing)
+    def free(positions: Array, other_positions: Array) -> Array:
+        smaller, larger = np.minimum.outer(positions, other_positions), np.maximum.outer(positions, other_positions)
+        return np.asarray(smaller**2 * (3.0 * larger - smaller) / (6.0 * bending) + smaller / shearing)
 
     flexibility = free(arms, arms)
     if length is None:
         return flexibility
     end = np.array([length])
     by_end = np.stack([free(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
-    turned = length**2 / (2.0 * bending)
-    of_end = np.array([[free(end, end)[0, 0], turned], [turned, length / bending]])
+    end_rotation = length**2 / (2.0 * bending)
+    of_end = np.array([[free(end, end)[0, 0], end_rotation], [end_rotation, length / bending]])
     return np.asarray(flexibility - by_end @ np.linalg.solve(of_end, by_end.T))
 
 

@@ -357,10 +357,10 @@ def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
 def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
     """Return the mating of the holes of a disc with the output pins."""
     output = design.output
-    numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
+    hole_names = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
     holes = surfaces_on_circle(
-        numbered, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_place[disc], disc=disc
+        hole_names, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_place[disc], disc=disc
     )
     return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
 

@@ -111,10 +111,10 @@ class Contact:
         turn, which balances both; several discs share T equally.
         """
         design = self._reducer.design
-        stated: float = getattr(design.working_force, self.kind)
+        stated_force: float = getattr(design.working_force, self.kind)
         force = design.contact.working_force
-        if stated:
-            return stated
+        if stated_force:
+            return stated_force
         if not force:
             return self._ideal_force(self._reducer.contacts.working_load / design.gear.discs)
         if self.kind != "cam":
@@ -199,11 +199,12 @@ class Contact:
         """
         contacts = self._reducer.contacts
         stiffness = contacts.mesh_stiffness if self._is_through_pin else self.stiffness
-        bent = (
+        bending_compliance = (
             contacts.pin_flexibility.diagonal() if self.kind == "output" else np.zeros(self._reducer.design.gear.discs)
         )
         return tuple(
-            1.0 / (1.0 / stiffness + flexibility) if flexibility else stiffness for flexibility in bent.tolist()
+            1.0 / (1.0 / stiffness + flexibility) if flexibility else stiffness
+            for flexibility in bending_compliance.tolist()
         )
 
     @property
@@ -334,8 +335,10 @@ class Contact:
                 "of the material"
             )
         of_teeth = getattr(design.stiffness, self.kind) if self.kind == design.tooth_pair else 0.0
-        stated = of_teeth or design.contact.stiffness
-        stiffness = stated or float(ideal_loads.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth))
+        stated_stiffness = of_teeth or design.contact.stiffness
+        stiffness = stated_stiffness or float(
+            ideal_loads.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth)
+        )
         local = design.contact.stiffness_law == "local"
         return CurvatureLaw(reference if local else 0.0, constant, stiffness, force / stiffness)
 
@@ -373,8 +376,8 @@ class Contacts:
         ring, whose contacts are loaded at any torque, at least the nominal torque.
         """
         design = self._reducer.design
-        pressed = design.rated_torque if design.ring.preload else 0.0
-        return design.contact.working_load or max(abs(design.load.torque), self.own_load, pressed)
+        preload_torque = design.rated_torque if design.ring.preload else 0.0
+        return design.contact.working_load or max(abs(design.load.torque), self.own_load, preload_torque)
 
     @property
     def own_load(self) -> float:

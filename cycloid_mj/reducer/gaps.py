@@ -144,8 +144,8 @@ def _of_halves(reducer: "Reducer", disc: int, lines: envelope.RingContacts, midd
     return _concatenate([_tooth_gaps(reducer, disc, lines, middle, half) for half in range(len(ahead))])
 
 
-def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half: int) -> Gaps:
-    """Compute the gaps between a disc and the ring, or a `half` of it, with pins in their nominal places.
+def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half_index: int) -> Gaps:
+    """Compute the gaps between a disc and the ring, or a `half_index` of it, with pins in their nominal places.
 
     A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A radius larger by r closes it by r,
     like flanks that are larger by r, and reduces the clearance in the socket. For a disc whose pin circle is larger by
@@ -156,32 +156,34 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     gear, errors, change = reducer.tooth_profile, reducer.deviations, design.modification
     push, arm = lines.normals, profile.moment_arm(gear, lines.B)
     radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
-    along = design.ring.ahead[half] * gear.pin_circle_radius * _quarter_turned(radial)
-    shift = errors.pin_place[lines.lobe] + along - change.pin_circle * radial
-    room = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
+    preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * _quarter_turned(radial)
+    shift = errors.pin_place[lines.lobe] + preload_offset - change.pin_circle * radial
+    nominal_gap = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
-    turned = change.rotation * np.sign(arm)
+    flank_rotation = change.rotation * np.sign(arm)
     side = _quarter_turned(push)
-    rubbed = np.sum(side * _quarter_turned(lines.points - centre), axis=-1)
-    lever = rubbed - gear.pin_radius
-    behind, bend, ahead = (profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP))
-    twist = (ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
+    sliding_arm = np.sum(side * _quarter_turned(lines.points - centre), axis=-1)
+    lever = sliding_arm - gear.pin_radius
+    curvature_before, bend, curvature_after = (
+        profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP)
+    )
+    twist = (curvature_after - curvature_before) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
     worn = reducer.worn.of_teeth(lines.B) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
-        owner=lines.lobe + half * design.ring.teeth,
+        owner=lines.lobe + half_index * design.ring.teeth,
         disc=np.full(lines.lobe.size, disc),
-        room=np.broadcast_to(room, arm.shape),
+        room=np.broadcast_to(nominal_gap, arm.shape),
         play=np.broadcast_to(play, arm.shape),
-        distance=turned * arm - np.sum(shift * push, axis=-1) + profile_error(errors.waves, lines.t) + worn,
+        distance=flank_rotation * arm - np.sum(shift * push, axis=-1) + profile_error(errors.waves, lines.t) + worn,
         slope=_by_unknown(reducer, disc, push, arm, np.zeros(arm.shape)),
-        shift=np.sum(shift * side, axis=-1) - turned * lever,
+        shift=np.sum(shift * side, axis=-1) - flank_rotation * lever,
         shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
         bend=bend,
         twist=np.asarray(twist),
         phase=gear.lobes * lines.t,
         relative_curvature=lines.relative_curvature,
-        slip_slope=_by_unknown(reducer, disc, side, rubbed, np.zeros(arm.shape)),
+        slip_slope=_by_unknown(reducer, disc, side, sliding_arm, np.zeros(arm.shape)),
     )
 
 
@@ -193,19 +195,21 @@ def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
     same about the disc's centre and about the output's.
     """
     gear, errors, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
-    turned = crank[..., np.newaxis] / gear.lobes
-    middle = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
-    push = -middle / gear.eccentricity
-    arm_vector = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
-    side, hole = _quarter_turned(push), _rotate(errors.hole_place[disc], -turned)
+    output_angle = crank[..., np.newaxis] / gear.lobes
+    disc_centre = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
+    push = -disc_centre / gear.eccentricity
+    arm_vector = (
+        profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + output_angle) * output.pin_circle_radius
+    )
+    side, hole = _quarter_turned(push), _rotate(errors.hole_place[disc], -output_angle)
     arm, lever = np.sum(arm_vector * -_quarter_turned(push), axis=-1), np.sum(arm_vector * push, axis=-1)
-    room = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
+    nominal_gap = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     worn = reducer.worn.of_output(np.arctan2(arm, lever)) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(output.pins, "output"),
         owner=np.arange(output.pins),
         disc=np.full(output.pins, disc),
-        room=np.full(arm.shape, room),
+        room=np.full(arm.shape, nominal_gap),
         play=np.zeros(arm.shape),
         distance=np.sum(hole * push, axis=-1) + worn,
         slope=_by_unknown(reducer, disc, push, arm, -arm),
@@ -238,10 +242,10 @@ def cam_displacements(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
     The disc's centre is at most the cam's clearance away from there; errors of the crank move both.
     """
     gear, errors = reducer.tooth_profile, reducer.deviations
-    turned = np.asarray(crank, dtype=np.float64)[..., np.newaxis]
-    angles = turned + np.array(reducer.phases)
+    crank_column = np.asarray(crank, dtype=np.float64)[..., np.newaxis]
+    angles = crank_column + np.array(reducer.phases)
     return np.asarray(
-        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _rotate(errors.cam_place, turned)
+        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _rotate(errors.cam_place, crank_column)
     )
 
 

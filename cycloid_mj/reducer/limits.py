@@ -138,7 +138,7 @@ def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> A
     RunError
         The errors leave no room for the disc: it jams.
     """
-    batches = [cranks[first : first + FIT.batch] for first in range(0, len(cranks), FIT.batch)]
+    batches = [cranks[batch_start : batch_start + FIT.batch] for batch_start in range(0, len(cranks), FIT.batch)]
     return np.concatenate([_solve_stops(reducer, batch, sides) for batch in batches])
 
 
@@ -161,15 +161,15 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     if solution.x is None:
         if len(cranks) > 1:
             return np.concatenate([_solve_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
-        where = f"of {design.name} at crank angle {float(cranks[0]):.4f} rad"
+        location = f"of {design.name} at crank angle {float(cranks[0]):.4f} rad"
         if design.ring.preload:
             raise RunError(
-                f"the two halves of the ring clamp the disc {where}, so rigid parts cannot rotate there: reduce "
+                f"the two halves of the ring clamp the disc {location}, so rigid parts cannot rotate there: reduce "
                 "ring.preload_arcmin, or use `cycloid-mj statics`, which includes deflection"
             )
         raise RunError(
-            f"the disc jams {where}, because the manufacturing errors exceed the clearances: increase clearance.* or "
-            "reduce errors.*"
+            f"the disc jams {location}, because the manufacturing errors exceed the clearances: increase clearance.* "
+            "or reduce errors.*"
         )
     rotations = np.asarray(solution.x).reshape(goal.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
     return np.sort(reducer.member.sense * reducer.share * rotations, axis=1)
@@ -212,6 +212,6 @@ def _shift_pins(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
     teeth = mesh_gaps.select(mesh_gaps.kind == design.tooth_pair)
     gap = teeth.width + teeth.slope @ pose
     outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
-    deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs]
+    smallest_gaps = np.lexsort((gap, teeth.owner))[:: design.gear.discs]
     shifts = ((teeth.play - gap) / 2.0)[:, np.newaxis] * outwards
-    return np.asarray(np.where(gap[:, np.newaxis] < 0.0, shifts, 0.0)[deepest])
+    return np.asarray(np.where(gap[:, np.newaxis] < 0.0, shifts, 0.0)[smallest_gaps])

@@ -69,8 +69,8 @@ class Member:
         Speeds map to speeds.
         """
         output = np.asarray(output, dtype=np.float64)
-        still = np.zeros_like(output)
-        return (output, still) if self.turns_ring else (still, output)
+        fixed_angle = np.zeros_like(output)
+        return (output, fixed_angle) if self.turns_ring else (fixed_angle, output)
 
     @property
     def turning_and_held(self) -> tuple[str, str]:
@@ -129,25 +129,25 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
     columns
         Any columns of a run by name, shape (n,), in SI units.
     """
-    seen = dict(columns)
+    viewed = dict(columns)
     if not reducer.member.turns_ring:
-        return seen
+        return viewed
     angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
     slower = {"output_angle": 2.0 * angle, "output_speed": 2.0 * speed, "crank_angle": angle, "crank_speed": speed}
     for gear in reducer.gears:
         x, y, turn, vx, vy, spin = (*names.planar_joints(gear), *names.planar_speeds(gear))
         slower |= {turn: angle, spin: speed}
-        _turn_back(seen, x, y, angle)
-        _turn_back(seen, vx, vy, angle)
-        if vx in seen:
-            seen[vx], seen[vy] = seen[vx] + speed * seen[y], seen[vy] - speed * seen[x]
+        _turn_back(viewed, x, y, angle)
+        _turn_back(viewed, vx, vy, angle)
+        if vx in viewed:
+            viewed[vx], viewed[vy] = viewed[vx] + speed * viewed[y], viewed[vy] - speed * viewed[x]
     for name in columns:
         if name.endswith(names.FORCE_X):
-            _turn_back(seen, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
-    seen |= {name: seen[name] - less for name, less in slower.items() if name in seen}
-    if {"load_torque", "crank_torque"} <= seen.keys():
-        seen["load_torque"] = -(columns["load_torque"] + columns["crank_torque"])
-    return seen
+            _turn_back(viewed, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
+    viewed |= {name: viewed[name] - frame_motion for name, frame_motion in slower.items() if name in viewed}
+    if {"load_torque", "crank_torque"} <= viewed.keys():
+        viewed["load_torque"] = -(columns["load_torque"] + columns["crank_torque"])
+    return viewed
 
 
 def _turn_back(columns: dict[str, Array], x: str, y: str, angle: Array) -> None:

@@ -110,8 +110,8 @@ class Reducer:
         A bed of slices is softer at a small depth by itself, so its stiffness does not follow a small load. Its creep
         speed is that of the design, or `SLICES_CREEP`.
         """
-        stiffened = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
-        return stiffened.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
+        stiffened_reducer = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
+        return stiffened_reducer.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
 
     def kept(self, key: Hashable, compute: Callable[[], Value]) -> Value:
         """Return the cached value of a key, computed on first use."""
@@ -245,8 +245,8 @@ class Reducer:
 
         gear, output, clearance = self.design.gear, self.design.output, self.design.clearance
         holes = output.pins * (output.hole_radius + clearance.output) ** 2
-        bored = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
-        return profile.area(self.gear_profile, self.profile_offset) - bored
+        bored_area = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
+        return profile.area(self.gear_profile, self.profile_offset) - bored_area
 
     @property
     def near_face(self) -> float:

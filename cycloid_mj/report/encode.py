@@ -43,6 +43,6 @@ def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array
     indices = np.empty((2 * spans, values.shape[1]))
     for column, samples in enumerate(values.T):  # column by column: a copy of all would be as large as the run
         block = samples[rows]
-        both = np.sort(np.stack([block.argmin(axis=1), block.argmax(axis=1)], axis=1), axis=1)
-        indices[:, column] = np.take_along_axis(block, both, axis=1).ravel()
+        extreme_indices = np.sort(np.stack([block.argmin(axis=1), block.argmax(axis=1)], axis=1), axis=1)
+        indices[:, column] = np.take_along_axis(block, extreme_indices, axis=1).ravel()
     return time[rows[:, [0, width // 2]]].ravel(), indices

@@ -111,7 +111,7 @@ def _quantity_table(reduced: ReducedJoint) -> TextTable:
 
 def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
     """Return the data of a chart as JSON values: curves sorted by x, the full model marked as theory."""
-    first = curves[0]
+    first_curve = curves[0]
     data = []
     for curve in curves:
         order = np.argsort(curve.x, kind="stable")
@@ -124,7 +124,13 @@ def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
             }
         )
     span = [min(float(curve.x.min()) for curve in curves), max(float(curve.x.max()) for curve in curves)]
-    return {"title": first.panel, "x_label": first.x_label, "y_label": first.y_label, "span": span, "curves": data}
+    return {
+        "title": first_curve.panel,
+        "x_label": first_curve.x_label,
+        "y_label": first_curve.y_label,
+        "span": span,
+        "curves": data,
+    }
 
 
 def _friction_table(reduced: ReducedJoint) -> TextTable:
@@ -149,24 +155,24 @@ def _efficiency_table(reduced: ReducedJoint) -> Table:
     header = ["output torque [N m]"]
     rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]
     for speed in friction.speeds:
-        for driving, word in ((True, "driving"), (False, "driven")):
+        for is_driving, word in ((True, "driving"), (False, "driven")):
             header.append(f"{word}, {speed / RPM:.0f} rpm [%]")
             for row in rows:
-                row.append(100.0 * friction.efficiency(row[0], speed, reduced.ratio, driving))
+                row.append(100.0 * friction.efficiency(row[0], speed, reduced.ratio, is_driving))
     return Table("Efficiency", tuple(header), tuple(map(tuple, rows)))
 
 
 def _harmonics_table(reduced: ReducedJoint) -> TextTable:
     """Tabulate the harmonics of the transmission error at nominal torque, down to `MIN_HARMONIC` of the largest."""
     load = reduced.ripple.loads[-1] * reduced.rated_torque
-    rated = [
+    rated_harmonics = [
         harmonic
         for harmonic in reduced.ripple.harmonics(reduced.way, reduced.rated_torque)
         if harmonic["load_nm"] == load
     ]
-    smallest = MIN_HARMONIC * max((harmonic["value"] for harmonic in rated), default=0.0)
+    smallest = MIN_HARMONIC * max((harmonic["value"] for harmonic in rated_harmonics), default=0.0)
     by_order: dict[float, list[dict[str, Any]]] = {}
-    for harmonic in rated:
+    for harmonic in rated_harmonics:
         by_order.setdefault(harmonic["order"], []).append(harmonic)
     rows = [
         (

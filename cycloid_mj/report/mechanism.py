@@ -92,21 +92,21 @@ def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> di
 
     `columns` are those of a run in the frame of the ring, shape (n,) each.
     """
-    measured, acting = measure_gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
-    deviation = measured.deviation * [1e3, 1e3, 1.0]
+    gap_values, forces = measure_gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
+    deviation = gap_values.deviation * [1e3, 1e3, 1.0]
     frames = {
         "time": encode_array(time - time[0]),
         "start": float(time[0]),
-        "crank": encode_array(np.mod(measured.crank_angle, 2 * np.pi * reducer.design.lobes)),
+        "crank": encode_array(np.mod(gap_values.crank_angle, 2 * np.pi * reducer.design.lobes)),
         "deviation": encode_array(deviation),
-        "opening": encode_array(1e3 * measured.opening),
-        "outputAway": encode_array(1e3 * measured.output_away),
-        "force": {kind: encode_array(acting.of(*kinds).force) for kind, kinds in GROUPS.items()},
+        "opening": encode_array(1e3 * gap_values.opening),
+        "outputAway": encode_array(1e3 * gap_values.output_away),
+        "force": {kind: encode_array(forces.of(*kinds).force) for kind, kinds in GROUPS.items()},
     }
     if (ideal := ideal_forces(reducer, columns)) is not None:
         frames |= {
-            "away": encode_array(1e3 * measured.away),
-            "pinAngle": encode_array(np.mod(measured.pin_angle, 2 * np.pi)),
+            "away": encode_array(1e3 * gap_values.away),
+            "pinAngle": encode_array(np.mod(gap_values.pin_angle, 2 * np.pi)),
             "ideal": encode_array(ideal),
         }
     return frames

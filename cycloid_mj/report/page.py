@@ -70,8 +70,8 @@ def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
 def _main_figures(item: Reviewed) -> Iterator[tuple[str, str]]:
     """Yield name and text of the main figures of a run."""
     findings = item.findings
-    none = "not evaluated in a ramp" if findings.condition.load else "no load"
-    yield "efficiency", none if findings.efficiency is None else f"{100 * findings.efficiency:.2f} %"
+    no_value_text = "not evaluated in a ramp" if findings.condition.load else "no load"
+    yield "efficiency", no_value_text if findings.efficiency is None else f"{100 * findings.efficiency:.2f} %"
     for part, error, speed in (
         ("output", findings.transmission_error, findings.output_speed),
         (item.motion.gear_words, findings.gear_transmission_error, findings.gear_speed),

@@ -47,7 +47,8 @@ def setup(reviewed: Sequence[Reviewed]) -> TextTable:
 def findings(reviewed: Sequence[Reviewed]) -> TextTable:
     """Tabulate simulation, closed form and error of each finding in groups, the runs side by side."""
     tables = [
-        {group.name: {row.quantity: row for row in group.rows} for group in groups(each.findings)} for each in reviewed
+        {group.name: {row.quantity: row for row in group.rows} for group in groups(group_tables.findings)}
+        for group_tables in reviewed
     ]
     head = [("quantity", "unit", *("simulated", "closed form", "error") * len(tables))]
     if len(tables) > 1:
@@ -55,11 +56,11 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
         head.insert(0, ("", "", *(cell for words in titles for cell in (words, "", ""))))
     rows: list[Sequence[str]] = []
     for group in (name for name in GROUPS if any(name in table for table in tables)):
-        each = [table.get(group, {}) for table in tables]
-        units = {name: row.unit for group in each for name, row in group.items()}
+        group_tables = [table.get(group, {}) for table in tables]
+        units = {name: row.unit for group in group_tables for name, row in group.items()}
         rows.append((group,))
         rows += [
-            (name, _unit(unit), *(cell for row in each for cell in _cells(row.get(name))))
+            (name, _unit(unit), *(cell for row in group_tables for cell in _cells(row.get(name))))
             for name, unit in units.items()
         ]
     return TextTable(head, rows)
@@ -106,7 +107,7 @@ def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
     lengths = (design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
     yield (
         "eccentricity, pin circle radius, pin radius",
-        " / ".join(f"{MILLIMETRE.from_si(each):g}" for each in lengths) + " mm",
+        " / ".join(f"{MILLIMETRE.from_si(length):g}" for length in lengths) + " mm",
     )
     kinds = design.pair_kinds
     yield "clearances", _by_pair({kind: MICROMETRE.from_si(getattr(design.clearance, kind)) for kind in kinds}) + " µm"
@@ -114,8 +115,8 @@ def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
     yield "crank speed", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
     yield "load", f"{load.torque:g} N m" if load.torque else "none"
     x, y = item.findings.q_path.q_mm
-    on = f" of {item.motion.gear_words}" if design.gear.discs > 1 else ""
-    yield "point q of the disc", f"({x:.6g}, {y:.6g}) mm{on}"
+    disc_text = f" of {item.motion.gear_words}" if design.gear.discs > 1 else ""
+    yield "point q of the disc", f"({x:.6g}, {y:.6g}) mm{disc_text}"
     span = float(run.time[-1] - run.time[0])
     turns = abs(DEGREE.from_si(float(run["crank_angle"][-1] - run["crank_angle"][0]))) / 360
     yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"
@@ -124,8 +125,10 @@ def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
     if item.findings.timestep_for:
         yield "accuracy at this time step", item.findings.timestep_for
     window = item.findings.window
-    evaluated = f"{window.phase}, {window.start_s:.4g} to {window.end_s:.4g} s, {window.crank_turns:.2f} crank turns"
-    yield "evaluated", evaluated
+    evaluated_text = (
+        f"{window.phase}, {window.start_s:.4g} to {window.end_s:.4g} s, {window.crank_turns:.2f} crank turns"
+    )
+    yield "evaluated", evaluated_text
 
 
 def _by_pair(values: dict[str, float]) -> str:

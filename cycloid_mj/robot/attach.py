@@ -187,8 +187,8 @@ def _write_keyframes(
     `keyframes` are positions and speeds of each keyframe before the crank was added, an empty list for the default;
     `model` is the compiled ``MjModel`` without the reducer.
     """
-    attached = _compile(spec)
-    crank, output = attached.joint(rotor_name(joint)), model.joint(joint)
+    attached_model = _compile(spec)
+    crank, output = attached_model.joint(rotor_name(joint)), model.joint(joint)
     qpos_address, dof_address = int(crank.qposadr[0]), int(crank.dofadr[0])
     for key, (positions, speeds) in zip(spec.keys, keyframes, strict=True):
         positions, speeds = positions or model.qpos0.tolist(), speeds or [0.0] * model.nv

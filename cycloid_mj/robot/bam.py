@@ -37,17 +37,21 @@ def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
     Nonnegative least squares (Lawson and Hanson) over the loads from `MIN_FIT_SHARE` to 1 of the nominal torque,
     driving and driven, at the rated speed. The errors are the largest of each model [N m].
     """
-    base, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
+    base_torque, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
     external, motor, friction = _friction_samples(reduced)
     m3, _ = nnls((external + motor)[:, np.newaxis], friction)
     m5, _ = nnls(np.stack([external, motor], axis=1), friction)
     by_torque = {"load_friction_motor": float(m5[1]), "load_friction_external": float(m5[0])}
-    common = {"friction_base": base, "friction_viscous": viscous, "armature": reduced.reflected_inertia}
+    common_parameters = {
+        "friction_base": base_torque,
+        "friction_viscous": viscous,
+        "armature": reduced.reflected_inertia,
+    }
     return {
         "source": "BAM, Rhoban, ICRA 2025: arXiv 2410.08650",
         "joint": f"output of {reduced.name}, {reduced.ratio:g}:1; torques at the joint [N m], speeds in rad/s",
-        "m3": {"model": "m3", **common, "load_friction_base": float(m3[0])},
-        "m5": {"model": "m5", **common, **by_torque, **WITHOUT_STRIBECK},
+        "m3": {"model": "m3", **common_parameters, "load_friction_base": float(m3[0])},
+        "m5": {"model": "m5", **common_parameters, **by_torque, **WITHOUT_STRIBECK},
         "largest_error_nm": {
             "m3": float(np.abs(m3[0] * (external + motor) - friction).max()),
             "m5": float(np.abs(m5[0] * external + m5[1] * motor - friction).max()),
@@ -67,9 +71,9 @@ def _friction_samples(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
         [torque for torque in friction.torques if MIN_FIT_SHARE <= torque / reduced.rated_torque <= 1.0 + 1e-9]
     )
     rows = []
-    for driving, sign in ((True, 1.0), (False, -1.0)):
+    for is_driving, sign in ((True, 1.0), (False, -1.0)):
         friction_at_joint = np.array(
-            [reduced.ratio * friction.torque(torque, reduced.rated_speed, driving) for torque in torques]
+            [reduced.ratio * friction.torque(torque, reduced.rated_speed, is_driving) for torque in torques]
         )
         rows.append(
             np.stack(

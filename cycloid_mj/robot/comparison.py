@@ -160,10 +160,10 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
     """
     scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold()
-    rated = play.rated
+    rated_torque = play.rated
 
     def rest_angle(share: float) -> float:
-        return scene.find_rest(share * rated)
+        return scene.find_rest(share * rated_torque)
 
     angles_at_small_torque = {
         share: rest_angle(share) for share in (GRID.small, 2.0 * GRID.small, -GRID.small, -2.0 * GRID.small)
@@ -195,13 +195,13 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
     joint_angles = np.array([rest_angle(share) for share in loop_shares])
     shares = np.array([0.0, *sorted(play.wind_up)])
     wind_ups = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
-    branches = [(play.stops[1] + wind_ups, shares * rated), (play.stops[0] - wind_ups, -shares * rated)]
+    branches = [(play.stops[1] + wind_ups, shares * rated_torque), (play.stops[0] - wind_ups, -shares * rated_torque)]
     loop = [np.concatenate([branches[1][i][::-1], branches[0][i]]) for i in (0, 1)]
     axes = "torque on the output [N m]", "turn [arcmin]"
     panel = "hysteresis loop, crank locked"
     return rows, [
         Curve(panel, "full model", loop[1], loop[0] / ARCMINUTE, *axes, "theory"),
-        Curve(panel, "joint", loop_shares * rated, joint_angles / ARCMINUTE, *axes),
+        Curve(panel, "joint", loop_shares * rated_torque, joint_angles / ARCMINUTE, *axes),
     ]
 
 
@@ -225,9 +225,9 @@ def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list
     """Compare efficiencies at the rated speed, with the crank driving and with the output driving, at several loads."""
     rows, curves = [], []
     cases = (("driving", True, "efficiency"), ("driven", False, "efficiency of back-driving"))
-    for key, driving, name in cases:
-        joint_percent = [100.0 * _measure_efficiency(reduced, share, driving) for share in COMPARISON.loads]
-        sign = 1.0 if driving else -1.0
+    for key, is_driving, name in cases:
+        joint_percent = [100.0 * _measure_efficiency(reduced, share, is_driving) for share in COMPARISON.loads]
+        sign = 1.0 if is_driving else -1.0
         full_percent = [
             100.0 * _full_model_efficiency(reducer, sign * share * reducer.design.rated_torque)
             for share in COMPARISON.loads

@@ -196,12 +196,12 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
 
     `poses` is the number of crank angles.
     """
-    rated = reducer.design.rated_torque
+    rated_torque = reducer.design.rated_torque
     at_rest = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(at_rest, turn_evenly(reducer, poses), friction=False)
 
     def mean_output_angle(share: float) -> float:
-        return float(loads(at_rest, springs, share * rated).output_turn.mean())
+        return float(loads(at_rest, springs, share * rated_torque).output_turn.mean())
 
     low, high = (
         2.0 * mean_output_angle(sign * GRID.small) - mean_output_angle(2.0 * sign * GRID.small) for sign in (-1.0, 1.0)
@@ -210,7 +210,7 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
     low, high = (low, high) if low <= high else (0.5 * (low + high),) * 2
     shares = sorted({*GRID.springs, *GRID.polynomial, *STRAIGHT})
     wind_up = {share: 0.5 * (mean_output_angle(share) - high + low - mean_output_angle(-share)) for share in shares}
-    return Play(rated, (low, high) if reducer.member.sense > 0 else (-high, -low), wind_up)
+    return Play(rated_torque, (low, high) if reducer.member.sense > 0 else (-high, -low), wind_up)
 
 
 def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
@@ -228,7 +228,7 @@ def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
 
 def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
     """Compute friction torques on the crank over output torque and speed; `on_step` is called after each point."""
-    speed, rated = reducer.design.drive.speed, reducer.design.rated_torque
+    speed, rated_torque = reducer.design.drive.speed, reducer.design.rated_torque
     rows_by_sign: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
     for share in GRID.speeds:
         at_speed = reducer.but(drive={"speed": share * speed})
@@ -239,12 +239,12 @@ def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> Fric
                 (
                     no_load,
                     *(
-                        _compute_friction_torque(at_speed, sign * share_of_torque * rated, on_step)
+                        _compute_friction_torque(at_speed, sign * share_of_torque * rated_torque, on_step)
                         for share_of_torque in GRID.torques
                     ),
                 )
             )
-    torques = (0.0, *(torque * rated for torque in GRID.torques))
+    torques = (0.0, *(torque * rated_torque for torque in GRID.torques))
     speeds = tuple(share * abs(speed) for share in GRID.speeds)
     return FrictionMap(torques, speeds, tuple(rows_by_sign[1.0]), tuple(rows_by_sign[-1.0]))
 
@@ -254,16 +254,16 @@ def _compute_no_load_torque(reducer: Reducer) -> float:
 
     It is that at a small torque, or extrapolated linearly from larger torques where friction jams small loads.
     """
-    rated = reducer.design.rated_torque
+    rated_torque = reducer.design.rated_torque
     for torque in GRID.no_load:
         with suppress(RunError):
-            low = _compute_friction_torque(reducer, torque * rated)
+            low = _compute_friction_torque(reducer, torque * rated_torque)
             if torque == GRID.small:
                 return low
             return max(
                 0.0,
                 _extrapolate_to_zero(
-                    (torque, low), (GRID.torques[0], _compute_friction_torque(reducer, GRID.torques[0] * rated))
+                    (torque, low), (GRID.torques[0], _compute_friction_torque(reducer, GRID.torques[0] * rated_torque))
                 ),
             )
     return 0.0
@@ -297,9 +297,9 @@ def _compute_damping(reducer: Reducer) -> float:
     contact and its compliance s at the output [rad/N m]. Pin and seat in series have shares by compliance. Bending of
     pins and twist are in series with the contacts of the output.
     """
-    contact_laws_by_pair, rated = contact_laws(reducer), reducer.design.rated_torque
+    contact_laws_by_pair, rated_torque = contact_laws(reducer), reducer.design.rated_torque
     compliances = [
-        windup.compliance_by_spring(reducer) for windup in solve_windups(reducer, turn_evenly(reducer), rated)
+        windup.compliance_by_spring(reducer) for windup in solve_windups(reducer, turn_evenly(reducer), rated_torque)
     ]
     mean_compliance = {
         spring: float(np.mean([at_angle[spring] for at_angle in compliances])) for spring in compliances[0]
@@ -329,7 +329,7 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     `fine` and `coarse` are the plays at two numbers of crank angles; their difference is the numerical error.
     """
     condition = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
-    friction, rated, speed = joint.friction, joint.rated_torque, joint.rated_speed
+    friction, rated_torque, speed = joint.friction, joint.rated_torque, joint.rated_speed
 
     def value_and_error(figure: Callable[[Play], float]) -> tuple[float, float]:
         """Return a figure of the fine play, and its difference to the coarse play."""
@@ -340,25 +340,25 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
     play, wind_up = value_and_error(lambda item: item.backlash), value_and_error(lambda item: item.wind_up[1.0])
     name = "backlash of the output, mean over the crank angle"
     yield Quantity("backlash_arcmin", name, *_convert_with_error(play, ARCMINUTE, "arcmin"))
-    name = f"wind-up beyond the stop under {rated:.4g} N m, crank locked"
+    name = f"wind-up beyond the stop under {rated_torque:.4g} N m, crank locked"
     yield Quantity("wind_up_arcmin", name, *_convert_with_error(wind_up, ARCMINUTE, "arcmin"))
-    name = f"largest relative error of the stiffness as a polynomial, up to {rated:.4g} N m"
+    name = f"largest relative error of the stiffness as a polynomial, up to {rated_torque:.4g} N m"
     yield Quantity("polynomial_error", name, *_convert_with_error(value_and_error(Play.polynomial_error), 1.0, "1"))
     name = "torsional stiffness, 50 to 100 % of the nominal torque"
     stiffness = value_and_error(lambda item: item.stiffness)
     yield Quantity("stiffness_nm_per_arcmin", name, *_convert_with_error(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
-    efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
+    efficiency = 100.0 * friction.efficiency(rated_torque, speed, joint.ratio, driving=True)
     error, spread_note = 100.0 * _efficiency_error(reducer, 1.0), _efficiency_spread(reducer)
     yield Quantity("efficiency", f"efficiency {condition}", efficiency, "%", error, note=spread_note)
-    back_driving_powers, driving_torque = solve_back_driving(reducer, rated)
-    locked = math.isnan(driving_torque)
+    back_driving_powers, driving_torque = solve_back_driving(reducer, rated_torque)
+    is_self_locking = math.isnan(driving_torque)
     yield Quantity(
         "back_driving_efficiency",
-        f"efficiency of back-driving against {rated / joint.ratio:.4g} N m on the crank",
-        0.0 if locked else 100.0 * back_driving_powers.efficiency,
+        f"efficiency of back-driving against {rated_torque / joint.ratio:.4g} N m on the crank",
+        0.0 if is_self_locking else 100.0 * back_driving_powers.efficiency,
         "%",
-        0.0 if locked else 100.0 * _efficiency_error(reducer, -driving_torque / rated),
-        note=describe_self_locking(reducer, rated) if locked else "",
+        0.0 if is_self_locking else 100.0 * _efficiency_error(reducer, -driving_torque / rated_torque),
+        note=describe_self_locking(reducer, rated_torque) if is_self_locking else "",
     )
     first, second = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
     yield Quantity(
@@ -380,15 +380,16 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
 def _efficiency_spread(reducer: Reducer) -> str:
     """Return a sentence on how far assumed inputs change the efficiency, from one variation of each input at a time."""
 
-    def rate(varied: Reducer) -> float:
+    def rate(varied_reducer: Reducer) -> float:
         try:
-            return powers(varied, reducer.design.rated_torque).efficiency
+            return powers(varied_reducer, reducer.design.rated_torque).efficiency
         except RunError:
             return 0.0
 
-    assumed = spread.assumed_inputs(reducer)
+    assumed_inputs = spread.assumed_inputs(reducer)
     return spread.spread_text(
-        rate(reducer), spread.input_effects(assumed, {end: rate(Reducer(end)) for item in assumed for end in item.ends})
+        rate(reducer),
+        spread.input_effects(assumed_inputs, {end: rate(Reducer(end)) for item in assumed_inputs for end in item.ends}),
     )
 
 

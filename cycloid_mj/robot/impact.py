@@ -101,23 +101,23 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
     """
     from scipy.integrate import odeint
 
-    rated, total_inertia, angular_frequency = (
+    rated_torque, total_inertia, angular_frequency = (
         reduced.rated_torque,
         inertia + reduced.output_inertia,
         2.0 * math.pi * frequency,
     )
     is_full = reduced.level == "full"
-    start = reduced.stops[1] + reduced.wind_up(rated) + (reduced.ripple.errors(0.0, 1.0)[1] if is_full else 0.0)
+    start = reduced.stops[1] + reduced.wind_up(rated_torque) + (reduced.ripple.errors(0.0, 1.0)[1] if is_full else 0.0)
     spring_torque, damping = _tabulated_torque(reduced), reduced.damping
 
     def motion(state: np.ndarray, time: float) -> tuple[float, float]:
         deviation, speed = state.tolist()
         torque = spring_torque(deviation)
         damping_torque = damping * speed if torque or not is_full else 0.0
-        return speed, (rated * math.cos(angular_frequency * time) + torque - damping_torque) / total_inertia
+        return speed, (rated_torque * math.cos(angular_frequency * time) + torque - damping_torque) / total_inertia
 
     duration = IMPACT.cycles / frequency
-    vibration = math.sqrt(reduced.stiffness(rated) / total_inertia) / (2.0 * math.pi)
+    vibration = math.sqrt(reduced.stiffness(rated_torque) / total_inertia) / (2.0 * math.pi)
     times = np.linspace(
         0.0, duration, math.ceil(IMPACT.samples_per_cycle * IMPACT.cycles * max(1.0, vibration / frequency))
     )
@@ -126,7 +126,7 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
         [start, 0.0],
         times,
         rtol=IMPACT.tolerance,
-        atol=IMPACT.tolerance * reduced.wind_up(rated),
+        atol=IMPACT.tolerance * reduced.wind_up(rated_torque),
         hmax=1.0 / (IMPACT.samples_per_cycle * frequency),
         mxstep=IMPACT.max_steps,
     )

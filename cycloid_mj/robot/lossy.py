@@ -154,9 +154,11 @@ armature="{xml_number(shoe.armature * lever**2)}" limited="false"/>
     head, tail = text.split("    </body>\n  </worldbody>\n")
     head += f"{''.join(plates)}    </body>\n{body}  </worldbody>\n  <contact>\n{''.join(pairs)}  </contact>\n"
     for number, share in enumerate(shoe.shares.tolist()):
-        tendon, rest = tail.split(f'<fixed name="{reducer_name(joint, number)}"')
+        tendon, remaining_text = tail.split(f'<fixed name="{reducer_name(joint, number)}"')
         lever_joint = f'<joint joint="{name}" coef="{xml_number(lever * share)}"/></fixed>'
-        tail = f'{tendon}<fixed name="{reducer_name(joint, number)}"{rest.replace("</fixed>", lever_joint, 1)}'
+        tail = (
+            f'{tendon}<fixed name="{reducer_name(joint, number)}"{remaining_text.replace("</fixed>", lever_joint, 1)}'
+        )
     comment = f"Losses grow with the load by the shoe {name} on {crank}: for friction cones that are elliptic. "
     return (head + tail).replace("<!-- ", f"<!-- {comment}\n       ", 1)
 
@@ -184,12 +186,12 @@ def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
     return [
         StockEfficiency(
             share,
-            driving,
-            100.0 * lossy_efficiency(reduced, share, driving),
+            is_driving,
+            100.0 * lossy_efficiency(reduced, share, is_driving),
             100.0
-            * reduced.friction.efficiency(share * reduced.rated_torque, reduced.rated_speed, reduced.ratio, driving),
+            * reduced.friction.efficiency(share * reduced.rated_torque, reduced.rated_speed, reduced.ratio, is_driving),
         )
-        for driving in (True, False)
+        for is_driving in (True, False)
         for share in SHOE.compared
     ]
 

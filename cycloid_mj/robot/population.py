@@ -168,14 +168,15 @@ def draw_population(
     ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in VARIED)
     work = partial(_draw_drive, reducer, ranges, seed)
     drives = (engine or Engine(kind="threads")).each(work, range(samples), progress)
-    good = [item for item in drives if item is not None]
-    if len(good) < 2:
+    assembled_drives = [item for item in drives if item is not None]
+    if len(assembled_drives) < 2:
         raise RunError(
-            f"{samples - len(good)} of {samples} drives of {reducer.design.name!r} cannot be assembled, but at least 2 "
-            "are needed. Reduce the tolerances in [tolerance], or increase the clearances"
+            f"{samples - len(assembled_drives)} of {samples} drives of {reducer.design.name!r} cannot be assembled, "
+            "but at least 2 are needed. Reduce the tolerances in [tolerance], or increase the clearances"
         )
     values, drawn_values = (
-        {key: np.array([item[part][key] for item in good]) for key in good[0][part]} for part in (0, 1)
+        {key: np.array([item[part][key] for item in assembled_drives]) for key in assembled_drives[0][part]}
+        for part in (0, 1)
     )
     return Population(
         design=reducer.design.name,
@@ -217,12 +218,12 @@ def compute_parameters(reducer: Reducer) -> dict[str, float]:
     They are backlash, stiffness, no-load friction, load-dependent loss and transmission error at nominal torque. Raises
     as `statics.loads`.
     """
-    rated = reducer.design.rated_torque
-    loaded = reducer.but(load={"torque": rated}).working_at(rated)
-    values = {key: figure(key).value(loaded) for key in PARAMETERS if key != LOSS}
-    share = reducer.design.reduction / rated
+    rated_torque = reducer.design.rated_torque
+    loaded_reducer = reducer.but(load={"torque": rated_torque}).working_at(rated_torque)
+    values = {key: figure(key).value(loaded_reducer) for key in PARAMETERS if key != LOSS}
+    share = reducer.design.reduction / rated_torque
     # as a share of the crank's torque; no-load friction is a separate parameter
-    loss = 100.0 / figure("efficiency").value(loaded) - 1.0 - share * values[FRICTION]
+    loss = 100.0 / figure("efficiency").value(loaded_reducer) - 1.0 - share * values[FRICTION]
     return {key: 100.0 * loss if key == LOSS else values[key] for key in PARAMETERS}
 
 

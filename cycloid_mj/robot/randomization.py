@@ -71,8 +71,8 @@ def _describe_ranges(population: Population) -> str:
 def _isaaclab_events(reduced: ReducedJoint, population: Population) -> str:
     """Return a Python module with Isaac Lab's event terms: drawn friction of the drive and limits of the play."""
     ranges = factor_ranges(population)
-    middle, half = reduced.middle, 0.5 * reduced.backlash
-    smallest, largest = (half * factor for factor in ranges["play"])
+    play_middle, half_play = reduced.middle, 0.5 * reduced.backlash
+    smallest, largest = (half_play * factor for factor in ranges["play"])
     return f'''"""{_describe_ranges(population)}
 
 Use the terms in the events of an environment whose robot has the joints of NAME_cfg.py.
@@ -102,8 +102,8 @@ class ReducerEventsCfg:
         mode="startup",
         params={{
             "asset_cfg": SceneEntityCfg("robot", joint_names=["{PLAY}"]),
-            "lower_limit_distribution_params": {_format_pair((middle - largest, middle - smallest))},
-            "upper_limit_distribution_params": {_format_pair((middle + smallest, middle + largest))},
+            "lower_limit_distribution_params": {_format_pair((play_middle - largest, play_middle - smallest))},
+            "upper_limit_distribution_params": {_format_pair((play_middle + smallest, play_middle + largest))},
             "operation": "abs",
             "distribution": "uniform",
         }},

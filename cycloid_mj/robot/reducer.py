@@ -229,7 +229,11 @@ class ReducedJoint(Presented):
             return np.unique([*-lower, *upper])
         starts = [spring.start for spring in self.springs]
         return np.unique(
-            [side * start + stop for start in starts for side, stop in zip((-1, 1), self.stops, strict=True)]
+            [
+                side * start + stop_angle
+                for start in starts
+                for side, stop_angle in zip((-1, 1), self.stops, strict=True)
+            ]
         )
 
     def _stop_deviations(self, angle: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -353,8 +357,8 @@ class ReducedJoint(Presented):
     def as_json(self) -> dict[str, Any]:
         """Convert identified figures, efficiency maps and all values in SI units (key `joint`) to JSON values."""
         quantities = {key: quantity.as_json() for key, quantity in self.quantities.items()}
-        for key, driving in (("efficiency", True), ("back_driving_efficiency", False)):
-            quantities.setdefault(key, {})["map"] = self._efficiency_map(driving)
+        for key, is_driving in (("efficiency", True), ("back_driving_efficiency", False)):
+            quantities.setdefault(key, {})["map"] = self._efficiency_map(is_driving)
         return {
             "design": self.name,
             "level": self.level,

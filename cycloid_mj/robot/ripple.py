@@ -53,8 +53,8 @@ class Ripple:
         `sense` is 1 if the output turns as the crank does, else -1; `rated` is the nominal torque on the output [N m].
         """
         for direction, high in (("forward", sense < 0), ("reverse", sense > 0)):
-            stop = "high" if high else "low"
-            a, b, errors = (np.array(getattr(self, f"{stop}_{part}")) for part in ("cos", "sin", "error"))
+            stop_name = "high" if high else "low"
+            a, b, errors = (np.array(getattr(self, f"{stop_name}_{part}")) for part in ("cos", "sin", "error"))
             for i, load in enumerate(self.loads):
                 for j, order in enumerate(self.orders):
                     yield {

@@ -258,26 +258,26 @@ def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, f
     torque, total_inertia = reduced.rated_torque, inertia + reduced.output_inertia
     angular_frequency = np.sqrt(reduced.stiffness(torque) / total_inertia)
     steps = _count_steps(angular_frequency, step)
-    wind_up, stop = reduced.wind_up(torque), reduced.stops[1]
+    wind_up, stop_angle = reduced.wind_up(torque), reduced.stops[1]
     if reduced.level == "full":
-        stop += reduced.ripple.errors(0.0, 1.0)[1]
+        stop_angle += reduced.ripple.errors(0.0, 1.0)[1]
     scene.hold()
-    scene.data.qpos[scene.addresses.output_angle] = stop + STUDY.start * wind_up
+    scene.data.qpos[scene.addresses.output_angle] = stop_angle + STUDY.start * wind_up
     deviations = scene.simulate_deviation(lambda time: torque, steps)
     if deviations is None or float(np.ptp(deviations[steps // 2 :])) > STUDY.max_vibration * wind_up:
         return False, np.nan, np.nan
-    middle, frequency = _analyse_vibration(deviations[steps // 2 :] - stop, step)
-    error = middle / wind_up - 1.0
+    mean_wind_up, frequency = _analyse_vibration(deviations[steps // 2 :] - stop_angle, step)
+    error = mean_wind_up / wind_up - 1.0
     if abs(error) > STUDY.static_rtol:
-        error = _settled_wind_up_error(scene, steps, stop)
+        error = _settled_wind_up_error(scene, steps, stop_angle)
     return True, error, frequency / angular_frequency - 1.0
 
 
-def _settled_wind_up_error(scene: TrialScene, steps: int, stop: float) -> float:
+def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> float:
     """Simulate the output from rest under nominal torque; return the relative error of its mean wind-up.
 
     It replaces the middle of a vibration, which is not the rest if a transmission error that depends on the load makes
-    the spring nonlinear. `stop` is the angle of the stop [rad].
+    the spring nonlinear. `stop_angle` is the angle of the stop [rad].
     """
     torque = scene.reduced.rated_torque
     mujoco.mj_resetData(scene.model, scene.data)
@@ -286,7 +286,7 @@ def _settled_wind_up_error(scene: TrialScene, steps: int, stop: float) -> float:
     deviations = scene.simulate_deviation(lambda time: torque, steps)
     if deviations is None:
         return math.nan
-    return (float(deviations[steps // 2 :].mean()) - stop) / scene.reduced.wind_up(torque) - 1.0
+    return (float(deviations[steps // 2 :].mean()) - stop_angle) / scene.reduced.wind_up(torque) - 1.0
 
 
 def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[StepTrial]:
@@ -345,14 +345,14 @@ def _analyse_vibration(angles: Array, timestep: float) -> tuple[float, float]:
     `angles` are those after each time step [rad], shape (n,). The frequency is NaN if the vibration has decayed, or has
     fewer than 3 crossings or 8 time steps in a period.
     """
-    middle = 0.5 * (float(angles.max()) + float(angles.min()))
-    if np.ptp(angles) < STUDY.min_vibration * abs(middle):
+    midpoint = 0.5 * (float(angles.max()) + float(angles.min()))
+    if np.ptp(angles) < STUDY.min_vibration * abs(midpoint):
         return float(angles[-1]), np.nan
-    is_above = angles > middle
+    is_above = angles > midpoint
     upward_crossings = np.flatnonzero(~is_above[:-1] & is_above[1:])
     if len(upward_crossings) < 3 or (upward_crossings[-1] - upward_crossings[0]) / (len(upward_crossings) - 1) < 8.0:
         return float(angles[-len(angles) // 2 :].mean()), np.nan
-    crossings = upward_crossings + (middle - angles[upward_crossings]) / (
+    crossings = upward_crossings + (midpoint - angles[upward_crossings]) / (
         angles[upward_crossings + 1] - angles[upward_crossings]
     )
     periods = slice(int(upward_crossings[0]), int(upward_crossings[-1]))

@@ -134,7 +134,10 @@ class Joint:
         Call it before each time step; `joint` is the name of the hinge.
         """
         output, crank = model.joint(joint), model.joint(f"{joint}_rotor")
-        springs = [f"{joint}_reducer" + (f"_{n + 1}" if n else "") for n in range(len(self.values["springs"]))]
+        springs = [
+            f"{joint}_reducer" + (f"_{spring_index + 1}" if spring_index else "")
+            for spring_index in range(len(self.values["springs"]))
+        ]
         tendons, dof = [model.tendon(name).id for name in springs], int(crank.dofadr[0])
         angle, crank_angle = (data.qpos[int(hinge.qposadr[0])] for hinge in (output, crank))
         terms = self.terms(angle, crank_angle, data.qvel[dof], data.qfrc_actuator[dof] + data.qfrc_applied[dof])
@@ -162,38 +165,38 @@ class Joint:
         deviation = output + self.coefficient * crank
         starts = xp.array([spring["start"] for spring in values["springs"]])
         stiffness = xp.array([spring["stiffness"] for spring in values["springs"]])
-        rated = values["rated_torque"]
+        rated_torque = values["rated_torque"]
         # shares of the nominal torque between which errors and springs are linear, and the wind-up there
         torques = (stiffness * xp.maximum(starts[:, None] - starts, 0.0)).sum(axis=1)
-        bends = xp.sort(xp.concatenate([xp.array([0.0]), xp.array(ripple["loads"]), torques / rated]))
+        bends = xp.sort(xp.concatenate([xp.array([0.0]), xp.array(ripple["loads"]), torques / rated_torque]))
         # beyond the last start the last slope continues
-        wind_up_of_last_spring = starts[-1] + xp.maximum(bends * rated - torques[-1], 0.0) / stiffness.sum()
+        wind_up_of_last_spring = starts[-1] + xp.maximum(bends * rated_torque - torques[-1], 0.0) / stiffness.sum()
         wind_up_at_bends = xp.where(
-            bends * rated > torques[-1], wind_up_of_last_spring, xp.interp(bends * rated, torques, starts)
+            bends * rated_torque > torques[-1], wind_up_of_last_spring, xp.interp(bends * rated_torque, torques, starts)
         )
         phase = xp.array(ripple["orders"]) * crank
         low_stop, high_stop = values["stops"]
         stops = []
-        for side, sign, stop in (("low", -1.0, low_stop), ("high", 1.0, high_stop)):
+        for side, sign, stop_angle in (("low", -1.0, low_stop), ("high", 1.0, high_stop)):
             cos, sin = (xp.array(ripple[f"{side}_{part}"]) for part in ("cos", "sin"))
             error = xp.interp(bends, xp.array(ripple["loads"]), cos @ xp.cos(phase) + sin @ xp.sin(phase))
-            deviation_at_bends = wind_up_at_bends + sign * (error + stop)
+            deviation_at_bends = wind_up_at_bends + sign * (error + stop_angle)
             # where the error falls faster than the springs wind up, the largest torque with that L
             is_later = xp.arange(len(deviation_at_bends))[:, None] <= xp.arange(len(deviation_at_bends))
-            rising = xp.where(is_later, deviation_at_bends, xp.inf).min(axis=1)
-            share = xp.interp(sign * deviation, rising, bends)
-            stops.append(stop + xp.interp(share, bends, error))
+            next_deviation = xp.where(is_later, deviation_at_bends, xp.inf).min(axis=1)
+            share = xp.interp(sign * deviation, next_deviation, bends)
+            stops.append(stop_angle + xp.interp(share, bends, error))
         low, high = stops
         wind_up = xp.maximum(deviation - high, low - deviation)
         size = (stiffness * xp.maximum(wind_up - starts, 0.0)).sum()
         torque = xp.where(deviation > high, -size, size)
         torque_on_crank = self.coefficient * torque
         direction = xp.where(xp.abs(speed) > AT_REST, speed, torque_on_crank + driven_by)
-        driving, driven = (self._friction(key, size, speed, xp) for key in ("driving", "driven"))
+        driving_friction, driven_friction = (self._friction(key, size, speed, xp) for key in ("driving", "driven"))
         return Terms(
             xp.stack([low - starts, high + starts], axis=1),
             xp.where(size > 0.0, values["damping"], 0.0),
-            xp.where(torque_on_crank * direction < 0.0, driving, driven),
+            xp.where(torque_on_crank * direction < 0.0, driving_friction, driven_friction),
         )
 
     def _friction(self, key: str, torque: Any, speed: Any, xp: Any) -> Any:

@@ -104,7 +104,10 @@ class ContactForces:
 
 
 def contact_forces(
-    reducer: Reducer, columns: Mapping[str, Array], drawn: Drawing | None = None, kinds: Container[str] = KINDS.values()
+    reducer: Reducer,
+    columns: Mapping[str, Array],
+    drawing: Drawing | None = None,
+    kinds: Container[str] = KINDS.values(),
 ) -> ContactForces:
     """Compute force and point of action of the mating pairs of some kinds that have columns.
 
@@ -115,15 +118,15 @@ def contact_forces(
     ----------
     columns
         Values by name, shape (n,), in SI units.
-    drawn
+    drawing
         Drawing of the same samples whose parts the points refer to; by default the measured poses.
     kinds
         Kinds of mating pairs.
     """
     kind_by_pair = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     poses_by_part, disc_names = poses(reducer, columns), gears(reducer.design.gear.discs)
-    measured = _inner_parts_measured(reducer, poses_by_part)
-    displayed = measured if drawn is None else _inner_parts_drawn(reducer, drawn)
+    measured_geometry = _inner_parts_measured(reducer, poses_by_part)
+    displayed_geometry = measured_geometry if drawing is None else _inner_parts_drawn(reducer, drawing)
     wrench_columns = [columns[column(name, part)] for name in kind_by_pair for part in WRENCH]
     count = columns["crank_angle"].size
     wrench = usable(np.reshape(wrench_columns, (len(kind_by_pair), len(WRENCH), count)).transpose(2, 0, 1))
@@ -134,11 +137,11 @@ def contact_forces(
         1, 0, 2
     )
     direction = _direction(wrench[..., :2])
-    shift = _shift_to_action_line(wrench, direction, measured.surface(kind_by_pair, direction) - origin)
+    shift = _shift_to_action_line(wrench, direction, measured_geometry.surface(kind_by_pair, direction) - origin)
     return ContactForces(
         tuple(kind_by_pair),
         tuple(kind_by_pair.values()),
-        displayed.surface(kind_by_pair, direction) + shift,
+        displayed_geometry.surface(kind_by_pair, direction) + shift,
         wrench[..., :2],
     )
 
@@ -155,8 +158,8 @@ def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
     """
     design = reducer.design
     height = 0.5 * design.gear.face_width + ARROWS.thickness * design.ring.pin_circle_radius
-    first, *other_planes = design.gear.disc_planes
-    return (first - height if other_planes else first + height, *(plane + height for plane in other_planes))
+    first_plane, *other_planes = design.gear.disc_planes
+    return (first_plane - height if other_planes else first_plane + height, *(plane + height for plane in other_planes))
 
 
 def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Array | None:

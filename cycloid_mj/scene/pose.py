@@ -25,8 +25,8 @@ def ring_places(reducer: Reducer) -> Array:
     The halves of a ring in two halves are rotated by their preload.
     """
     ring = reducer.design.ring
-    around = 2 * np.pi * np.arange(ring.teeth) / ring.teeth
-    return ring.pin_circle_radius * unit(np.concatenate([around - ahead for ahead in ring.ahead]))
+    pin_angles = 2 * np.pi * np.arange(ring.teeth) / ring.teeth
+    return ring.pin_circle_radius * unit(np.concatenate([pin_angles - lead_angle for lead_angle in ring.ahead]))
 
 
 def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:

@@ -61,8 +61,8 @@ def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, poses_by_pa
         turn = np.zeros((len(pose), 4))
         turn[:, 2], turn[:, 3] = np.sin(0.5 * pose[:, 2]), np.cos(0.5 * pose[:, 2])
         if np.ptp(pose, axis=0).any():
-            moved = rr.Transform3D.columns(translation=translation, quaternion=turn)
-            recording.send_columns(entity, indexes=[time], columns=moved)
+            transforms = rr.Transform3D.columns(translation=translation, quaternion=turn)
+            recording.send_columns(entity, indexes=[time], columns=transforms)
         else:
             recording.log(entity, rr.Transform3D(translation=translation[0], quaternion=turn[0]), static=True)
 

@@ -31,8 +31,8 @@ def shade(mesh: Mesh) -> ShadedMesh:
     area = np.linalg.norm(cross_products, axis=1, keepdims=True)
     face_normals = np.divide(cross_products, area, out=np.zeros_like(cross_products), where=area > 0.0)
     adjacent = _adjacent_faces(mesh.faces)
-    smooth = np.einsum("ij,ij->i", face_normals[adjacent[:, 0]], face_normals[adjacent[:, 1]]) >= np.cos(CREASE)
-    surface = _components(adjacent[smooth], len(mesh.faces))
+    is_smooth = np.einsum("ij,ij->i", face_normals[adjacent[:, 0]], face_normals[adjacent[:, 1]]) >= np.cos(CREASE)
+    surface = _components(adjacent[is_smooth], len(mesh.faces))
     vertex_keys = surface[:, np.newaxis] * len(mesh.vertices) + mesh.faces
     unique_keys, numbers = np.unique(vertex_keys, return_inverse=True)
     faces = numbers.reshape(-1, 3)
@@ -58,9 +58,12 @@ def _components(pairs: Integers, count: int) -> Integers:
     Each round hooks roots onto smaller neighbours and then shortens all paths (Shiloach & Vishkin 1982).
     """
     root = np.arange(count)
-    a, b = pairs.T
+    first_faces, second_faces = pairs.T
     while True:
-        smaller, larger = np.minimum(root[a], root[b]), np.maximum(root[a], root[b])
+        smaller, larger = (
+            np.minimum(root[first_faces], root[second_faces]),
+            np.maximum(root[first_faces], root[second_faces]),
+        )
         if (smaller == larger).all():
             return root
         np.minimum.at(root, larger, smaller)
@@ -72,8 +75,8 @@ def _corner_angles(corners: Array) -> Array:
     """Return the angle at each corner of triangles, shape (m, 3), from their corners (m, 3, 3)."""
     angles = np.empty(corners.shape[:2])
     for corner in range(3):
-        first = corners[:, (corner + 1) % 3] - corners[:, corner]
-        second = corners[:, (corner + 2) % 3] - corners[:, corner]
-        crossed = np.linalg.norm(np.cross(first, second), axis=1)
-        angles[:, corner] = np.arctan2(crossed, np.einsum("ij,ij->i", first, second))
+        next_edge = corners[:, (corner + 1) % 3] - corners[:, corner]
+        previous_edge = corners[:, (corner + 2) % 3] - corners[:, corner]
+        cross_length = np.linalg.norm(np.cross(next_edge, previous_edge), axis=1)
+        angles[:, corner] = np.arctan2(cross_length, np.einsum("ij,ij->i", next_edge, previous_edge))
     return angles

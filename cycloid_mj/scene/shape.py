@@ -45,11 +45,11 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     pieces_by_part = {
         name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()
     }
-    for body, attached in attached_by_body.items():
+    for body, attached_by_name in attached_by_body.items():
         pieces_by_part[body] += tuple(
-            _piece(name, solids[part], position) for name, (part, position) in attached.items()
+            _piece(name, solids[part], position) for name, (part, position) in attached_by_name.items()
         )
-    attached_names = {part for attached in attached_by_body.values() for part, _ in attached.values()}
+    attached_names = {part for attached_by_name in attached_by_body.values() for part, _ in attached_by_name.values()}
     return {name: pieces for name, pieces in pieces_by_part.items() if name not in attached_names}
 
 

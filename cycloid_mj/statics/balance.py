@@ -278,7 +278,7 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     torque
         Output torque [N m].
     crank
-        Crank angles in order [rad], shape (m,); by default all round.
+        Crank angles in order [rad], shape (m,); by default evenly over a turn.
 
     Raises
     ------
@@ -291,9 +291,9 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     contact_loads = loads(reducer, springs, float(direction) * (torque + output_drag), follow=True)
     losses = friction_losses(reducer, springs, contact_loads)
     seals = np.array(crank_drag * speed + output_drag * speed / design.reduction)
-    mean_losses = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
-    supplied = torque * speed / design.reduction
-    return Powers(supplied + sum(mean_losses.values()), -supplied, mean_losses)
+    mean_losses = {part: float(np.mean(power_loss)) for part, power_loss in {**losses, "seals": seals}.items()}
+    input_power = torque * speed / design.reduction
+    return Powers(input_power + sum(mean_losses.values()), -input_power, mean_losses)
 
 
 def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:

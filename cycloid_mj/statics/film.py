@@ -343,13 +343,13 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         crank *= speed / abs(design.drive.speed) if design.drive.speed else 1.0
     crank, output = inputs.seals * crank, inputs.seals * output
     if design.gear.bearing == "rolling":
-        turning = speed * design.ring.teeth / design.lobes
+        cam_speed = speed * design.ring.teeth / design.lobes
         viscosity = inputs.viscosity * lubricant(design.friction.lubricant).kinematic_viscosity(
             lubricant_temperature(reducer, "cam")
         )
         factor = inputs.idle_friction * ASSUMED.roller_idle_factor * design.gear.discs
-        per_crank = turning / abs(design.drive.speed) if design.drive.speed else 1.0
-        crank += per_crank * idle_torque(factor, cam_mean_diameter(reducer), turning, viscosity)
+        per_crank = cam_speed / abs(design.drive.speed) if design.drive.speed else 1.0
+        crank += per_crank * idle_torque(factor, cam_mean_diameter(reducer), cam_speed, viscosity)
     return crank, output
 
 

@@ -97,8 +97,8 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
     """
     outcomes = np.asarray(outcomes, float)
     low, high = np.percentile(outcomes, PERCENTILES)
-    scaled = (positions - positions.mean(axis=0)) / positions.std(axis=0)
-    slopes, *_ = np.linalg.lstsq(scaled, outcomes - outcomes.mean(), rcond=None)
+    standardised = (positions - positions.mean(axis=0)) / positions.std(axis=0)
+    slopes, *_ = np.linalg.lstsq(standardised, outcomes - outcomes.mean(), rcond=None)
     shares = slopes**2 / max(float(outcomes.var()), np.finfo(float).tiny)
     order = np.argsort(-shares)
     names = [item.name for item in RANGES.values()]

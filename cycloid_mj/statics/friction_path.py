@@ -84,7 +84,7 @@ def follow_torque_path(
     torque: Array,
     crank: float,
     losses: Losses,
-    locked: Held = "crank",
+    locked_shaft: Held = "crank",
     max_rotation: float = math.inf,
 ) -> tuple[Array, Array]:
     """Compute the rotation of the output along a torque path with stick-slip friction, from rest.
@@ -103,7 +103,7 @@ def follow_torque_path(
         Angle at which the crank is locked, or starts [rad].
     losses
         Losses in addition to the friction of the contacts.
-    locked
+    locked_shaft
         The locked shaft.
     max_rotation
         Largest rotation of the output between rows [rad].
@@ -114,20 +114,20 @@ def follow_torque_path(
         A step has no equilibrium, for example because friction jams the reducer.
     """
     at_rest = reducer.but(drive={"speed": 0.0})
-    if locked == "output":
+    if locked_shaft == "output":
         at_rest = at_rest.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(at_rest, [crank], friction=False)
     radius = springs.contacts.radius
     path = np.repeat(springs.load(0.0), len(torque), axis=0)
     path[:, -1] = torque / radius
-    rubbing = build_friction_elements(at_rest, springs.contacts, crank, losses, locked)
+    rubbing = build_friction_elements(at_rest, springs.contacts, crank, losses, locked_shaft)
     max_rows = len(path) * (1 if math.isinf(max_rotation) else _SETTINGS.max_rows)
     displacements, positions = np.zeros((max_rows, path.shape[1])), np.zeros(max_rows)
     with announce_compilation():
         residual, rows = follow_path(springs.contacts, rubbing, path, max_rotation * radius, positions, displacements)
     if residual.force:
         failed_step = int(positions[rows - 1]) + 1 if rows else 0
-        shaft = "output" if locked == "crank" else "crank times the ratio"
+        shaft = "output" if locked_shaft == "crank" else "crank times the ratio"
         raise RunError(
             f"no static equilibrium at {torque[failed_step]:.4g} N m on the {shaft}, step {failed_step + 1} of "
             f"{len(torque)} of the torque loop: the residual is {residual.force:.3g} of the largest load, but at most "
@@ -138,7 +138,7 @@ def follow_torque_path(
 
 
 def build_friction_elements(
-    reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, locked: Held
+    reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, locked_shaft: Held
 ) -> Rubbing:
     """Build the friction elements of contacts, cams and seals, in this order, for a locked shaft.
 
@@ -153,7 +153,7 @@ def build_friction_elements(
     cams, seals = slice(contacts, contacts + discs), slice(contacts + discs, None)
     sliding[range(contacts, contacts + discs), range(2, 3 * discs, 3)] = bore_radius / radius
     sliding[seals, -1] = 1.0
-    if locked == "output":
+    if locked_shaft == "output":
         # the crank rotates by N - 1 per rotation of the output, and carries the ideal parts along
         carried_motion = ideal_motion(reducer, [crank])[0] * (design.lobes / radius)
         sliding[:contacts, -1] += mesh_gaps.slip_slope[0] @ carried_motion

@@ -53,21 +53,21 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
     def residual(displacements: Array, friction: float) -> Array:
         """Compute the residual forces over the load (u,) at scaled displacements and a multiple of the friction."""
         forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
-        unbalanced = load + forces @ (slopes + friction * rubbing)
+        residual_force = load + forces @ (slopes + friction * rubbing)
         cam_offsets = displacements[:-1].reshape(-1, 3)[:, :2] * length_unit
-        unbalanced[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * cam_offsets
-        unbalanced[2:-1:3] += (
+        residual_force[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * cam_offsets
+        residual_force[2:-1:3] += (
             friction * springs.cam_rubbing * springs.cam_stiffness * np.linalg.norm(cam_offsets, axis=1)
         )
-        return np.asarray(unbalanced / load_size)
+        return np.asarray(residual_force / load_size)
 
     z, limit = np.zeros(load.size), 0.0
     for friction in JAM.step * np.arange(round(JAM.max_friction / JAM.step) + 1):
-        balanced = root(residual, z, args=(friction,), method="lm")
+        solution = root(residual, z, args=(friction,), method="lm")
         if (
-            np.abs(balanced.fun).max() > JAM.max_residual
-            or np.abs(balanced.x[:-1].reshape(-1, 3)[:, :2]).max() > JAM.max_displacement
+            np.abs(solution.fun).max() > JAM.max_residual
+            or np.abs(solution.x[:-1].reshape(-1, 3)[:, :2]).max() > JAM.max_displacement
         ):
             break
-        z, limit = balanced.x, float(friction)
+        z, limit = solution.x, float(friction)
     return limit

@@ -134,7 +134,9 @@ def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array
     ends = [0, *reversals.tolist(), len(torque)]
     branches = locked_branches(curve, elements, path[ends].tolist())
     stretches = zip(pairwise(ends), branches, strict=True)
-    return np.concatenate([np.interp(path[a + 1 : b + 1], *_increasing(line)) for (a, b), line in stretches])
+    return np.concatenate(
+        [np.interp(path[start + 1 : end + 1], *_increasing(line)) for (start, end), line in stretches]
+    )
 
 
 def locked_branches(

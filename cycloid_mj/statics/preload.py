@@ -81,7 +81,7 @@ def halves_torque(reducer: Reducer) -> float:
     force = _of_halves(reducer, loads(static_reducer, springs, 1e-3 * reducer.design.rated_torque).teeth)
     distance = _of_halves(reducer, springs.contacts.distance[:, : springs.teeth])
     rate = (distance[:, :, 0] - distance[:, :, 1]) / reducer.design.ring.preload
-    first_torque, second_torque = (-np.sum(force[:, :, half] * rate, axis=(1, 2)).mean() for half in (0, 1))
+    first_torque, second_torque = (-np.sum(force[:, :, half_index] * rate, axis=(1, 2)).mean() for half_index in (0, 1))
     return abs(0.5 * float(first_torque - second_torque))
 
 

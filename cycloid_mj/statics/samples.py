@@ -108,12 +108,14 @@ def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
     all samples. The streams depend on the `seed`.
     """
     errors, nominal_samples = reducer.design.errors, identical_samples(reducer, count)
-    measured = measured_deviations(reducer.design)
+    measured_errors = measured_deviations(reducer.design)
 
-    def draw(stream: int, deviation: float, listed: Sequence[float], nominal: Array, mean: Array | float) -> Array:
+    def draw(
+        stream: int, deviation: float, listed_errors: Sequence[float], nominal: Array, mean: Array | float
+    ) -> Array:
         """Draw errors of a kind about a mean; those that the design lists keep their nominal values."""
         draws = np.random.default_rng([seed, stream]).standard_normal(nominal.shape)
-        return nominal if listed else mean + deviation * draws
+        return nominal if listed_errors else mean + deviation * draws
 
     def draw_positions(
         stream: int, deviation: float, lists: Sequence[Sequence[float]], nominal: Array, mean: Array | float = 0.0
@@ -126,11 +128,11 @@ def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
     return replace(
         nominal_samples,
         pin_place=draw_positions(
-            0, errors.pin_position, (errors.pin_x, errors.pin_y), nominal_samples.pin_place, measured.pin_place
+            0, errors.pin_position, (errors.pin_x, errors.pin_y), nominal_samples.pin_place, measured_errors.pin_place
         ),
-        pin_radius=draw(2, errors.pin_radius, errors.pin_dr, nominal_samples.pin_radius, measured.pin_radius),
+        pin_radius=draw(2, errors.pin_radius, errors.pin_dr, nominal_samples.pin_radius, measured_errors.pin_radius),
         hole_place=draw_positions(3, errors.hole_position, (errors.hole_x, errors.hole_y), nominal_samples.hole_place),
-        disc_radius=draw(5, errors.disc_size, errors.disc_dr, nominal_samples.disc_radius, measured.disc_radius),
+        disc_radius=draw(5, errors.disc_size, errors.disc_dr, nominal_samples.disc_radius, measured_errors.disc_radius),
         cam_place=draw_positions(6, errors.cam_position, (errors.cam_x, errors.cam_y), nominal_samples.cam_place),
     )
 
@@ -197,18 +199,20 @@ def solve_samples(
     ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
     ideal_reducer = Reducer(reducer.design.model_copy(update=ideal))
     springs = springs_of(ideal_reducer, np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False), friction)
-    common = measured_deviations(reducer.design).waves
+    common_profile = measured_deviations(reducer.design).waves
     own_waves = np.array(samples.waves)
-    own_waves[:, : len(common)] -= common
+    own_waves[:, : len(common_profile)] -= common_profile
     without_common = replace(samples, waves=own_waves)
-    rows = _solve_rows(ideal_reducer, springs, without_common, common, reducer.share * np.array(torques), threads)
+    rows = _solve_rows(
+        ideal_reducer, springs, without_common, common_profile, reducer.share * np.array(torques), threads
+    )
     rows[~(rows[..., -1] <= RESIDUAL_RTOL)] = np.nan
-    solved, output_share, twist = [], reducer.share, wind_up(reducer)
+    solved_batches, output_share, twist = [], reducer.share, wind_up(reducer)
     for torque, values in zip(torques, rows, strict=True):
         figures = SampleFigures(*values[:, :-1].T.copy())
         output = {"output_mean": output_share * figures.output_mean + twist * torque}
-        solved.append(replace(figures, **output, output_range=output_share * figures.output_range))
-    return solved
+        solved_batches.append(replace(figures, **output, output_range=output_share * figures.output_range))
+    return solved_batches
 
 
 def _solve_rows(
@@ -227,13 +231,15 @@ def _solve_rows(
     # samples take different times, and a job can be stopped between chunks
     bounds = np.linspace(0, len(samples), min(8 * threads, len(samples)) + 1).astype(int).tolist()
 
-    def solve_chunk(first: int, last: int) -> None:
-        """Solve the samples from index `first` to `last`, and those that fail again with all continuation paths."""
+    def solve_chunk(first_sample: int, end_sample: int) -> None:
+        """Solve samples `first_sample` to `end_sample` - 1; repeat those that fail with all continuation paths."""
         inputs = springs.contacts, effects, deviations, load
         workspace = allocate_workspace(springs.contacts)
         balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples
-        balance(*inputs, first, last, rows, None, workspace)
-        for sample in first + np.flatnonzero(~(rows[:, first:last, -1] <= RESIDUAL_RTOL).all(axis=0)):
+        balance(*inputs, first_sample, end_sample, rows, None, workspace)
+        for sample in first_sample + np.flatnonzero(
+            ~(rows[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
+        ):
             balance_samples_by_all(*inputs, sample, sample + 1, rows, PATHS, workspace)
 
     if threads == 1:

@@ -293,10 +293,12 @@ def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("backlash", float(width.mean()))
     yield sheet_quantity("backlash_min", float(width.min()))
     yield sheet_quantity("backlash_max", float(width.max()))
-    solved = solve_windups(reducer, crank_angles, load, warm_start=True)
-    yield sheet_quantity("lost_motion_ideal", float(np.mean([item.lost_motion for item in solved])) / ARCMINUTE)
-    yield sheet_quantity("stiffness_ideal", _stiffness(solved))
-    by_crank_angle = [item.compliance_by_spring(reducer) for item in solved]
+    windup_solution = solve_windups(reducer, crank_angles, load, warm_start=True)
+    yield sheet_quantity(
+        "lost_motion_ideal", float(np.mean([item.lost_motion for item in windup_solution])) / ARCMINUTE
+    )
+    yield sheet_quantity("stiffness_ideal", _stiffness(windup_solution))
+    by_crank_angle = [item.compliance_by_spring(reducer) for item in windup_solution]
     compliance = {part: float(np.mean([item[part] for item in by_crank_angle])) / ARCMINUTE for part in SPRINGS}
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
@@ -328,9 +330,9 @@ def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
             if (case, direction) == ("loaded", "forward"):
                 yield sheet_quantity(INERTIA_SHARE, inertia_share(reducer, rotations["output"][:-1], load))
     for shaft in SHAFTS:
-        unloaded = means[shaft, "unloaded", "forward"]
-        yield sheet_quantity(f"{shaft}_reversal", unloaded - means[shaft, "unloaded", "reverse"])
-        yield sheet_quantity(f"{shaft}_wind_up", means[shaft, "loaded", "forward"] - unloaded)
+        unloaded_error = means[shaft, "unloaded", "forward"]
+        yield sheet_quantity(f"{shaft}_reversal", unloaded_error - means[shaft, "unloaded", "reverse"])
+        yield sheet_quantity(f"{shaft}_wind_up", means[shaft, "loaded", "forward"] - unloaded_error)
 
 
 def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
@@ -344,9 +346,9 @@ def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str)
     Keys of `CASES` and `DIRECTIONS`; crank angles are even over a turn, both ends included.
     """
     count, sign = SETTINGS.angles_per_mesh_period * reducer.mesh_periods, DIRECTIONS[direction]
-    moving = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
-    springs = springs_of(moving, np.linspace(0.0, 2.0 * np.pi, count + 1))
-    contact_loads = loads(moving, springs, sign * CASES[case] * load, follow=True)
+    moving_reducer = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
+    springs = springs_of(moving_reducer, np.linspace(0.0, 2.0 * np.pi, count + 1))
+    contact_loads = loads(moving_reducer, springs, sign * CASES[case] * load, follow=True)
     return {"gear": contact_loads.gear_turn, "output": contact_loads.output_turn}
 
 

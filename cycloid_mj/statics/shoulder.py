@@ -47,5 +47,8 @@ def root_arms(reducer: Reducer) -> Array:
         return root_distance[np.newaxis]
     other_distance = 2.0 * root_position - root_distance
     return np.stack(
-        [a * b**2 / (a + b) ** 2 for a, b in ((root_distance, other_distance), (other_distance, root_distance))]
+        [
+            distance * opposite_distance**2 / (distance + opposite_distance) ** 2
+            for distance, opposite_distance in ((root_distance, other_distance), (other_distance, root_distance))
+        ]
     )

@@ -106,7 +106,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     reducer
         Reducer of a valid design.
     crank
-        Crank angles [rad], shape (m,); by default all round.
+        Crank angles [rad], shape (m,); by default evenly over a turn.
     friction
         Whether contacts have friction; without it, the speed of the crank may be 0. With the law ``film`` it is that
         under the working forces, which `balance.loads` replaces by that under the actual ones.

@@ -101,15 +101,15 @@ def structure_text(reducer: Reducer) -> str:
     """Describe which parts of the structure are elastic, with their stiffness, in a sentence."""
     if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid; only contacts are elastic"
-    stated = [part for part in TWISTING if getattr(reducer.design.springs, part)]
+    stated_parts = [part for part in TWISTING if getattr(reducer.design.springs, part)]
     twisting = ", ".join(
-        f"{part} {ARCMINUTE * item:.3g}{' (from the design)' if part in stated else ''}"
+        f"{part} {ARCMINUTE * item:.3g}{' (from the design)' if part in stated_parts else ''}"
         for part, item in twisting_stiffness(reducer).items()
     )
     support = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
     return (
         f"output pins are beams supported {support}; torsional stiffness about the axis: {twisting} N m/arcmin, which "
-        f"affects the output only; not included{', unless the design sets them,' if stated else ''} are the "
+        f"affects the output only; not included{', unless the design sets them,' if stated_parts else ''} are the "
         "compliances of discs and of all bearings but the "
         f"cams', and bending of the shaft ({1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN; a "
         "lower stiffness.cam_n_m can represent it)"

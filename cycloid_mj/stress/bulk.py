@@ -54,8 +54,8 @@ class Distances:
         indices.
         """
         centres = self.patches[self.ends[angle] : self.ends[angle + 1]]
-        squared = cdist(centres, self.points[nodes, :2], "sqeuclidean").min(axis=0, initial=np.inf)
-        return np.where(self.at_corner[nodes], 0.0, np.sqrt(squared + self.outside[nodes] ** 2))
+        squared_distance = cdist(centres, self.points[nodes, :2], "sqeuclidean").min(axis=0, initial=np.inf)
+        return np.where(self.at_corner[nodes], 0.0, np.sqrt(squared_distance + self.outside[nodes] ** 2))
 
     def farthest(self) -> float:
         """Compute the largest distance [m] beyond which one of the part's vertices is left at every angle."""
@@ -66,16 +66,16 @@ class Distances:
 def measure_distances(grid: Grid, case: LoadCase) -> Distances:
     """Return the distances of a grid's nodes from the narrow patches of its load case, and from sharp corners."""
     points = grid.points
-    outside = np.zeros(len(points))
+    axial_distance = np.zeros(len(points))
     if grid.section is not None:
         heights = points[grid.section.nodes.max(axis=1), 2]
-        outside = np.maximum(0.0, np.maximum(heights.min() - points[:, 2], points[:, 2] - heights.max()))
+        axial_distance = np.maximum(0.0, np.maximum(heights.min() - points[:, 2], points[:, 2] - heights.max()))
     at_corner = np.zeros(len(points), bool)
     if len(grid.keep_off):
         at_corner = np.asarray(cKDTree(grid.keep_off).query(points)[0]) < grid.corner_distance
     order = np.argsort(case.angle, kind="stable")
     ends = np.searchsorted(case.angle[order], np.arange(case.angles + 1))
-    return Distances(points, outside, case.points[order, :2], ends, at_corner, grid.mesh.nvertices)
+    return Distances(points, axial_distance, case.points[order, :2], ends, at_corner, grid.mesh.nvertices)
 
 
 def search_distances(distances: Distances, start: float) -> Array:
@@ -99,18 +99,18 @@ def largest_beyond(node_distances: Distances, distances: Array, angle: int, stre
     `stress` is that of all nodes, (n,). For speed, nodes with the largest stress are searched first, in bands, and
     others only for distances beyond which no node of these bands is left.
     """
-    chosen, pending = np.zeros(len(distances), np.int64), np.arange(len(distances))
+    largest_nodes, pending = np.zeros(len(distances), np.int64), np.arange(len(distances))
     upper = np.inf
     for lower in np.append(0.35 ** np.arange(1, 5), 0.0) * stress.max():
         nodes = np.flatnonzero((stress >= lower) & (stress < upper))
-        beyond = node_distances.from_patches(angle, nodes) >= distances[pending, np.newaxis]
-        has_node = beyond.any(axis=1)
+        is_beyond = node_distances.from_patches(angle, nodes) >= distances[pending, np.newaxis]
+        has_node = is_beyond.any(axis=1)
         if len(nodes):
-            chosen[pending] = nodes[np.where(beyond, stress[nodes], -1.0).argmax(axis=1)]
+            largest_nodes[pending] = nodes[np.where(is_beyond, stress[nodes], -1.0).argmax(axis=1)]
         pending, upper = pending[~has_node], lower
         if not len(pending):
             break
-    return stress[chosen], chosen
+    return stress[largest_nodes], largest_nodes
 
 
 def find_plateau(stress_by_distance: Array, first_index: int) -> int:
@@ -131,9 +131,9 @@ def find_plateau(stress_by_distance: Array, first_index: int) -> int:
 
 def relative_drop(stress_by_distance: Array, index: int) -> float:
     """Compute the relative drop of the largest stress from a distance to twice that; 1 if no node is left."""
-    beyond = (
+    stress_beyond = (
         stress_by_distance[index + DISTANCES_PER_OCTAVE]
         if index + DISTANCES_PER_OCTAVE < len(stress_by_distance)
         else 0.0
     )
-    return float(1.0 - beyond / stress_by_distance[index]) if stress_by_distance[index] > 0.0 else 0.0
+    return float(1.0 - stress_beyond / stress_by_distance[index]) if stress_by_distance[index] > 0.0 else 0.0

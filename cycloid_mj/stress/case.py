@@ -95,14 +95,14 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
     """Distribute the contact forces on the section over the heights of each disc on a solid, sparse (n, k) [N]."""
     discs = np.array([disc_of(label) for label in loads.labels])
-    lifted = [
+    disc_loads = [
         lift
         @ distribute_contacts(
             section.grid, loads if len(section.lifts) == 1 else of_contacts(loads, discs == disc)
         ).loads
         for disc, lift in enumerate(section.lifts)
     ]
-    return sum(lifted[1:], lifted[0]).tocsc()
+    return sum(disc_loads[1:], disc_loads[0]).tocsc()
 
 
 def mass_coefficients(loads: PartLoads) -> Array:

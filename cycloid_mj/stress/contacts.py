@@ -190,8 +190,8 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
     """
     length, modulus = reducer.design.gear.face_width, reducer.contacts[kind].modulus
     conformal = 4.0 * force / (np.pi * length * modulus * (MAX_HALF_ANGLE * radius) ** 2)
-    bounded = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
-    return hertz_line_contact(force, length, bounded, modulus).half_width
+    bounded_curvature = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
+    return hertz_line_contact(force, length, bounded_curvature, modulus).half_width
 
 
 def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
@@ -291,11 +291,11 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
     contacts = []
     for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
         name = numbered_name(OUTPUT_PIN, number)
-        action = _in(frame, _on_gear(turn, name, disc).reaction())
-        widest = np.full_like(action.size, MAX_HALF_ANGLE * output.root_radius)
-        width = widest if output.rollers else _round_width(turn, "output", action)
-        position = action.on_disc(centre, output.root_radius, width)
-        contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, position, width))
+        contact_force = _in(frame, _on_gear(turn, name, disc).reaction())
+        widest = np.full_like(contact_force.size, MAX_HALF_ANGLE * output.root_radius)
+        width = widest if output.rollers else _round_width(turn, "output", contact_force)
+        position = contact_force.on_disc(centre, output.root_radius, width)
+        contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", contact_force, position, width))
     return contacts
 
 
@@ -304,11 +304,11 @@ def _shaft_contacts(turn: Turn) -> list[PartContact]:
     gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
-        action = _in(frame, _on_gear(turn, CAM, disc).reaction())
-        width = _round_width(turn, "cam", action)
+        contact_force = _in(frame, _on_gear(turn, CAM, disc).reaction())
+        width = _round_width(turn, "cam", contact_force)
         centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
-        position = action.on_disc(centre, gear.bore_radius, width)
-        contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", action, position, width))
+        position = contact_force.on_disc(centre, gear.bore_radius, width)
+        contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", contact_force, position, width))
     return contacts
 
 
@@ -317,17 +317,17 @@ def _pin_contacts(turn: Turn) -> list[PartContact]:
     gear, frame, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
     contacts, sockets = [], []
     for disc, name in enumerate(turn.reducer.gears):
-        action = _in(frame, _on_gear(turn, "pin_1", disc).reaction())
+        contact_force = _in(frame, _on_gear(turn, "pin_1", disc).reaction())
         curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
-        width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
-        position = action.on_disc(centre, gear.pin_radius, width)
-        contacts.append(_contact(turn, name, "pin_gear", action, position, width, curvature))
+        width = half_width(turn.reducer, "pin_gear", contact_force.size, curvature, gear.pin_radius)
+        position = contact_force.on_disc(centre, gear.pin_radius, width)
+        contacts.append(_contact(turn, name, "pin_gear", contact_force, position, width, curvature))
         sockets.append(_in(frame, _socket_force(turn, 0, disc)))
-    for disc, action in enumerate(sockets[:1] if _has_free_pins(turn) else sockets):
-        width = _round_width(turn, "pin_socket", action)
+    for disc, contact_force in enumerate(sockets[:1] if _has_free_pins(turn) else sockets):
+        width = _round_width(turn, "pin_socket", contact_force)
         name = SOCKET if _has_free_pins(turn) else _pair_name(turn, SOCKET, disc)
-        position = action.on_disc(centre, gear.pin_radius, width)
-        contacts.append(_contact(turn, name, "pin_socket", action, position, width))
+        position = contact_force.on_disc(centre, gear.pin_radius, width)
+        contacts.append(_contact(turn, name, "pin_socket", contact_force, position, width))
     return contacts
 
 
@@ -343,8 +343,8 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
     contacts = []
     for lobe in range(gear.ring_teeth):
         name = numbered_name(LOBE, lobe + 1)
-        action = _on_gear(turn, name, disc)
-        tooth_action = _in(tooth_frame, action)
+        contact_force = _on_gear(turn, name, disc)
+        tooth_action = _in(tooth_frame, contact_force)
         position, curvature = lobe_contact_point(
             flank,
             tooth_action.foot,
@@ -356,23 +356,23 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
         )
         position = rotate_vectors(position, tooth_frame.angle - frame.angle)
         if part == "ring":
-            position, action = position + tooth_frame.origin, action.reaction()
-        width = half_width(reducer, "tooth", action.size, curvature, gear.pin_radius)
+            position, contact_force = position + tooth_frame.origin, contact_force.reaction()
+        width = half_width(reducer, "tooth", contact_force.size, curvature, gear.pin_radius)
         name = _pair_name(turn, name, disc)
-        contacts.append(_contact(turn, name, "tooth", _in(frame, action), position, width, curvature))
+        contacts.append(_contact(turn, name, "tooth", _in(frame, contact_force), position, width, curvature))
     return contacts
 
 
 def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
     """Return the contact of a ring pin with a disc, on the disc, in its frame; `pin` and `disc` are indices from 0."""
     gear, frame, name = turn.reducer.gear_profile, _disc(turn, disc), numbered_name(PIN, pin + 1)
-    action = _in(frame, _on_gear(turn, name, disc))
-    position = action.on_hole(
+    contact_force = _in(frame, _on_gear(turn, name, disc))
+    position = contact_force.on_hole(
         frame.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin]
     )
     curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
-    width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
-    return _contact(turn, _pair_name(turn, name, disc), "pin_gear", action, position, width, curvature)
+    width = half_width(turn.reducer, "pin_gear", contact_force.size, curvature, gear.pin_radius)
+    return _contact(turn, _pair_name(turn, name, disc), "pin_gear", contact_force, position, width, curvature)
 
 
 def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
@@ -381,13 +381,13 @@ def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
     The force of a closed socket where the ring has no wall is left out: its end plates carry it.
     """
     ring = turn.reducer.design.ring
-    action = _socket_force(turn, pin, disc).reaction()
+    contact_force = _socket_force(turn, pin, disc).reaction()
     centre = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
-    radius = np.linalg.norm(action.on_hole(centre, _round_radii(turn, "pin_socket")[1]), axis=-1)
-    action = action.where(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
+    radius = np.linalg.norm(contact_force.on_hole(centre, _round_radii(turn, "pin_socket")[1]), axis=-1)
+    contact_force = contact_force.where(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
     name = numbered_name(SOCKET, pin + 1)
     return _hole_contact(
-        turn, name if _has_free_pins(turn) else _pair_name(turn, name, disc), "pin_socket", action, centre
+        turn, name if _has_free_pins(turn) else _pair_name(turn, name, disc), "pin_socket", contact_force, centre
     )
 
 

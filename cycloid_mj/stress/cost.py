@@ -70,18 +70,18 @@ def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
     rates = COST.shaft if grid.part == "shaft" else COST.plane if grid.dimension == 2 else COST.space
     finer = grid.unknowns * settings.finer(grid) ** rates.growth
     grids = [grid.unknowns, finer, *([grid.unknowns] if grid.part in SUPPORTS else [])]
-    solved = grid.unknowns * settings.angles + finer * settings.checked
-    seconds = rates.factor * sum(unknowns**rates.exponent for unknowns in grids) + rates.per_angle * solved
+    solved_unknowns = grid.unknowns * settings.angles + finer * settings.checked
+    seconds = rates.factor * sum(unknowns**rates.exponent for unknowns in grids) + rates.per_angle * solved_unknowns
     return Cost(seconds, COST.base_memory + rates.memory * finer, COST.retained_per_unknown * grid.unknowns)
 
 
 def add_costs(costs: Iterable[Cost]) -> Cost:
     """Add the times of parts that are studied in turn, and find the peak of memory."""
-    seconds, memory, retained = 0.0, COST.base_memory, 0.0
+    seconds, memory, retained_memory = 0.0, COST.base_memory, 0.0
     for cost in costs:
-        seconds, memory, retained = (
+        seconds, memory, retained_memory = (
             seconds + cost.seconds,
-            max(memory, retained + cost.memory),
-            retained + cost.retained,
+            max(memory, retained_memory + cost.memory),
+            retained_memory + cost.retained,
         )
-    return Cost(seconds, memory, retained)
+    return Cost(seconds, memory, retained_memory)

@@ -84,10 +84,10 @@ def assemble_body(
     free = np.setdiff1d(np.arange(grid.unknowns), fixed)
     assembler = _Assembler(grid)
     mass = _mass(grid, material.density, assembler)
-    hold, lower = _split(assemble_stiffness(grid, material, assembler), springs, fixed, free)
+    factorised_system, lower = _split(assemble_stiffness(grid, material, assembler), springs, fixed, free)
     del assembler  # some hundred bytes an unknown, which the factor needs
     return ElasticBody(
-        hold=hold,
+        hold=factorised_system,
         fixed=fixed,
         free=free,
         motions=motions,
@@ -118,10 +118,10 @@ def solve_accelerations(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
     Also returns the imbalance (c, r) of `balance_loads`.
     """
     imbalance = np.zeros((loads.shape[1], part.motions.shape[1]))
-    loose = list(part.loose)
-    motions = part.motions[:, loose]
+    loose_motions = list(part.loose)
+    motions = part.motions[:, loose_motions]
     resultant = loads.T @ motions
-    imbalance[:, loose] = resultant
+    imbalance[:, loose_motions] = resultant
     return np.linalg.solve(motions.T @ part.carried, resultant.T), imbalance
 
 
@@ -266,13 +266,13 @@ def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
     """
     remaining = motions[:, list(loose)]
     remaining = remaining / np.abs(remaining).max(axis=0, initial=np.finfo(float).tiny)
-    chosen = []
+    chosen_unknowns = []
     for _ in loose:
         unknown = int(np.argmax(np.linalg.norm(remaining, axis=1)))
-        chosen.append(unknown)
+        chosen_unknowns.append(unknown)
         direction = remaining[unknown] / np.linalg.norm(remaining[unknown])
         remaining = remaining - np.outer(remaining @ direction, direction)
-    return np.array(chosen, np.int64)
+    return np.array(chosen_unknowns, np.int64)
 
 
 def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> None:
@@ -292,10 +292,10 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
             f"the finite-element mesh of the {grid.part} consists of {pieces} separate pieces, but it must be in one "
             "piece: check the outline of this part with `cycloid-mj export`"
         )
-    scaled = motions / np.linalg.norm(motions, axis=0)
-    support_matrix = scaled[fixed].T @ scaled[fixed]
+    scaled_motions = motions / np.linalg.norm(motions, axis=0)
+    support_matrix = scaled_motions[fixed].T @ scaled_motions[fixed]
     if springs is not None:
-        stiff = scaled.T @ (springs @ scaled)
+        stiff = scaled_motions.T @ (springs @ scaled_motions)
         support_matrix = support_matrix + stiff / max(float(np.abs(stiff).max()), np.finfo(float).tiny)
     values = np.linalg.eigvalsh(support_matrix) if len(support_matrix) else np.zeros(1)
     if not values[0] > 1e-12 * max(values[-1], np.finfo(float).tiny):

@@ -62,10 +62,10 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     output_levels = _levels(face, face + disc_thickness, settings.layer_edge * length / settings.refinement)
     second_levels = -output_levels[::-1] if design.output.support == "both_ends" else np.zeros(0)
     levels = np.concatenate([second_levels, stack, output_levels])
-    filled = np.ones((len(levels) - 1, len(section.cells)), bool)
+    is_filled = np.ones((len(levels) - 1, len(section.cells)), bool)
     pin_layers = slice(max(len(second_levels) - 1, 0), len(second_levels) + len(stack))
-    filled[pin_layers] = _within_pins(reducer, section)
-    grid = extrude_section(section, levels, filled, _layers_of(discs, len(second_levels)))
+    is_filled[pin_layers] = _within_pins(reducer, section)
+    grid = extrude_section(section, levels, is_filled, _layers_of(discs, len(second_levels)))
     # the bulk excludes the roots of the pins and the rims of the hub
     distance = 0.5 * design.output.root_radius
     corners = [_output_corners(reducer, face, output_levels[-1], distance / 4)]
@@ -79,26 +79,26 @@ def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
     return [slice(int(start), int(end)) for start, end in pairwise(ends)]
 
 
-def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]) -> Grid:
+def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices: Sequence[slice]) -> Grid:
     """Extrude a planar grid of m triangles along z into quadratic tetrahedra.
 
     Parameters
     ----------
     section, levels
         The planar grid, and the faces of the l layers along z [m], (l + 1,), increasing.
-    filled
+    is_filled
         Whether each layer has each triangle of the section, (l, m).
-    loaded
+    loaded_slices
         Slices of `levels` over which the contact forces of each disc are distributed, in proportion to the layer
         heights.
     """
     corner = np.full((len(levels), section.mesh.nvertices), -1, np.int64)
-    for layer, cells in enumerate(filled):
+    for layer, cells in enumerate(is_filled):
         corner[layer : layer + 2, np.unique(section.mesh.t[:, cells])] = 0
     corner[corner == 0] = np.arange(np.count_nonzero(corner == 0))
     level, vertex = np.nonzero(corner >= 0)
     points = np.column_stack([section.points[vertex], levels[level]])
-    tetrahedra, ends, nodes, heights = _divide_prisms(section, filled, corner)
+    tetrahedra, ends, nodes, heights = _divide_prisms(section, is_filled, corner)
     node, height = np.concatenate(nodes), np.concatenate(heights)
     z = _with_middles(levels)
     middles = np.column_stack([section.points[node], z[height]])
@@ -109,7 +109,7 @@ def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence
     node_index[::2, : section.mesh.nvertices][level, vertex] = vertices
     node_index[height, node] = grid
     fixed_nodes = node_index[:, section.fixed_nodes]
-    pressed = [node_index[2 * part.start : 2 * part.stop - 1] for part in loaded]
+    pressed_nodes = [node_index[2 * part.start : 2 * part.stop - 1] for part in loaded_slices]
     unknowns = 3 * len(mesh.doflocs.T)
     return Grid(
         part=section.part,
@@ -121,16 +121,16 @@ def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence
         keep_off=np.zeros((0, 3)),
         section=SectionGrid(
             section,
-            np.concatenate(pressed),
+            np.concatenate(pressed_nodes),
             tuple(
                 _distribution_matrix(nodes, _simpson(levels[part]), unknowns)
-                for nodes, part in zip(pressed, loaded, strict=True)
+                for nodes, part in zip(pressed_nodes, loaded_slices, strict=True)
             ),
         ),
     )
 
 
-def _divide_prisms(section: Grid, filled: Mask, corner: Integers) -> tuple[list[Array], ...]:
+def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[list[Array], ...]:
     """Divide the prisms of each layer into tetrahedra.
 
     `corner` is the index of the vertex at each level and vertex of the section, (l + 1, v). Returns lists of arrays:
@@ -138,7 +138,7 @@ def _divide_prisms(section: Grid, filled: Mask, corner: Integers) -> tuple[list[
     """
     local = np.argsort(section.mesh.t.T, axis=1)
     tetrahedra, ends, nodes, heights = [], [], [], []
-    for layer, cells in enumerate(filled):
+    for layer, cells in enumerate(is_filled):
         rows = np.flatnonzero(cells)
         for corners in _TETRAHEDRA:
             orders = [local[rows, rank] for rank, _ in corners]

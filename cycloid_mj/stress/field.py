@@ -211,13 +211,13 @@ def _collect_maxima(
     maxima: list[tuple[Array, ...]] = []
     counter = count()
     for response in responses:
-        stress, chosen = components(response.moved), []
+        stress, chosen_nodes = components(response.moved), []
         for state, stress_size in zip(
             np.moveaxis(stress, -1, 0), np.ascontiguousarray(von_mises(stress).T), strict=True
         ):
             on_state(index := next(counter), state)
-            chosen.append(largest_beyond(distances, search_steps, index, stress_size))
-        largest_stresses, nodes = map(np.array, zip(*chosen, strict=True))
+            chosen_nodes.append(largest_beyond(distances, search_steps, index, stress_size))
+        largest_stresses, nodes = map(np.array, zip(*chosen_nodes, strict=True))
         maxima.append((largest_stresses, nodes, response.reaction, response.imbalance, response.moments))
     largest_stresses, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))
     plateau_index = find_plateau(largest_stresses.max(axis=0), DISTANCES_PER_OCTAVE) if distance is None else 0
@@ -288,15 +288,15 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
 def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) -> StressMap:
     """Compute the fields at the crank angle of an index; see ``stress_map``."""
     grid = part.grid
-    moved = part.case.response(np.array([index])).moved
-    stress = part.components(moved)[..., 0]
+    node_displacements = part.case.response(np.array([index])).moved
+    stress = part.components(node_displacements)[..., 0]
     distances = part.distances.from_patches(index, np.arange(len(grid.points)))
     return StressMap(
         part=grid.part,
         angle=float(part.loads.angle[index]),
         points=grid.points,
         cells=grid.cells,
-        displacement=moved.reshape(-1, grid.dimension),
+        displacement=node_displacements.reshape(-1, grid.dimension),
         stress=stress.T,
         von_mises=von_mises(stress),
         principal=principal(stress),

@@ -89,9 +89,9 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
         The run failed, a part does not mesh, a package of the extra ``fem`` is missing, or the mounts do not fit the
         design.
     """
-    smooth = reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
-    ran, run = _run_of(smooth)
-    return compute_part_compliance(run, ran, mounts=mounts)
+    frictionless_reducer = reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
+    simulated_reducer, run = _run_of(frictionless_reducer)
+    return compute_part_compliance(run, simulated_reducer, mounts=mounts)
 
 
 def study_quantities(findings: StressFindings) -> Mapping[str, Quantity]:

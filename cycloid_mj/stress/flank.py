@@ -24,9 +24,9 @@ def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
         arcs, roots = envelope.arc_contacts(gear, float(theta)), envelope.sigma_contacts(gear, float(theta))
         t[row, arcs.lobe, 0], curvature[row, arcs.lobe, 0] = arcs.t, arcs.relative_curvature
         phase = roots.B
-        beyond = phase > np.pi
-        lobe = np.mod(roots.lobe - beyond, count)
-        t[row, lobe, 1 + beyond], curvature[row, lobe, 1 + beyond] = roots.t, roots.relative_curvature
+        is_past_lobe = phase > np.pi
+        lobe = np.mod(roots.lobe - is_past_lobe, count)
+        t[row, lobe, 1 + is_past_lobe], curvature[row, lobe, 1 + is_past_lobe] = roots.t, roots.relative_curvature
     return t, curvature
 
 
@@ -61,8 +61,8 @@ def lobe_contact_point(
     distances = np.abs(_miss(gear, start_values, foot[:, np.newaxis], direction[:, np.newaxis], offset))
     faces_force = np.sum(profile.normals(gear, start_values) * direction[:, np.newaxis], axis=-1) < 0.0
     distances = np.where(faces_force & np.isfinite(distances), distances, np.inf)
-    rows, chosen = np.arange(len(start_values)), np.argmin(distances, axis=1)
-    start = np.where(np.isfinite(distances[rows, chosen]), start_values[rows, chosen], np.nan)
+    rows, nearest = np.arange(len(start_values)), np.argmin(distances, axis=1)
+    start = np.where(np.isfinite(distances[rows, nearest]), start_values[rows, nearest], np.nan)
     t = start
     half_lobe = math.pi / gear.lobes
     for _ in range(30):
@@ -70,7 +70,7 @@ def lobe_contact_point(
         slope = cross(tangent, direction)
         step = np.divide(_miss(gear, t, foot, direction, offset), slope, out=np.zeros_like(t), where=slope != 0.0)
         t = np.clip(t - step, start - half_lobe, start + half_lobe)
-    return profile.outline(gear, t, offset), curvature[rows, chosen]
+    return profile.outline(gear, t, offset), curvature[rows, nearest]
 
 
 def _miss(gear: CycloidGear, t: Array, foot: Array, along: Array, offset: float) -> Array:

@@ -199,16 +199,16 @@ def _mesh_region(region: Region, settings: GridSettings, length: float, short_ed
     loop_nodes = [start + np.arange(len(loop.nodes)) for start, loop in zip(first_nodes, loops, strict=False)]
     ends = np.concatenate([np.column_stack([ring, np.roll(ring, -1)]) for ring in loop_nodes])
     middles = np.concatenate([loop.middles for loop in loops])
-    mesh, vertex, middle = quadratic_mesh(points, triangles, ends, middles, region.part, section)
-    tables = [np.column_stack([vertex[ring], middle[ring], vertex[np.roll(ring, -1)]]) for ring in loop_nodes]
+    mesh, vertex, edge_middles = quadratic_mesh(points, triangles, ends, middles, region.part, section)
+    tables = [np.column_stack([vertex[ring], edge_middles[ring], vertex[np.roll(ring, -1)]]) for ring in loop_nodes]
     pairs = list(zip(region.boundaries, tables, strict=True))
-    clamped = [table[:, :2].ravel() for boundary, table in pairs if boundary.is_fixed]
+    clamped_nodes = [table[:, :2].ravel() for boundary, table in pairs if boundary.is_fixed]
     return Grid(
         part=region.part,
         mesh=mesh,
         thickness=region.thickness,
         loops=tuple(table for boundary, table in pairs if boundary.touched),
-        fixed_nodes=np.unique(np.concatenate([np.zeros(0, np.int64), *clamped])),
+        fixed_nodes=np.unique(np.concatenate([np.zeros(0, np.int64), *clamped_nodes])),
         bulk_distance=settings.bulk_distance * length,
         keep_off=np.zeros((0, 2)),
     )
@@ -266,9 +266,9 @@ def quadratic_mesh(
         )
     mesh.doflocs[:, nodes] = middles.T
     determinants = mapping_of(mesh).detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
-    folded = np.any(determinants * np.sign(determinants[:, :1]) <= 0.0, axis=1)
-    if folded.any():
-        raise FoldedError(part, points[cells[folded]])
+    is_folded = np.any(determinants * np.sign(determinants[:, :1]) <= 0.0, axis=1)
+    if is_folded.any():
+        raise FoldedError(part, points[cells[is_folded]])
     return mesh, new_numbers, nodes
 
 
@@ -318,7 +318,7 @@ def _triangulate(
                 geo.addPoint(x, y, 0.0, size)
                 for (x, y), size in zip(loop.nodes * MILLIMETRES, loop.sizes * MILLIMETRES, strict=True)
             ]
-            lines = [geo.addLine(a, b) for a, b in zip(tags, [*tags[1:], tags[0]], strict=True)]
+            lines = [geo.addLine(start, end) for start, end in zip(tags, [*tags[1:], tags[0]], strict=True)]
             for line in lines:
                 geo.mesh.setTransfiniteCurve(line, 2)
             curves.append(geo.addCurveLoop(lines))

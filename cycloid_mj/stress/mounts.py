@@ -159,14 +159,14 @@ def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, f
     design, width = reducer.design, reducer.design.gear.face_width
     # along the pin: seat, gap, disc, gap, seat; supported, and loaded
     lengths = np.repeat(np.array([studs.far_seat, AXIAL_GAP, width, AXIAL_GAP, studs.near_seat]) / SLICES, SLICES)
-    supported, loaded = (np.repeat(mask, SLICES) * lengths for mask in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
+    support_lengths, load_lengths = (np.repeat(mask, SLICES) * lengths for mask in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
     nodes = lengths.size + 1
     stiffness = np.zeros((2 * nodes, 2 * nodes))
     for position, length in enumerate(lengths):
         rows = slice(2 * position, 2 * position + 4)
         stiffness[rows, rows] += _beam_element(reducer, length)
     modulus = design.material_of("housing").youngs_modulus
-    spring, load = (_to_nodes(item) for item in (modulus * supported, loaded / width))
+    spring, load = (_to_nodes(item) for item in (modulus * support_lengths, load_lengths / width))
     stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += spring
     far_spring = np.where(np.arange(nodes) <= SLICES, spring, 0.0)
     loads = np.stack([_displacement_loads(load), _displacement_loads(far_spring)], axis=1)

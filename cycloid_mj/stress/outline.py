@@ -45,20 +45,24 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
     edge_length = _limit_growth(_target_edges(points, radius, sizing), arc, sizing.growth)
-    closed = np.append(edge_length, edge_length[0])
-    edge_count = np.concatenate([[0.0], np.cumsum((1 / closed[1:] + 1 / closed[:-1]) / 2 * np.diff(arc))])
+    closed_lengths = np.append(edge_length, edge_length[0])
+    edge_count = np.concatenate(
+        [[0.0], np.cumsum((1 / closed_lengths[1:] + 1 / closed_lengths[:-1]) / 2 * np.diff(arc))]
+    )
     ends = np.flatnonzero(corner) if corner.any() else np.array([0])
     stretches = zip(
         edge_count[ends], np.append(edge_count[ends[1:]], edge_count[ends[0]] + edge_count[-1]), strict=True
     )
     min_edges = max(1, math.ceil(12 / len(ends)))
-    node_counts = np.concatenate([np.linspace(a, b, max(min_edges, math.ceil(b - a)) + 1)[:-1] for a, b in stretches])
+    node_counts = np.concatenate(
+        [np.linspace(start, end, max(min_edges, math.ceil(end - start)) + 1)[:-1] for start, end in stretches]
+    )
     node_arcs = np.interp(np.append(node_counts, node_counts[0] + edge_count[-1]) % edge_count[-1], edge_count, arc)
     following = np.where(node_arcs[1:] > node_arcs[:-1], node_arcs[1:], node_arcs[1:] + arc[-1])
     return QuadraticOutline(
         nodes=_along(points, arc, node_arcs[:-1]),
         middles=_along(points, arc, (node_arcs[:-1] + following) / 2 % arc[-1]),
-        sizes=np.interp(node_arcs[:-1], arc, closed),
+        sizes=np.interp(node_arcs[:-1], arc, closed_lengths),
     )
 
 
@@ -78,24 +82,24 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
     points, corner, radius
         Points (n, 2) [m], whether each is a corner, and the radius of curvature [m] there, inf at corners.
     """
-    before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
-    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    turn = np.abs(np.arctan2(cross, np.sum(before * after, axis=1)))
-    length = (np.linalg.norm(before, axis=1) + np.linalg.norm(after, axis=1)) / 2
+    edge_before, edge_after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
+    cross = edge_before[:, 0] * edge_after[:, 1] - edge_before[:, 1] * edge_after[:, 0]
+    turn = np.abs(np.arctan2(cross, np.sum(edge_before * edge_after, axis=1)))
+    length = (np.linalg.norm(edge_before, axis=1) + np.linalg.norm(edge_after, axis=1)) / 2
     corner = turn > 0.15  # rad
     radius = np.where(corner, np.inf, length / np.maximum(turn, 1e-300))
     points = polygon
     while True:
         following = np.roll(points, -1, axis=0)
-        beyond = np.minimum(radius, np.roll(radius, -1))
-        middle = (points + following) / 2
-        coarse = np.linalg.norm(following - points, axis=1) > _target_edges(middle, beyond, sizing) / 2
+        edge_radius = np.minimum(radius, np.roll(radius, -1))
+        midpoints = (points + following) / 2
+        coarse = np.linalg.norm(following - points, axis=1) > _target_edges(midpoints, edge_radius, sizing) / 2
         if not coarse.any():
             return points, corner, radius
         position = np.flatnonzero(coarse) + 1
-        points = np.insert(points, position, middle[coarse], axis=0)
+        points = np.insert(points, position, midpoints[coarse], axis=0)
         corner = np.insert(corner, position, False)
-        radius = np.insert(radius, position, beyond[coarse])
+        radius = np.insert(radius, position, edge_radius[coarse])
 
 
 def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
@@ -103,9 +107,9 @@ def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
 
     `arc` is the arc length at each point, then of the whole outline, (n + 1,) [m]; `growth` is per length [1].
     """
-    doubled, doubled_arc = np.tile(edge_length, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
-    from_before = np.minimum.accumulate(doubled - growth * doubled_arc) + growth * doubled_arc
-    from_after = np.minimum.accumulate((doubled + growth * doubled_arc)[::-1])[::-1] - growth * doubled_arc
+    repeated_lengths, repeated_arc = np.tile(edge_length, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
+    from_before = np.minimum.accumulate(repeated_lengths - growth * repeated_arc) + growth * repeated_arc
+    from_after = np.minimum.accumulate((repeated_lengths + growth * repeated_arc)[::-1])[::-1] - growth * repeated_arc
     return np.minimum(from_before[len(edge_length) :], from_after[: len(edge_length)])
 
 

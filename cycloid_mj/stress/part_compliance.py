@@ -52,8 +52,8 @@ def compute_part_compliance(
     for part in part_names(reducer):
         loads = part_loads(run, reducer, part, crank)
         if part == "shaft" and mounts.crank:
-            squared = np.mean(np.sum(np.sum(loads.force, axis=1) ** 2, axis=1))
-            compliance["crank"] = crank_compliance(reducer, mounts.crank) * float(squared) / torque**2
+            mean_square_force = np.mean(np.sum(np.sum(loads.force, axis=1) ** 2, axis=1))
+            compliance["crank"] = crank_compliance(reducer, mounts.crank) * float(mean_square_force) / torque**2
             continue
         if part == "output" and mounts.studs:
             compliance |= studs_compliance(reducer, mounts.studs, loads)
@@ -80,5 +80,5 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     planes = np.array(reducer.design.gear.disc_planes)
     on_near = (planes - far_seat) / (near_seat - far_seat)
     compliance = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - begin)) for begin, end in seats]
-    carried = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - on_near, on_near)]
-    return np.asarray(sum(item * np.sum(force**2, axis=1) for item, force in zip(compliance, carried, strict=True)))
+    seat_forces = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - on_near, on_near)]
+    return np.asarray(sum(item * np.sum(force**2, axis=1) for item, force in zip(compliance, seat_forces, strict=True)))

@@ -68,10 +68,10 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
     active = np.isfinite(loads.position).all(axis=2) & (magnitude > 1e-12 * np.nanmax(magnitude, initial=0.0))
     rows, columns, values, angle, points = [], [], [], [], []
     for contact, name in enumerate(loads.labels):
-        acting = np.flatnonzero(active[:, contact])
-        if not len(acting):
+        active_angles = np.flatnonzero(active[:, contact])
+        if not len(active_angles):
             continue
-        query: Any = tree.query(loads.position[acting, contact])
+        query: Any = tree.query(loads.position[active_angles, contact])
         distance, nearest = query
         if distance.max() > grid.bulk_distance:
             raise CycloidError(
@@ -79,19 +79,23 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
                 "belong to another design: use the loads of this design"
             )
         edge = tree_edge[nearest]
-        centre = _nearest_arc(edges, edge, tree_xi[nearest], loads.position[acting, contact])
+        centre = _nearest_arc(edges, edge, tree_xi[nearest], loads.position[active_angles, contact])
         # a nearly conformal patch covers at most half of the outline
-        half_width = np.minimum(loads.half_width[acting, contact], 0.25 * edges.length_of_loop[edge])
-        nodes, forces = _distribute_pressure(edges, edge, centre, half_width, loads.force[acting, contact])
+        half_width = np.minimum(loads.half_width[active_angles, contact], 0.25 * edges.length_of_loop[edge])
+        nodes, forces = _distribute_pressure(edges, edge, centre, half_width, loads.force[active_angles, contact])
         rows.append(2 * nodes[..., np.newaxis] + np.arange(2))
-        columns.append(np.broadcast_to(acting[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
+        columns.append(np.broadcast_to(active_angles[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
         values.append(forces)
-        narrow = loads.narrow[acting, contact]
-        angle.append(acting[narrow])
-        points.append(loads.position[acting, contact][narrow])
-    flat = [np.concatenate([part.ravel() for part in parts] or [np.zeros(0)]) for parts in (values, rows, columns)]
+        is_narrow = loads.narrow[active_angles, contact]
+        angle.append(active_angles[is_narrow])
+        points.append(loads.position[active_angles, contact][is_narrow])
+    flat_arrays = [
+        np.concatenate([part.ravel() for part in parts] or [np.zeros(0)]) for parts in (values, rows, columns)
+    ]
     shape = (grid.unknowns, len(loads.angle))
-    matrix = sparse.csc_matrix((flat[0], (flat[1].astype(np.int64), flat[2].astype(np.int64))), shape=shape)
+    matrix = sparse.csc_matrix(
+        (flat_arrays[0], (flat_arrays[1].astype(np.int64), flat_arrays[2].astype(np.int64))), shape=shape
+    )
     return Patches(
         loads=matrix,
         angle=np.concatenate([np.zeros(0, np.int64), *angle]),
@@ -121,16 +125,16 @@ def _distribute_pressure(
     count = 8 + 4 * int(np.ceil(half_width.max() / finest))
     node = np.arange(1, count + 1) * np.pi / (count + 1)
     weight = 2 / (count + 1) * np.sin(node) ** 2
-    first, total = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
-    arc = first + np.mod(centre[:, np.newaxis] + half_width[:, np.newaxis] * np.cos(node) - first, total)
+    first_node, total = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
+    arc = first_node + np.mod(centre[:, np.newaxis] + half_width[:, np.newaxis] * np.cos(node) - first_node, total)
     edge_at_arc = np.searchsorted(edges.start, arc, side="right") - 1
     xi = (arc - edges.start[edge_at_arc]) / edges.length[edge_at_arc]
     shape, slope = _shape(xi), _slope(xi)
     tangent = _complex(np.einsum("aqi,aqix->aqx", slope, edges.positions[edge_at_arc]))
     centre_tangent = _unit_tangent(edges, edge, centre)
-    turned = tangent / np.abs(tangent) * np.conj(centre_tangent)[:, np.newaxis]
-    resultant = turned @ weight
-    pressure = weight * turned * (_complex(force) / resultant)[:, np.newaxis]
+    relative_direction = tangent / np.abs(tangent) * np.conj(centre_tangent)[:, np.newaxis]
+    resultant = relative_direction @ weight
+    pressure = weight * relative_direction * (_complex(force) / resultant)[:, np.newaxis]
     vector = np.stack([pressure.real, pressure.imag], axis=-1)
     return edges.nodes[edge_at_arc], shape[..., np.newaxis] * vector[:, :, np.newaxis, :]
 

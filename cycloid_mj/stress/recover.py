@@ -54,9 +54,9 @@ def build_recovery(grid: Grid) -> Recovery:
     slopes = np.stack([shape[0].grad for shape in basis.basis]).transpose(2, 3, 1, 0)
     count = slopes.shape[1] * grid.dimension
     operators = []
-    for first in range(0, len(slopes), CHUNK_ELEMENTS):
-        chunk = slopes[first : first + CHUNK_ELEMENTS]
-        columns = np.repeat(grid.cells[first : first + CHUNK_ELEMENTS], count, axis=0)
+    for first_cell in range(0, len(slopes), CHUNK_ELEMENTS):
+        chunk = slopes[first_cell : first_cell + CHUNK_ELEMENTS]
+        columns = np.repeat(grid.cells[first_cell : first_cell + CHUNK_ELEMENTS], count, axis=0)
         starts = np.arange(0, columns.size + 1, columns.shape[1])
         shape = (len(columns), len(grid.points))
         operators.append(sparse.csr_matrix((chunk.ravel(), columns.ravel(), starts), shape=shape))
@@ -81,14 +81,14 @@ def _point_stresses(operators: Recovery, displacements: Array, material: Materia
     lame, shear = elastic.lame_parameters(material, dimension)
     pairs = PLANE if dimension == 2 else SPACE
     stress: Array = np.empty((len(operators.points), len(pairs), columns), precision)
-    first = 0
+    first_point = 0
     for operator in operators.slopes:
         gradient = (operator @ nodal).reshape(-1, dimension, dimension, columns)
-        target = stress[first : first + len(gradient)]
+        target = stress[first_point : first_point + len(gradient)]
         pressure = lame * sum(gradient[:, axis, axis] for axis in range(dimension))
         for component, (i, j) in enumerate(pairs):
             target[:, component] = shear * (gradient[:, i, j] + gradient[:, j, i]) + (pressure if i == j else 0.0)
-        first += len(gradient)
+        first_point += len(gradient)
     return stress
 
 
@@ -128,12 +128,12 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
     A vertex has the value of its own fitted polynomial, the middle of an edge the mean of those of its ends
     (Zienkiewicz and Zhu 1992).
     """
-    table, used = _points_around_vertices(grid, len(points))
+    table, is_used = _points_around_vertices(grid, len(points))
     scale = np.zeros(len(table))
     polynomials = []
-    for first in range(0, len(table), CHUNK_ELEMENTS):
-        chunk = slice(first, first + CHUNK_ELEMENTS)
-        rows, scale[chunk] = _fit_polynomials(points, grid.points[: len(table)][chunk], table[chunk], used[chunk])
+    for first_vertex in range(0, len(table), CHUNK_ELEMENTS):
+        chunk = slice(first_vertex, first_vertex + CHUNK_ELEMENTS)
+        rows, scale[chunk] = _fit_polynomials(points, grid.points[: len(table)][chunk], table[chunk], is_used[chunk])
         polynomials.append(rows)
     return (_evaluation_operator(grid, scale) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
 
@@ -188,8 +188,8 @@ def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
     cells = np.full((grid.mesh.nvertices, valence.max()), -1, np.int64)
     cells[corners.ravel()[order], slot] = order // corners.shape[1]
     table = (per_cell * cells[..., np.newaxis] + np.arange(per_cell)).reshape(len(cells), -1)
-    used = np.repeat(cells >= 0, per_cell, axis=1)
-    return np.where(used, table, 0), used
+    is_used = np.repeat(cells >= 0, per_cell, axis=1)
+    return np.where(is_used, table, 0), is_used
 
 
 def _terms(x: Array) -> Array:

@@ -93,8 +93,8 @@ def _bolt_circles(reducer: Reducer) -> tuple[Boundary, ...]:
         return ()
     turn = 2.0 * np.pi * np.arange(housing.bolts) / housing.bolts
     centres = design.bolt_circle_radius * np.stack([np.sin(turn), np.cos(turn)], axis=1)
-    clamped = circle(design.bolt_radius, CHORD_ERROR)
-    return tuple(Boundary(clamped + centre, "inset", is_fixed=True) for centre in centres)
+    clamped_circle = circle(design.bolt_radius, CHORD_ERROR)
+    return tuple(Boundary(clamped_circle + centre, "inset", is_fixed=True) for centre in centres)
 
 
 def _output_region(reducer: Reducer, rim: Array) -> Region:
@@ -107,5 +107,5 @@ def _output_region(reducer: Reducer, rim: Array) -> Region:
         )
     pin = circle(output.root_radius, CHORD_ERROR)
     pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(reducer))
-    clamped = Boundary(circle(hub, CHORD_ERROR), "hole", is_fixed=True)
-    return Region("output", (Boundary(rim, "outline"), clamped, *pins), output.disc_thickness)
+    hub_boundary = Boundary(circle(hub, CHORD_ERROR), "hole", is_fixed=True)
+    return Region("output", (Boundary(rim, "outline"), hub_boundary, *pins), output.disc_thickness)

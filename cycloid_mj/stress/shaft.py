@@ -88,7 +88,7 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     CycloidError
         The grid has no face in a bearing: it is too coarse.
     """
-    press, springs = [], []
+    pad_loads, springs = [], []
     for z0, z1 in shaft.bearings:
         face = select_surface(grid, partial(_on_seat, shaft, (z0, z1)))
         if not len(face.nodes):
@@ -103,16 +103,16 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
         strip = np.clip(((z - z0) / (z1 - z0) * MODEL.strips).astype(int), 0, MODEL.strips - 1)
         outward = face.points * np.array([1.0, 1.0, 0.0]) / np.hypot(x, y)[..., np.newaxis]  # no moment about the axis
         for pad in range(MODEL.sectors * MODEL.strips):
-            chosen = sector * MODEL.strips + strip == pad
-            area = float(face.area[chosen].sum())
+            is_in_pad = sector * MODEL.strips + strip == pad
+            area = float(face.area[is_in_pad].sum())
             if area > 0.0:
-                pad_load = traction_loads(face, outward * chosen[..., np.newaxis] / area)
-                press.append(sparse.csc_matrix(pad_load[:, np.newaxis]))
+                pad_load = traction_loads(face, outward * is_in_pad[..., np.newaxis] / area)
+                pad_loads.append(sparse.csc_matrix(pad_load[:, np.newaxis]))
                 springs.append(bed_stiffness * area)
-    return Pads(sparse.hstack(press).tocsc(), np.array(springs))
+    return Pads(sparse.hstack(pad_loads).tocsc(), np.array(springs))
 
 
-def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
+def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) -> Array:
     """Compute the outward forces (p,) [N] on open pads that cancel the tension of their springs (active-set method).
 
     The spring of an open pad, with mean inward displacement d, would pull with -k d, which the force k d cancels. d
@@ -124,7 +124,7 @@ def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
         The pads.
     compliance
         Displacement [m] of each pad under 1 N on each (p, p), with all springs.
-    pressed
+    loaded_displacements
         Displacement of the pads [m] (p,) under the loads, with all springs.
 
     Raises
@@ -132,19 +132,20 @@ def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
     CycloidError
         The active set does not converge: the bearings do not support the shaft.
     """
-    forces, displaced = np.zeros_like(pressed), pressed
-    is_open: Mask = np.zeros(len(pressed), bool)
+    forces, displacements = np.zeros_like(loaded_displacements), loaded_displacements
+    is_open: Mask = np.zeros(len(loaded_displacements), bool)
     for _ in range(60):  # about five are usual
-        in_tension = displaced < 0.0
+        in_tension = displacements < 0.0
         if np.array_equal(in_tension, is_open):
             return forces
         is_open = in_tension
         open_pads = np.flatnonzero(is_open)
-        forces = np.zeros_like(pressed)
+        forces = np.zeros_like(loaded_displacements)
         forces[open_pads] = np.linalg.solve(
-            np.diag(1.0 / pads.stiffness[open_pads]) - compliance[np.ix_(open_pads, open_pads)], pressed[open_pads]
+            np.diag(1.0 / pads.stiffness[open_pads]) - compliance[np.ix_(open_pads, open_pads)],
+            loaded_displacements[open_pads],
         )
-        displaced = pressed + compliance[:, open_pads] @ forces[open_pads]
+        displacements = loaded_displacements + compliance[:, open_pads] @ forces[open_pads]
     raise CycloidError(
         "the bearings cannot support the shaft under these loads: no distribution of bearing forces is in equilibrium. "
         "Check the positions of the bearings on the shaft (shaft.* in the design)"
@@ -183,19 +184,19 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
         weights = shares[:, angles]
         open_forces = np.column_stack(
             [
-                solve_open_pads(pads, compliance, pressed)
-                for pressed in (pads.press.T @ (unit_displacements @ weights)).T
+                solve_open_pads(pads, compliance, pad_displacements)
+                for pad_displacements in (pads.press.T @ (unit_displacements @ weights)).T
             ]
         )
-        applied, relief_forces = unit_loads @ weights, pads.press @ open_forces
-        displaced = unit_displacements @ weights + relief @ open_forces
-        pad_forces = relief_forces - pads.springs @ displaced
+        applied_forces, relief_forces = unit_loads @ weights, pads.press @ open_forces
+        displacements = unit_displacements @ weights + relief @ open_forces
+        pad_forces = relief_forces - pads.springs @ displacements
         return Response(
-            forces=applied + relief_forces,
-            moved=displaced,
+            forces=applied_forces + relief_forces,
+            moved=displacements,
             imbalance=weights.T @ imbalances,
             reaction=pad_forces.T @ part.motions,
-            moments=np.tensordot(applied + pad_forces, turns, (0, 0)),
+            moments=np.tensordot(applied_forces + pad_forces, turns, (0, 0)),
         )
 
     return LoadCase(part, solve_response, len(loads.angle), np.zeros(0, np.int64), np.zeros((0, 2)))
@@ -277,9 +278,9 @@ def section_moment_weights(points: Array, positions: Array) -> Array:
     positions
         z of the sections (s,) [m].
     """
-    before = points[:, 2, np.newaxis] < positions - 1e-6
+    is_before = points[:, 2, np.newaxis] < positions - 1e-6
     turns = [elastic.rigid_motions(points - (0.0, 0.0, height))[:, 3:] for height in positions]
-    return np.stack(turns, axis=1) * np.repeat(before, 3, axis=0)[..., np.newaxis]
+    return np.stack(turns, axis=1) * np.repeat(is_before, 3, axis=0)[..., np.newaxis]
 
 
 def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:

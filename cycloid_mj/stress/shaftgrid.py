@@ -47,8 +47,8 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
     solid = faces if shaft.straddles else faces[:-1]
     half_circles = [(z0, y <= 0), (z1, y <= 0)] if shaft.weighted else []
     rings = [
-        np.column_stack([x[keep], y[keep], np.full(keep.sum(), z)])
-        for z, keep in (*half_circles, *((z, y < np.inf) for z in solid))
+        np.column_stack([x[is_kept], y[is_kept], np.full(is_kept.sum(), z)])
+        for z, is_kept in (*half_circles, *((z, y < np.inf) for z in solid))
     ]
     if not shaft.weighted:
         return np.concatenate(rings)
@@ -64,20 +64,21 @@ def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
     """
     with open_mesher("shaft", edge) as gmsh:
         occ = gmsh.model.occ
-        middle = (0.0, 0.0)
-        journal = _cylinder(occ, middle, shaft.radius, shaft.end, shaft.cams[0][0])
+        axis = (0.0, 0.0)
+        journal = _cylinder(occ, axis, shaft.radius, shaft.end, shaft.cams[0][0])
         sections = []
         if shaft.weighted:
-            counterweight = _cylinder(occ, middle, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
+            counterweight = _cylinder(occ, axis, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
             occ.rotate([(3, counterweight)], 0, 0, 0, 0, 0, 1, np.pi)
             sections.append(counterweight)
         for centre, cam in zip(shaft.cam_centres.tolist(), shaft.cams, strict=True):
             sections.append(_cylinder(occ, centre, shaft.cam_radius, *cam))
         sections += [
-            _cylinder(occ, middle, shaft.radius, before[1], after[0]) for before, after in pairwise(shaft.cams)
+            _cylinder(occ, axis, shaft.radius, previous_cam[1], next_cam[0])
+            for previous_cam, next_cam in pairwise(shaft.cams)
         ]
         if shaft.straddles:
-            sections.append(_cylinder(occ, middle, shaft.radius, shaft.cams[-1][1], shaft.far_end))
+            sections.append(_cylinder(occ, axis, shaft.radius, shaft.cams[-1][1], shaft.far_end))
         solids, _ = occ.fuse([(3, journal)], [(3, section) for section in sections])
         occ.synchronize()
         if len(solids) != 1:

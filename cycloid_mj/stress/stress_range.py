@@ -50,11 +50,11 @@ def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distanc
     node has the largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
     """
     all_nodes = np.arange(len(part.grid.points))
-    beyond = [
+    candidate_nodes = [
         np.where(part.distances.from_patches(angle, all_nodes) < distance, np.nan, state)
         for angle, state in states.items()
     ]
-    amplitude, mean, candidates = worst_nodes(np.stack(beyond))
+    amplitude, mean, candidates = worst_nodes(np.stack(candidate_nodes))
     worst = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
     return StressRange(float(amplitude[worst]), float(mean[worst]), part.grid.points[candidates[worst]])
 
@@ -67,23 +67,29 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     """
     in_bulk = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
     bound = rank_by_range(states[:, :, in_bulk])
-    chosen = in_bulk[np.argsort(bound)[-1500:]]  # the others cannot be critical
-    histories = states[:, :, chosen].astype(np.float64)
-    largest_range, first, second = (np.zeros(len(chosen)), *(np.zeros(len(chosen), int) for _ in range(2)))
+    candidates = in_bulk[np.argsort(bound)[-1500:]]  # the others cannot be critical
+    histories = states[:, :, candidates].astype(np.float64)
+    largest_range, first_angle, second_angle = (
+        np.zeros(len(candidates)),
+        *(np.zeros(len(candidates), int) for _ in range(2)),
+    )
     for instant in range(len(histories)):
         distance = np.nan_to_num(von_mises(np.moveaxis(histories - histories[instant], 1, 0)), nan=-1.0)
         farthest = distance.argmax(axis=0)
-        farthest_range = distance[farthest, np.arange(len(chosen))]
+        farthest_range = distance[farthest, np.arange(len(candidates))]
         is_larger = farthest_range > largest_range
         largest_range = np.where(is_larger, farthest_range, largest_range)
-        first, second = np.where(is_larger, instant, first), np.where(is_larger, farthest, second)
-    positions = np.arange(len(chosen))
-    middle = 0.5 * (histories[first, :, positions] + histories[second, :, positions]).T
+        first_angle, second_angle = (
+            np.where(is_larger, instant, first_angle),
+            np.where(is_larger, farthest, second_angle),
+        )
+    positions = np.arange(len(candidates))
+    mean_stress = 0.5 * (histories[first_angle, :, positions] + histories[second_angle, :, positions]).T
     # a node with a single state, or whose stress is constant, has its mean state
     mean_state = np.nan_to_num(histories[0]) if len(histories) == 1 else np.nanmean(histories, axis=0)
-    middle = np.where(largest_range > 0.0, middle, mean_state)
-    trace = middle[: 2 if len(middle) == 3 else 3].sum(axis=0)
-    return 0.5 * largest_range, np.copysign(von_mises(middle), trace), chosen
+    mean_stress = np.where(largest_range > 0.0, mean_stress, mean_state)
+    trace = mean_stress[: 2 if len(mean_stress) == 3 else 3].sum(axis=0)
+    return 0.5 * largest_range, np.copysign(von_mises(mean_stress), trace), candidates
 
 
 def rank_by_range(states: Array) -> Array:

@@ -198,12 +198,12 @@ def stress_study(
     names = tuple(dict.fromkeys(parts)) or part_names(reducer)
     for part in names:
         require_part(reducer, part)
-    start, unordered = time.perf_counter(), []
+    start, results = time.perf_counter(), []
     for index, part in enumerate(in_order(names)):
         on_part(part, index, len(names))
-        unordered.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
+        results.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
     order = part_names(reducer)
-    studies = tuple(sorted(unordered, key=lambda study: order.index(study.findings.part)))
+    studies = tuple(sorted(results, key=lambda study: order.index(study.findings.part)))
     findings = StressFindings(
         design=design.name,
         ring=design.ring.kind,
@@ -297,14 +297,14 @@ def _solve_part(
 
 def select_angles(loads: PartLoads, requested: npt.ArrayLike) -> PartLoads:
     """Return the loads at some of their crank angles, given by their indices."""
-    chosen = np.asarray(requested)
+    requested_angles = np.asarray(requested)
     count = len(loads.angle)
-    selected: dict[str, Any] = {
-        field.name: getattr(loads, field.name)[chosen]
+    selected_fields: dict[str, Any] = {
+        field.name: getattr(loads, field.name)[requested_angles]
         for field in fields(loads)
         if isinstance(getattr(loads, field.name), np.ndarray) and len(getattr(loads, field.name)) == count
     }
-    return replace(loads, **selected)
+    return replace(loads, **selected_fields)
 
 
 def _check_convergence(

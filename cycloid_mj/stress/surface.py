@@ -55,12 +55,12 @@ def select_surface(grid: Grid, select: Callable[[Array], Mask]) -> SolidSurface:
     points, weight = quadrature.get_quadrature(skfem.refdom.RefTri, 6)  # exact on a flat face
     terms = [skfem.ElementTriP2().lbasis(points, number) for number in range(nodes.shape[1])]
     shape = np.stack([value for value, _ in terms], axis=1)
-    along, across = (
+    first_edge, second_edge = (
         np.einsum("qa,fax->fqx", np.stack([slope[axis] for _, slope in terms], axis=1), positions) for axis in range(2)
     )
-    normal = np.cross(along, across)
-    inside = mesh.doflocs[:, mesh.t[:, mesh.f2t[0, faces]]].mean(axis=1).T
-    outward = np.sign(np.sum(normal.mean(axis=1) * (positions[:, :3].mean(axis=1) - inside), axis=1))
+    normal = np.cross(first_edge, second_edge)
+    cell_centres = mesh.doflocs[:, mesh.t[:, mesh.f2t[0, faces]]].mean(axis=1).T
+    outward = np.sign(np.sum(normal.mean(axis=1) * (positions[:, :3].mean(axis=1) - cell_centres), axis=1))
     normal_length = np.linalg.norm(normal, axis=2)
     return SolidSurface(
         nodes=nodes,

@@ -98,14 +98,14 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
     crank = run["crank_angle"][rows]
     _require_resolution(crank, requested, run, rows)
     nearest = np.array([np.argmin(np.abs(_wrap_angles(crank - angle))) for angle in requested])
-    chosen = rows[nearest]
+    selected_rows = rows[nearest]
     return Turn(
         Reducer(logged_design),
         requested + _wrap_angles(crank[nearest] - requested),
         run,
-        chosen,
-        angle[chosen],
-        speed[chosen],
+        selected_rows,
+        angle[selected_rows],
+        speed[selected_rows],
     )
 
 
@@ -118,13 +118,13 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
         )
 
 
-def list_differences(reducer: Reducer, ran: Reducer) -> list[str]:
+def list_differences(reducer: Reducer, logged_reducer: Reducer) -> list[str]:
     """List where a design differs from the one that ran, apart from load, speed, environment and settings, in words."""
-    requested, logged = _compared_values(reducer), _compared_values(ran)
+    requested, logged_values = _compared_values(reducer), _compared_values(logged_reducer)
     return [
-        f"{key} ({requested.get(key)} in the design, {logged.get(key)} in the log)"
-        for key in {**requested, **logged}
-        if requested.get(key) != logged.get(key)
+        f"{key} ({requested.get(key)} in the design, {logged_values.get(key)} in the log)"
+        for key in {**requested, **logged_values}
+        if requested.get(key) != logged_values.get(key)
     ]
 
 

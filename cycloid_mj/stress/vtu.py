@@ -69,10 +69,10 @@ def _add_arrays(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) 
         attributes = {"type": _TYPES[little_endian.dtype.str[1:]], "Name": name, "format": "binary"}
         if little_endian.ndim == 2:
             attributes["NumberOfComponents"] = str(little_endian.shape[1])
-        compressed = zlib.compress(little_endian.tobytes())
-        header = np.array([1, little_endian.nbytes, little_endian.nbytes, len(compressed)], "<u8")
-        encoded = b64encode(header.tobytes()) + b64encode(compressed)
-        ElementTree.SubElement(group, "DataArray", attributes).text = encoded.decode()
+        compressed_data = zlib.compress(little_endian.tobytes())
+        header = np.array([1, little_endian.nbytes, little_endian.nbytes, len(compressed_data)], "<u8")
+        encoded_data = b64encode(header.tobytes()) + b64encode(compressed_data)
+        ElementTree.SubElement(group, "DataArray", attributes).text = encoded_data.decode()
 
 
 def _orient_cells(stress_map: StressMap) -> np.ndarray:
@@ -80,7 +80,7 @@ def _orient_cells(stress_map: StressMap) -> np.ndarray:
     cells = stress_map.cells.copy()
     dimension = stress_map.points.shape[1]
     corners = stress_map.points[cells[:, : dimension + 1]]
-    inverted = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0.0
-    swapped = [0, 2, 1, 5, 4, 3] if dimension == 2 else [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
-    cells[inverted] = cells[inverted][:, swapped]
+    is_inverted = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0.0
+    swapped_order = [0, 2, 1, 5, 4, 3] if dimension == 2 else [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
+    cells[is_inverted] = cells[is_inverted][:, swapped_order]
     return cells

@@ -45,11 +45,11 @@ def main(only: Sequence[str] = (), quick: bool = True, progress: Progress = sile
     from cycloid_mj.validate.suite import Validation, run_parts, select_parts, sort_rows
 
     parts = select_parts(only, get_provider("further_validation"))
-    finished = []
-    for numbered in run_parts(parts, quick):
-        finished.append(numbered)
-        progress(len(finished), len(parts))
-    return Validation(tuple(sort_rows(finished)))
+    finished_rows = []
+    for numbered_rows in run_parts(parts, quick):
+        finished_rows.append(numbered_rows)
+        progress(len(finished_rows), len(parts))
+    return Validation(tuple(sort_rows(finished_rows)))
 
 
 sys.modules[__name__].__class__ = CallableRoom

@@ -34,10 +34,10 @@ def _backlash_row(kind: str) -> ValidationRow:
     )
     reducer = Reducer(design)
     min_angle, max_angle = stop_angles(reducer)
-    measured, reference = 1e6 * (max_angle - min_angle), 1e6 * closed_form_backlash(reducer, kind)
+    measured_backlash, reference = 1e6 * (max_angle - min_angle), 1e6 * closed_form_backlash(reducer, kind)
     socket_term = " + delta of the sockets" if kind == FREE else ""
     return relative(
-        f"backlash of the gear, {kind}", measured, reference, "urad", f"2 delta/(c (N-1)){socket_term}", 0.5
+        f"backlash of the gear, {kind}", measured_backlash, reference, "urad", f"2 delta/(c (N-1)){socket_term}", 0.5
     )
 
 
@@ -55,16 +55,16 @@ def stop_angles(reducer: Reducer) -> tuple[float, float]:
     return turn_to_stop(compiled, -TORQUE), turn_to_stop(compiled, TORQUE)
 
 
-def turn_to_stop(compiled: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
+def turn_to_stop(model: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
     """Turn disc or output against its stop by a torque [N m] in MuJoCo; return its angle [rad].
 
     The speeds are set to zero several times, which makes the parts settle.
     """
-    data = mujoco.MjData(compiled.model)
+    data = mujoco.MjData(model.model)
     data.joint(joint).qfrc_applied[0] = torque
     with install():
-        mujoco.mj_step(compiled.model, data, 2000)
+        mujoco.mj_step(model.model, data, 2000)
         for _ in range(8):
             data.qvel[:] = 0.0
-            mujoco.mj_step(compiled.model, data, 250)
+            mujoco.mj_step(model.model, data, 250)
     return float(data.joint(joint).qpos[0])

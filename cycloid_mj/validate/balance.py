@@ -189,10 +189,10 @@ def step_rows(layout: str) -> list[ValidationRow]:
     """
     springs, reference, rubbing = springs_with_friction(layout)
     unknowns = springs.slope.shape[2]
-    before, load = random_pose(unknowns, BALANCE.near), 100.0 * random_pose(unknowns, 1.0)
-    after = before + random_pose(unknowns, BALANCE.slip)[::-1]
-    *_, spring_force = _reference_forces(reference, rubbing, np.array([before, after]))
-    residual = assemble_after(springs, rubbing, before, load, after, False).residual
+    pose_before, load = random_pose(unknowns, BALANCE.near), 100.0 * random_pose(unknowns, 1.0)
+    pose_after = pose_before + random_pose(unknowns, BALANCE.slip)[::-1]
+    *_, spring_force = _reference_forces(reference, rubbing, np.array([pose_before, pose_after]))
+    residual = assemble_after(springs, rubbing, pose_before, load, pose_after, False).residual
     return [deviation_row(f"forces after a step, {layout}", residual, load + spring_force, "N", SOURCE, 0.02)]
 
 

@@ -40,9 +40,9 @@ def _slow_ideal_row(quick: bool) -> ValidationRow:
     design = design_of_kind(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
     reducer = Reducer(design)
     run = _ideal_run(reducer, rpm, 60.0 / (rpm * design.ring.teeth))
-    simulated, expected = run.forces("cam")[:, 0], statics_load(reducer, run["crank_angle"])
+    simulated_force, expected = run.forces("cam")[:, 0], statics_load(reducer, run["crank_angle"])
     return deviation_row(
-        "load of the cam, slow and ideal", simulated, expected, "N", "ring + output pins, closed form", 0.5
+        "load of the cam, slow and ideal", simulated_force, expected, "N", "ring + output pins, closed form", 0.5
     )
 
 
@@ -54,12 +54,14 @@ def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
     reducer = Reducer(design)
     run = _ideal_run(reducer, 1640.0, 60.0 / 1640.0)
     crank, speed = run["crank_angle"], run["crank_speed"]
-    simulated = run.forces("cam")[:, 0]
+    simulated_force = run.forces("cam")[:, 0]
     disc_force = body_force(reducer, crank, speed)
     expected = statics_load(reducer, crank, disc_force)
     outward = np.stack([-np.sin(crank), np.cos(crank)], axis=-1)
-    mean_radial, expected_radial = (float(np.mean(np.sum(force * outward, axis=1))) for force in (simulated, expected))
-    upward, expected_upward = (float(np.mean(force[:, 1])) for force in (simulated, expected))
+    mean_radial, expected_radial = (
+        float(np.mean(np.sum(force * outward, axis=1))) for force in (simulated_force, expected)
+    )
+    upward, expected_upward = (float(np.mean(force[:, 1])) for force in (simulated_force, expected))
     return [
         relative(
             "radial load of the cam, fast and ideal", mean_radial, expected_radial, "N", "ring + output + m c w^2", 1.5
@@ -118,9 +120,9 @@ def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
     """
     drive_changes = f"drive.speed_rpm={rpm!r}", f"drive.hold_s={SHARING.settled + duration!r}"
     reducer = rig.with_changes(reducer, *drive_changes, "load.rise_s=0.004", "settings.log_rate_hz=10000.0")
-    compiled = build(reducer.design)
-    rig.stiffen_cam(compiled, SHARING.stiff_cam)
-    run = simulate(reducer.design, compiled)
+    model = build(reducer.design)
+    rig.stiffen_cam(model, SHARING.stiff_cam)
+    run = simulate(reducer.design, model)
     return run.select(run.time >= run.time[-1] - duration)
 
 

@@ -217,11 +217,11 @@ def _pin_forces(gaps: Array, compliance: Array) -> Array:
     """
     discs = gaps.size
     for code in range(2**discs):
-        closed: Mask = np.array([bool(code >> disc & 1) for disc in range(discs)])
+        is_closed: Mask = np.array([bool(code >> disc & 1) for disc in range(discs)])
         force = np.zeros(discs)
-        force[closed] = np.linalg.solve(compliance[np.ix_(closed, closed)], -gaps[closed])
+        force[is_closed] = np.linalg.solve(compliance[np.ix_(is_closed, is_closed)], -gaps[is_closed])
         bent_gaps = gaps + compliance @ force
-        if np.all(force >= 0.0) and np.all(bent_gaps[~closed] >= 0.0):
+        if np.all(force >= 0.0) and np.all(bent_gaps[~is_closed] >= 0.0):
             return force
     raise RunError(
         "the forces of the discs on a bent output pin have no equilibrium, because the compliance matrix of the pin is "

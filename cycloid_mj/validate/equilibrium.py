@@ -235,8 +235,8 @@ def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
     if locked.design.ring.kind == "nonpin":
         return ring_gaps(locked.gear, pose, locked.roots, locked.flanks)
     pin_centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear)) + locked.deviations.pin_place
-    displaced = pin_centres + z[4:].reshape(-1, 2) if locked.has_moving_pins else pin_centres
-    return pin_gaps(locked.gear, pose, displaced, locked.flanks)
+    displaced_centres = pin_centres + z[4:].reshape(-1, 2) if locked.has_moving_pins else pin_centres
+    return pin_gaps(locked.gear, pose, displaced_centres, locked.flanks)
 
 
 def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:

@@ -102,9 +102,11 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
     tree, samples = _samples(gear)
     t = samples[tree.query(points)[1]]
     for _ in range(_MAX_NEWTON_STEPS):
-        first, second = profile.trochoid_derivatives(gear, t)
+        first_derivative, second_derivative = profile.trochoid_derivatives(gear, t)
         difference = profile.trochoid(gear, t) - points
-        increment = _dot(difference, first) / (_dot(first, first) + _dot(difference, second))
+        increment = _dot(difference, first_derivative) / (
+            _dot(first_derivative, first_derivative) + _dot(difference, second_derivative)
+        )
         t = t - increment
         if np.abs(increment).max(initial=0.0) < _NEWTON_ATOL:
             break
@@ -169,15 +171,15 @@ def _outwards(along: Array) -> Array:
 def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
     """Compute distance less the offset [m], normal and parameter for flanks before (1) or after (-1) the tips."""
     gear, ends = flanks.gear, _flank_ends(flanks)
-    rotated = rotate(points, side * flanks.rotation)
-    t = _waved_distance(flanks, rotated)[2]
+    rotated_points = rotate(points, side * flanks.rotation)
+    t = _waved_distance(flanks, rotated_points)[2]
     pitch = 2 * np.pi / gear.lobes
     # From the valley of its lobe half; feet beyond the middle between tip and valley belong to the next valley.
     lobe_number = np.floor(side * t / pitch + 1 / 4)
     phase = np.clip(side * t - lobe_number * pitch, -ends.valley, pitch / 2 - ends.tip)
     t = side * (phase + lobe_number * pitch)
     curve, tangent = _waved_curve(flanks, t)
-    difference = rotated - curve + flanks.offset * _outwards(tangent)
+    difference = rotated_points - curve + flanks.offset * _outwards(tangent)
     distance = np.linalg.norm(difference, axis=1)
     return distance - flanks.offset, rotate(difference / distance[:, np.newaxis], -side * flanks.rotation), t
 

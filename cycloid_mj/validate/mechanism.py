@@ -102,19 +102,19 @@ def model_rows(pins: str) -> list[ValidationRow]:
     errors = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
     design = design_with_errors(FIXED, UNIFORM, *clearances, *errors, *THREE_DISCS, f"ring.pins={pins}")
     reducer = Reducer(design)
-    compiled, has_moving_pins, pin_oversize = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
-    data, pose = mujoco.MjData(compiled.model), random_pose(3 * design.gear.discs + 1, BALANCE.near)
+    model, has_moving_pins, pin_oversize = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
+    data, pose = mujoco.MjData(model.model), random_pose(3 * design.gear.discs + 1, BALANCE.near)
     for joint, value in _joint_positions(reducer, pose).items():
         data.joint(joint).qpos[0] = value
     for pin in build_mechanism(design).pins:
         data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = PIN_SHIFT
     with install():
-        mujoco.mj_forward(compiled.model, data)
-    pair_of = {frozenset(compiled.model.geom(geom).id for geom in (pair.on, pair.by)): pair for pair in compiled.pairs}
+        mujoco.mj_forward(model.model, data)
+    pair_of = {frozenset(model.model.geom(geom).id for geom in (pair.on, pair.by)): pair for pair in model.pairs}
     pair_names = [pair_of[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
     # a pin may touch both edges of its socket: the deeper contact is its distance
     distance_by_pair = dict(sorted(zip(pair_names, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
-    collider_depths = np.array([distance_by_pair.get(pair.name, 0.0) for pair in compiled.pairs])
+    collider_depths = np.array([distance_by_pair.get(pair.name, 0.0) for pair in model.pairs])
     exact_gap, tooth_count = (
         exact_gaps(reducer, BALANCE.crank, pose, PIN_SHIFT if has_moving_pins else 0.0),
         design.gear.discs * pin_oversize.size,
@@ -157,8 +157,8 @@ def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow
     """
     design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
-    rated = reducer.at_rated_load
-    stiffness = {pair: rated.contacts[pair].stiffness for pair in rated.design.pair_kinds}
+    rated_reducer = reducer.at_rated_load
+    stiffness = {pair: rated_reducer.contacts[pair].stiffness for pair in rated_reducer.design.pair_kinds}
     contact_loads = loads(reducer, springs_of(reducer, crank_angles, friction=False), rig.RATED_LOAD)
     equilibria = [equilibrium.solve(reducer, stiffness, crank) for crank in crank_angles]
     cam, output = (
@@ -248,8 +248,10 @@ def stop_rows(kind: str) -> list[ValidationRow]:
         ).design
     stop_angles = 1e6 * np.array(stops(Reducer(design), BALANCE.crank))
     stiffness = dict.fromkeys(design.pair_kinds, 1e11)
-    loaded = [rig.with_changes(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
-    loaded_angles = 1e6 * np.array([equilibrium.solve(drive, stiffness, BALANCE.crank).output_turn for drive in loaded])
+    loaded_reducers = [rig.with_changes(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
+    loaded_angles = 1e6 * np.array(
+        [equilibrium.solve(drive, stiffness, BALANCE.crank).output_turn for drive in loaded_reducers]
+    )
     return [deviation_row(f"stops of the output, {kind}", stop_angles, loaded_angles, "urad", SEARCH, 0.35)]
 
 

@@ -93,10 +93,12 @@ def hertz_rows(quick: bool) -> list[ValidationRow]:
     rows = []
     for number, case in enumerate(KROL, start=1):
         source, unit = f"Krol et al. 2019, variant {number}", "MPa"
-        for name, computed, printed in zip(
+        for name, computed_stress, printed_stress in zip(
             ("lobe", "valley", "output sleeve"), krol_stresses(case), (case.lobe, case.pit, case.sleeve), strict=True
         ):
-            rows.append(absolute(f"Hertz stress, {name}", computed / 1e6, printed, unit, source, case.rounded))
+            rows.append(
+                absolute(f"Hertz stress, {name}", computed_stress / 1e6, printed_stress, unit, source, case.rounded)
+            )
     return rows
 
 
@@ -104,12 +106,14 @@ def printed_drive_rows(quick: bool) -> list[ValidationRow]:
     """Compare the backlash of the 3-D printed drive: simulated, by linear programme, and measured by its builder."""
     design = rig.with_changes(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
     # torques that press the output against a stop [N m]
-    compiled, (small, large) = build(design.design), (0.1, 0.2)
+    model, (small_torque, large_torque) = build(design.design), (0.1, 0.2)
     small_torque_turn, large_torque_turn = (
-        turn_to_stop(compiled, torque, names.OUTPUT_JOINT) - turn_to_stop(compiled, -torque, names.OUTPUT_JOINT)
-        for torque in (small, large)
+        turn_to_stop(model, torque, names.OUTPUT_JOINT) - turn_to_stop(model, -torque, names.OUTPUT_JOINT)
+        for torque in (small_torque, large_torque)
     )
-    simulated = small_torque_turn - (large_torque_turn - small_torque_turn) * small / (large - small)
+    simulated_backlash = small_torque_turn - (large_torque_turn - small_torque_turn) * small_torque / (
+        large_torque - small_torque
+    )
     min_angle, max_angle = limits.stops(design, 0.0)
     crank_angles = 2.0 * np.pi / design.design.ring.teeth * np.arange(8) / 8
     mean_turn = np.mean([np.ptp(limits.stops(design, float(crank), sides=180)) for crank in crank_angles])
@@ -118,7 +122,7 @@ def printed_drive_rows(quick: bool) -> list[ValidationRow]:
     return [
         relative(
             name,
-            math.degrees(simulated),
+            math.degrees(simulated_backlash),
             math.degrees(max_angle - min_angle),
             "deg",
             "rigid parts: linear programme",
@@ -158,33 +162,33 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
         ("smallest force of a cam", cam.min(), 1967.0),
     )
     return [
-        relative(f"{quantity}, two discs", float(computed), published, "N", KUBAKOS, 0.5)
-        for quantity, computed, published in values
+        relative(f"{quantity}, two discs", float(computed_value), published_value, "N", KUBAKOS, 0.5)
+        for quantity, computed_value, published_value in values
     ]
 
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
     """Compute Hertz's peak pressure [Pa] at the lobe's tip, in the valley and on an output sleeve of a variant."""
     lobes, pins = case.pins - 1, case.pins
-    e, rho, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
-    gear = CycloidGear(pins, e, e * pins / case.shortening, rho)
-    tip, valley = profile.curvature(gear, [np.pi / lobes, 0.0])
-    ring_force = 4.0 * case.moment * lobes / (e * lobes * pins)
+    eccentricity, rho, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
+    gear = CycloidGear(pins, eccentricity, eccentricity * pins / case.shortening, rho)
+    tip_curvature, valley_curvature = profile.curvature(gear, [np.pi / lobes, 0.0])
+    ring_force = 4.0 * case.moment * lobes / (eccentricity * lobes * pins)
     output_force = 2.0 * case.moment * lobes * math.cos(2.0 * math.pi / 8) / (math.pi * 1e-3 * case.hole_circle)
     sleeve = 1e3 / case.sleeve_radius - 1e3 / case.hole_radius
     modulus = ideal_loads.contact_modulus(200e9, 0.3)
     forces = [ring_force, ring_force, output_force]
-    curvatures = [1.0 / rho + tip, 1.0 / rho + valley, sleeve]
+    curvatures = [1.0 / rho + tip_curvature, 1.0 / rho + valley_curvature, sleeve]
     lobe, pit, output = ideal_loads.hertz_line_contact(forces, width, curvatures, modulus).peak_pressure
     return float(lobe), float(pit), float(output)
 
 
 def efficiency_rows(quick: bool) -> list[ValidationRow]:
     """Compare the efficiency by Wang's formula with its printed results and with the simulated reducer."""
-    printed = []
+    rows = []
     for number, case in enumerate(WANG, start=1):
         values, name = (100.0 * total_efficiency(case), 100.0 * case.printed), f"efficiency by formula, row {number}"
-        printed.append(absolute(name, *values, "%", "Wang et al. 2016", 100.0 * case.rounding))
+        rows.append(absolute(name, *values, "%", "Wang et al. 2016", 100.0 * case.rounding))
     case = WANG[0]
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
     ideal, ideal_design = wang_run(case, True, quick)
@@ -196,7 +200,7 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
         float(np.mean(as_built["pin_gear_friction_power"])),
     )
     return [
-        *printed,
+        *rows,
         absolute(
             "efficiency, simulated, ideal",
             ideal_efficiency,
@@ -265,10 +269,10 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
     settling_time = 0.012
     hold_time = settling_time + periods * 60.0 / (case.speed_rpm * case.pins)
     design = rig.with_changes(Reducer(design), f"drive.hold_s={hold_time!r}").design
-    compiled = build(design)
+    model = build(design)
     if ideal:
-        rig.stiffen_cam(compiled, case.cam_stiffness)
-    run = simulate(design, compiled)
+        rig.stiffen_cam(model, case.cam_stiffness)
+    run = simulate(design, model)
     return run.select(run.time >= settling_time), design
 
 

@@ -176,12 +176,12 @@ def settled_run(reducer: Reducer, cam_stiffness: float | None, separate_lines: b
     `cam_stiffness` [N/m] replaces the stiffness of the cam; with `separate_lines` each contact line is a spring of its
     own.
     """
-    compiled = build(reducer.design)
+    model = build(reducer.design)
     if cam_stiffness is not None:
-        rig.stiffen_cam(compiled, cam_stiffness)
+        rig.stiffen_cam(model, cam_stiffness)
     if separate_lines:
-        rig.separate_patches(compiled)
-    run = simulate(reducer.design, compiled)
+        rig.separate_patches(model)
+    run = simulate(reducer.design, model)
     return run.select(run.time > SHARING.settled)
 
 

@@ -120,8 +120,8 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
             rows += step_rows
         else:
             worst = max(step_rows, key=lambda row: row.difference / (row.bound or math.inf))
-            measured = replace(worst.measured, name=f"{worst.measured.name} (the worst of five)")
-            rows.append(replace(worst, measured=measured, bound=None))
+            measured_result = replace(worst.measured, name=f"{worst.measured.name} (the worst of five)")
+            rows.append(replace(worst, measured=measured_result, bound=None))
     return [*rows, *_order_rows(kind, figures_by_step)]
 
 

@@ -96,14 +96,14 @@ PARTS = tuple(_parts())
 """The parts of this package; other packages bring further parts of the same steps."""
 
 
-def select_parts(only: Sequence[str] = (), further: Sequence[ValidationPart] = ()) -> tuple[ValidationPart, ...]:
+def select_parts(only: Sequence[str] = (), other_parts: Sequence[ValidationPart] = ()) -> tuple[ValidationPart, ...]:
     """Return the validation parts of some steps, or of all, in the order of `STEP_NAMES`.
 
     Parameters
     ----------
     only
         Names of the steps; all if empty.
-    further
+    other_parts
         Parts of other packages.
 
     Raises
@@ -114,7 +114,7 @@ def select_parts(only: Sequence[str] = (), further: Sequence[ValidationPart] = (
     unknown = [name for name in only if name not in STEP_NAMES]
     if unknown:
         raise UsageError(f"--only {unknown[0]}: unknown validation step. Choose from {', '.join(STEP_NAMES)}")
-    parts = sorted((*PARTS, *further), key=lambda part: STEP_NAMES.index(part.rung))
+    parts = sorted((*PARTS, *other_parts), key=lambda part: STEP_NAMES.index(part.rung))
     return tuple(part for part in parts if not only or part.rung in only)
 
 
@@ -128,10 +128,10 @@ def run_parts(
     order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
     tasks = [(parts[index], quick) for index in order]
     # a single part runs in this process
-    for finished, (rows, messages) in Engine(workers if len(tasks) > 1 else 1).stream(_run, tasks):
+    for part_index, (rows, messages) in Engine(workers if len(tasks) > 1 else 1).stream(_run, tasks):
         for text in messages:
             warnings.warn(text, CycloidWarning, stacklevel=2)
-        yield order[finished], rows
+        yield order[part_index], rows
 
 
 def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:

@@ -79,7 +79,7 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """
     # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
     step_changes = [] if kind == FREE else ["settings.timestep_us=5.0"]
-    without, design = rated_run(kind, SPEED, PERIODS, *step_changes, *rig.without_gravity())
+    run_without_gravity, design = rated_run(kind, SPEED, PERIODS, *step_changes, *rig.without_gravity())
     reducer = Reducer(design)
     downward, _ = rated_run(kind, SPEED, PERIODS, *step_changes, f"environment.gravity_y_m_s2={-GRAVITY}")
     sideways = [*rig.without_gravity(), f"environment.gravity_x_m_s2={GRAVITY}"]
@@ -87,12 +87,16 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     bounds = _bounds(kind)
     weight = mass_properties(gear_solid(reducer)).mass * GRAVITY
     forces = {
-        name: mean_force(run, reducer) for name, run in (("off", without), ("down", downward), ("turned", sideward))
+        name: mean_force(run, reducer)
+        for name, run in (("off", run_without_gravity), ("down", downward), ("turned", sideward))
     }
-    harmonics = first_harmonic(downward, without, reducer) * -1j, first_harmonic(sideward, without, reducer)
+    harmonics = (
+        first_harmonic(downward, run_without_gravity, reducer) * -1j,
+        first_harmonic(sideward, run_without_gravity, reducer),
+    )
     harmonic_down, harmonic_aside = (np.array([[harmonic.real, harmonic.imag]]) for harmonic in harmonics)
-    mean_errors = [float(np.mean(gear_arcsec(run, reducer))) for run in (downward, without)]
-    efficiencies = 100.0 * mean_powers(downward).efficiency, 100.0 * mean_powers(without).efficiency
+    mean_errors = [float(np.mean(gear_arcsec(run, reducer))) for run in (downward, run_without_gravity)]
+    efficiencies = 100.0 * mean_powers(downward).efficiency, 100.0 * mean_powers(run_without_gravity).efficiency
     return [
         relative(f"gravity: upward force on the gear, {kind}", forces["down"][1], weight, "N", "m g", bounds.upward),
         relative(f"gravity turned: sideward force, {kind}", -forces["turned"][0], weight, "N", "m g", bounds.sideward),

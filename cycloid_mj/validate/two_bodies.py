@@ -58,7 +58,7 @@ def rows(quick: bool) -> list[ValidationRow]:
     stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
     law = contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, step)
-    undamped = replace(law, damping=0.0, added_mass=0.3 * TWO.mass)
+    undamped_law = replace(law, damping=0.0, added_mass=0.3 * TWO.mass)
     depth, force = static_deflection(law, step)
     return [
         relative(
@@ -67,8 +67,8 @@ def rows(quick: bool) -> list[ValidationRow]:
         relative("static contact force", force, TWO.force, "N", "equilibrium", TWO.static_bound),
         relative(
             "frequency with an added mass of 0.3 m",
-            measure_frequency(undamped, TWO.short_step) / (2 * math.pi),
-            math.sqrt(stiffness / (TWO.mass + undamped.added_mass)) / (2 * math.pi),
+            measure_frequency(undamped_law, TWO.short_step) / (2 * math.pi),
+            math.sqrt(stiffness / (TWO.mass + undamped_law.added_mass)) / (2 * math.pi),
             "Hz",
             "sqrt(K/(m + 1/R))",
             0.06,

@@ -99,12 +99,15 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
     """Compute the figures of a run in its last mesh periods, in the order of `WITNESS.bounds`."""
     design = reducer.design
     window = WITNESS.periods * 2.0 * np.pi / (design.ring.teeth * abs(design.drive.speed))
-    evaluated = run.select(run.time >= max(design.drive.hold - window, SETTLED))
+    evaluated_run = run.select(run.time >= max(design.drive.hold - window, SETTLED))
     gear = names.of_disc(names.GEAR, 0, design.gear.discs)
-    powers = evaluated["crank_torque"] * evaluated["crank_speed"], evaluated["load_torque"] * evaluated["output_speed"]
-    speed = evaluated[f"{gear}_speed"] + evaluated["crank_speed"] / design.lobes
+    powers = (
+        evaluated_run["crank_torque"] * evaluated_run["crank_speed"],
+        evaluated_run["load_torque"] * evaluated_run["output_speed"],
+    )
+    speed = evaluated_run[f"{gear}_speed"] + evaluated_run["crank_speed"] / design.lobes
     speed = speed - speed.mean()  # where the ring turns, gears do not
-    return _compute_figures(output_error(evaluated, reducer), evaluated.forces("cam")[:, 0], powers, speed)
+    return _compute_figures(output_error(evaluated_run, reducer), evaluated_run.forces("cam")[:, 0], powers, speed)
 
 
 def _compute_figures(

@@ -75,7 +75,7 @@ def dowel_body(dowel: stock.Dowel) -> RoundPart:
 
 
 def cut_holes(name: str, part: RoundPart, base_stretches: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
-    """Cut the holes of a round part into the part and into `base_stretches`; return both as stretches of exact outlines.
+    """Cut the holes of a round part into the part and into `base_stretches`; return both as exact stretches.
 
     The stretches end at all faces of the part, of its holes and of its pockets.
     """
