@@ -41,7 +41,7 @@ def test_the_source_archive_has_everything_and_nothing_that_was_made_of_it(built
     pages = {"README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"}
     assert {name.partition("/")[0] for name in files} == {*folders, *pages, "pyproject.toml", "PKG-INFO", ".gitignore"}
     assert {"models/pin/scene.xml", "docs/tutorial.md", "docs/_static/pages.css", "tests/data/measured.json"} <= files
-    made = ("_build", "_reference", "_gallery", "__pycache__", ".egg-info", "_cache/")
+    made = ("docs/_build", "docs/_reference", "docs/_gallery", "__pycache__", ".egg-info", "_cache/")
     assert [name for name in files if any(word in name for word in made)] == []
 
 
@@ -84,11 +84,11 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.papers import papers
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.report.page import environment
-from cycloid_mj.scene.layout import layout
+from cycloid_mj.scene.layout import viewer_layout
 print(cycloid_mj.__file__, hsieh2014.__file__)
 print(importlib.metadata.version("cycloid-mj"), [paper.key for paper in papers()])
 print(sorted(environment().list_templates()))
-print(bool(layout(Reducer(PRESETS["pin"]))["configById"]))
+print(bool(viewer_layout(Reducer(PRESETS["pin"]))["configById"]))
 """
 
 
