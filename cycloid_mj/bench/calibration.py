@@ -30,7 +30,8 @@ from cycloid_mj.bench.parameters import (
     needs_contact_friction,
 )
 from cycloid_mj.bench.search import MODEL_ERROR, SETTINGS, FitProblem, Trials
-from cycloid_mj.design import Design, Friction, Named, resolve
+from cycloid_mj.design import Design, Named, resolve
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Held, Losses
 
@@ -499,7 +500,7 @@ def compare_losses(
         for parameter in fitted.parameters
         if parameter.key not in (*RUBBING, *STANDS_FOR_RUBBING)
     ]
-    frictionless = fitted.model.reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
+    frictionless = fitted.model.reducer.but(friction=NO_FRICTION).design
     trials = Trials(progress)
     fits: dict[tuple[str, str], Fitted] = {}
     for key, meaning, extra, has_friction in LOSSES:

@@ -511,10 +511,10 @@ class Friction(Section):
             raise ValueError(str(error)) from None
 
 
-NO_FRICTION: Mapping[str, float] = dict.fromkeys(
+NO_FRICTION: Mapping[str, str | float] = {"law": "coulomb"} | dict.fromkeys(
     ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "cam_rolling", "output", "output_rolling"), 0.0
 )
-"""Coulomb coefficients of a drive without friction."""
+"""Values of the table `Friction` of a drive without friction."""
 
 
 class Drag(Section):
@@ -1032,7 +1032,7 @@ class Design(Section, Presented):
         try:
             return type(self).model_validate(values, strict=True)
         except ValidationError as error:
-            raise as_design_error(error, type(self), "but") from error
+            raise as_design_error(error, type(self), f"design {self.name!r} with other values") from error
 
     @property
     def at_reference(self) -> Self:

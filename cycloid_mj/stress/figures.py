@@ -8,7 +8,8 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.comparison import settling_time
-from cycloid_mj.design import Design, Friction
+from cycloid_mj.design import Design
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.sockets import require_one_ring
@@ -89,7 +90,7 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
         The run failed, a part does not mesh, a package of the extra ``fem`` is missing, or the mounts do not fit the
         design.
     """
-    frictionless_reducer = reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
+    frictionless_reducer = reducer.but(friction=NO_FRICTION)
     simulated_reducer, run = _run_of(frictionless_reducer)
     return compute_part_compliance(run, simulated_reducer, mounts=mounts)
 

@@ -7,6 +7,7 @@ import pytest
 
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design.model import NO_FRICTION
 
 PIN = PRESETS["pin"]
 
@@ -83,3 +84,16 @@ def test_a_steady_design_runs_whole_turns_at_full_speed_after_it_has_settled():
     assert (design.drive.ramp, design.drive.speed, design.load.torque) == (0.0, -100.0, 20.0)
     assert design.drive.hold == pytest.approx(0.02 + 3.0 * 2.0 * math.pi / 100.0 + 4.0 / 1e4, rel=1e-14)
     assert PIN.steady(0.02, 1.0, drive={"ramp": 0.5}).drive.ramp == 0.5
+
+
+@pytest.mark.parametrize("law", ["coulomb", "film"])
+def test_a_drive_without_friction_has_none_in_any_pair(law: str) -> None:
+    frictionless = PRESETS["twodisc"].but(friction={"law": law}).but(friction=NO_FRICTION)
+    pairs = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
+    assert not frictionless.has_film
+    assert [frictionless.friction_of(pair) for pair in pairs] == [0.0] * len(pairs)
+
+
+def test_other_values_that_are_wrong_name_the_design() -> None:
+    with pytest.raises(DesignError, match="design 'pin' with other values: "):
+        PRESETS["pin"].but(gear={"face_width": -1.0})
