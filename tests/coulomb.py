@@ -22,7 +22,7 @@ def cam_pushes(springs: Springs, z: Array, ways: Array) -> Array:
     """Compute the generalised force of each cam that pushes its disc along a way (D, 2) [1], shape (D, u)."""
     found = np.zeros((len(ways), z.size))
     for disc, way in enumerate(ways):
-        found[disc, 3 * disc : 3 * disc + 2] = way
+        found[disc, 3 * disc : 3 * disc + 2] = way + springs.contacts.cam_lateral * np.array([-way[1], way[0]])
         found[disc, 3 * disc + 2] = springs.contacts.cam_rubbing
     return found
 
@@ -53,7 +53,8 @@ def friction_borne(reducer: Reducer, springs: Springs, load: Array, most: float)
         forces = contacts.stiffness[0] * np.maximum(-slopes @ z * unit, 0.0)
         found = load + forces @ (slopes + friction * contacts.rubbing[0])
         away = z[:-1].reshape(-1, 3)[:, :2] * unit
-        found[:-1].reshape(-1, 3)[:, :2] -= contacts.cam_stiffness * away
+        across = friction * contacts.cam_lateral * np.stack([away[:, 1], -away[:, 0]], axis=1)
+        found[:-1].reshape(-1, 3)[:, :2] -= contacts.cam_stiffness * (away - across)
         found[2:-1:3] += friction * contacts.cam_rubbing * contacts.cam_stiffness * np.linalg.norm(away, axis=1)
         return np.asarray(found / scale)
 

@@ -37,7 +37,7 @@ class TableSettings:
     """
 
     phases: int = 361
-    forces: int = 46
+    forces: int = 181
     least: float = 1e-3
     most: float = 1e6
 

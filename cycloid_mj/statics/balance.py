@@ -57,7 +57,7 @@ class Loads:
         Force of each contact line with the ring, shape (m, D lines), and of each disc on each output pin, shape
         (m, D pins) [N].
     cam
-        Force of each cam on its disc, shape (m, D, 2) [N].
+        Force of each cam on its disc, with the friction of a plain cam, shape (m, D, 2) [N].
     departures
         Displacements of discs and output from their ideal poses, as in ``reducer.gaps``, shape (m, 3 D + 1) [m].
     gear_turn, output_turn
@@ -116,7 +116,8 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     loss = math.inf
     for _ in range(FILM.max_rounds):
         cam = np.linalg.norm(contact_loads.cam, axis=-1)
-        springs = springs.with_friction(springs.film.friction(contact_loads.teeth, contact_loads.output, cam))
+        film = springs.film.displaced(contact_loads.departures)
+        springs = springs.with_friction(film.friction(contact_loads.teeth, contact_loads.output, cam))
         contact_loads = _solve_with_friction(reducer, springs, torque, follow)
         previous_loss, loss = (
             loss,
@@ -197,6 +198,7 @@ def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Ar
     cam_offsets = disc_displacements[..., :2] - contacts.cam_place
     distance = np.maximum(np.linalg.norm(cam_offsets, axis=-1), np.finfo(float).tiny)
     cam_forces = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
+    lateral_offsets = contacts.cam_lateral * cam_offsets[..., ::-1] * (1.0, -1.0)
     output = force[:, springs.teeth :]
     moments = (
         (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), disc_displacements.shape[1], -1).sum(axis=-1)
@@ -204,7 +206,7 @@ def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Ar
     return Loads(
         teeth=force[:, : springs.teeth],
         output=output,
-        cam=-(cam_forces / distance)[..., np.newaxis] * cam_offsets,
+        cam=(cam_forces / distance)[..., np.newaxis] * (lateral_offsets - cam_offsets),
         departures=z,
         gear_turn=disc_displacements[..., 2].mean(axis=1) / radius,
         output_turn=z[:, -1] / radius,
@@ -301,7 +303,7 @@ def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) ->
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     cam_speed = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))
-    cam_force = np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
+    cam_force = springs.cam_normal_share * np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
     film = contact_loads.friction
     if film is not None:
         friction_speeds = film.contacts * slip

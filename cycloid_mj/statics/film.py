@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, hole_speeds, seat_speeds, tooth_speeds
 from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.lubrication.mixed import FilmLaw, MixedFriction, journal_friction, line_friction
@@ -201,15 +202,39 @@ class FilmContacts:
         Number of contacts of output pins.
     unit_rubbing
         Generalised friction of each contact at a coefficient of 1, shape (m, n, u).
+    phases, curvature
+        Phases of the contact lines of ideally placed discs [rad] and their relative curvature [1/m], shape (m, teeth).
+    disc, centres
+        Disc of each contact line, shape (teeth,), and ideal centres of the discs [m], shape (m, D, 2).
     """
 
     surfaces: FilmSurfaces
     studs: int
     unit_rubbing: Array
+    phases: Array
+    curvature: Array
+    disc: Integers
+    centres: Array
 
     def with_inputs(self, inputs: FilmInputs) -> "FilmContacts":
         """Return the contacts with other inputs of the law."""
         return replace(self, surfaces=replace(self.surfaces, inputs=inputs))
+
+    def displaced(self, departures: Array) -> "FilmContacts":
+        """Return the contacts at the phases against the actual centres of the discs.
+
+        A clearance of the cam of 25 um at an eccentricity of 1 mm changes the phases by 1.4 deg.
+
+        Parameters
+        ----------
+        departures
+            Displacements of discs and output from their ideal poses [m], shape (m, 3 D + 1).
+        """
+        moved = self.centres + departures[:, :-1].reshape(len(departures), -1, 3)[..., :2]
+        (x, y), (moved_x, moved_y) = np.moveaxis(self.centres, -1, 0), np.moveaxis(moved, -1, 0)
+        turn = np.arctan2(x * moved_y - y * moved_x, x * moved_x + y * moved_y)
+        surfaces = build_film_surfaces(self.surfaces.reducer, self.phases + turn[:, self.disc], self.curvature)
+        return replace(self, surfaces=replace(surfaces, inputs=self.surfaces.inputs))
 
     def friction(self, teeth: Array, output: Array, cam: Array) -> FilmFriction:
         """Compute the film friction of all contacts under given normal forces.
@@ -267,10 +292,15 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
     owner, disc = mesh_gaps.owner[:teeth] % gear.ring_teeth, mesh_gaps.disc[:teeth]
     phases = profile.pin_angles(gear)[owner] + np.array(reducer.phases)[disc] + crank[:, np.newaxis]
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
+    curvature = mesh_gaps.relative_curvature[:, :teeth]
     return FilmContacts(
-        surfaces=build_film_surfaces(reducer, phases, mesh_gaps.relative_curvature[:, :teeth]),
+        surfaces=build_film_surfaces(reducer, phases, curvature),
         studs=mesh_gaps.kind.size - teeth,
         unit_rubbing=-np.sign(sliding)[..., np.newaxis] * mesh_gaps.slip_slope,
+        phases=phases,
+        curvature=curvature,
+        disc=disc,
+        centres=np.stack([gear_centre(gear, crank + phase) for phase in reducer.phases], axis=1),
     )
 
 

@@ -117,6 +117,7 @@ def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tupl
     assert springs.film is not None
     contact_torque = float(sign) * (torque + drag_torques(reducer)[1])
     own_loads = loads(reducer, springs, contact_torque, follow=True)
+    springs = replace(springs, film=springs.film.displaced(own_loads.departures))
     own_loss = _contact_losses(reducer, springs, own_loads)
     probe_springs = replace(springs, film=springs.film.with_inputs(PROBE))
     fixed_loss = _contact_losses(reducer, probe_springs, own_loads)

@@ -55,7 +55,8 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
         forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
         residual_force = load + forces @ (slopes + friction * rubbing)
         cam_offsets = displacements[:-1].reshape(-1, 3)[:, :2] * length_unit
-        residual_force[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * cam_offsets
+        lateral_offsets = friction * springs.cam_lateral * cam_offsets[:, ::-1] * (1.0, -1.0)
+        residual_force[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * (cam_offsets - lateral_offsets)
         residual_force[2:-1:3] += (
             friction * springs.cam_rubbing * springs.cam_stiffness * np.linalg.norm(cam_offsets, axis=1)
         )

@@ -59,12 +59,17 @@ class Springs:
     def with_friction(self, friction: FilmFriction) -> "Springs":
         """Return the springs with other friction coefficients of the film law."""
         assert self.film is not None
-        design = self.film.surfaces.reducer.design
-        lever = math.copysign(design.gear.bore_radius / self.contacts.radius, design.drive.speed)
-        contacts = self.contacts._replace(
-            rubbing=friction.contacts[..., np.newaxis] * self.film.unit_rubbing, cam_rubbing=friction.cam * lever
+        rubbing = friction.contacts[..., np.newaxis] * self.film.unit_rubbing
+        speed = self.film.surfaces.reducer.design.drive.speed
+        contacts = _with_cam_friction(
+            self.contacts._replace(rubbing=rubbing), self.film.surfaces.reducer, math.copysign(friction.cam, speed)
         )
         return replace(self, contacts=contacts, friction=friction)
+
+    @property
+    def cam_normal_share(self) -> float:
+        """Normal force of a cam over its total force [1], the cosine of the friction angle; 1 on rollers."""
+        return 1.0 / math.hypot(1.0, self.contacts.cam_lateral)
 
     @property
     def directions(self) -> Array:
@@ -129,9 +134,8 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
         build_film_contacts(reducer, crank, mesh_gaps, teeth, motion) if friction and reducer.design.has_film else None
     )
     if friction and film is None:
-        lever = reducer.design.gear.bore_radius / contacts.radius
-        cam_rubbing = math.copysign(reducer.design.friction_of("cam"), speed) * lever
-        contacts = contacts._replace(rubbing=compute_rubbing(reducer, mesh_gaps, motion), cam_rubbing=cam_rubbing)
+        contacts = contacts._replace(rubbing=compute_rubbing(reducer, mesh_gaps, motion))
+        contacts = _with_cam_friction(contacts, reducer, math.copysign(reducer.design.friction_of("cam"), speed))
     springs = Springs(
         crank=crank,
         teeth=teeth,
@@ -142,6 +146,15 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
         film=film,
     )
     return springs if film is None else springs.with_friction(film.friction_at_working_forces())
+
+
+def _with_cam_friction(contacts: kernel.KernelSprings, reducer: Reducer, coefficient: float) -> kernel.KernelSprings:
+    """Return springs with the friction of the cams: a coefficient [1] with the sign of the crank's rotation."""
+    gear = reducer.design.gear
+    return contacts._replace(
+        cam_rubbing=coefficient * gear.bore_radius / contacts.radius,
+        cam_lateral=coefficient if gear.bearing == "plain" else 0.0,
+    )
 
 
 def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions: Array) -> kernel.KernelSprings:
@@ -165,6 +178,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
         cam_stiffness=reducer.contacts["cam"].stiffness,
         rubbing=np.zeros((0, *mesh_gaps.slope.shape[1:])),
         cam_rubbing=0.0,
+        cam_lateral=0.0,
         bending=bending,
         pins=design.output.pins if bending.any() else 0,
         **shared,

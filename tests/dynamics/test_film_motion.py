@@ -63,8 +63,10 @@ def test_solvers_agree_with_statics(solver: Solver, pins: str, torque: float, rp
         ("ring.pins=massless",),
         ("output.rollers=false",),
         ("ring.kind=nonpin",),
+        ("gear.bearing=plain",),
+        ("gear.bearing=plain", "clearance.cam_um=25"),
     ],
-    ids=["massless pins", "output pins without rollers", "internal gear"],
+    ids=["massless pins", "output pins without rollers", "internal gear", "dry plain cam", "plain cam with a film"],
 )
 def test_planar_solver_agrees_with_statics_for_other_contacts(changes: tuple[str, ...]) -> None:
     assert abs(difference(lubricated(*changes, at=40.0), 36.68, 1640.0, "planar")) < TOLERANCE

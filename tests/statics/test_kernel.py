@@ -296,6 +296,21 @@ def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
         assert -turn == pytest.approx(0.01 * contacts.cam_stiffness * depth, rel=1e-6)
 
 
+def test_the_friction_of_a_plain_cam_pushes_its_disc_sideways() -> None:
+    contacts, load, z = springs("2")._replace(cam_lateral=0.1), np.zeros((1, 7)), np.zeros((1, 7))
+    contacts = contacts._replace(rubbing=np.zeros((1, *contacts.slope.shape[1:])))
+    load[:, -1] = design_of("2").rated_torque / contacts.radius
+    force = np.zeros(contacts.distance.shape)
+    assert balance(contacts, load, z, force, False).force <= RESIDUAL_RTOL
+    for disc, place in enumerate(contacts.cam_place[0]):
+        of_disc = np.flatnonzero(contacts.disc == disc)
+        push = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).normal[:2] for i in of_disc])
+        offset = z[0, 3 * disc : 3 * disc + 2] - place
+        normal = contacts.cam_stiffness * (np.linalg.norm(offset) - contacts.cam_clearance)
+        u, v = offset / np.linalg.norm(offset)
+        assert push == pytest.approx(normal * np.array([u - 0.1 * v, v + 0.1 * u]), rel=1e-6)
+
+
 def balance_along(contacts: KernelSprings, load: Array, z: Array, force: Array) -> Residual:
     """Balance crank angles that follow each other, with every disc where its cam is at first."""
     z[:, :-1].reshape(len(z), -1, 3)[..., :2] = contacts.cam_place

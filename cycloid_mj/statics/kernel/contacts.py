@@ -84,7 +84,8 @@ class KernelSprings(NamedTuple):
     `turning` (n,) marks contacts whose profile rotates with the disc: teeth, but not round holes. `cam_place` (k, D, 2)
     [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam with negative clearance is in
     contact on both sides. `rubbing` (k, n, u) and `cam_rubbing` [1] are the generalised friction per normal force, that
-    of the cam on the rotation of its disc; k is 0 in `rubbing` without friction.
+    of the cam on the rotation of its disc; k is 0 in `rubbing` without friction. `cam_lateral` [1] is the
+    friction force of a sliding cam across its normal, per normal force; rollers exert none.
 
     `bending` (D, D) [m/N] is the deflection of an output pin at each disc, along its own force, per force of each other
     disc; the diagonal is part of `stiffness`. The last D `pins` contacts are those of the output pins, disc by disc;
@@ -109,6 +110,7 @@ class KernelSprings(NamedTuple):
     cam_stiffness: float
     rubbing: Array
     cam_rubbing: float
+    cam_lateral: float
     bending: Array
     pins: int
 
@@ -183,6 +185,7 @@ def scale_clearances(springs: KernelSprings, share: float, scaled_room: Array) -
         springs.cam_stiffness,
         springs.rubbing,
         springs.cam_rubbing,
+        springs.cam_lateral,
         springs.bending,
         springs.pins,
     )

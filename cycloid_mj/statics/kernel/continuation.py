@@ -218,7 +218,11 @@ def _add_clearance_rate(
             force_rate = springs.cam_stiffness * springs.cam_clearance
             rate[3 * disc] += force_rate * cam.u
             rate[3 * disc + 1] += force_rate * cam.v
-            rate[3 * disc + 2] -= friction * springs.cam_rubbing * force_rate if has_friction else 0.0
+            if has_friction:
+                lateral_rate = friction * springs.cam_lateral * force_rate
+                rate[3 * disc] -= lateral_rate * cam.v
+                rate[3 * disc + 1] += lateral_rate * cam.u
+                rate[3 * disc + 2] -= friction * springs.cam_rubbing * force_rate
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

@@ -116,6 +116,7 @@ def balance_few_samples(
             ideal.cam_stiffness,
             ideal.rubbing,
             ideal.cam_rubbing,
+            ideal.cam_lateral,
             ideal.bending,
             ideal.pins,
         )

@@ -341,6 +341,14 @@ def _add_cam(
                 tangent[t, y] -= sliding * v
         around = force / cam.depth * cam.around if cam.depth > 0.0 else hard * cam.around
         along = rate - around
+        if friction > 0.0:
+            lateral = friction * springs.cam_lateral
+            residual[x] += lateral * force * v
+            residual[y] -= lateral * force * u
+            tangent[x, x] -= lateral * along * u * v
+            tangent[x, y] -= lateral * (around + along * v * v)
+            tangent[y, x] += lateral * (around + along * u * u)
+            tangent[y, y] += lateral * along * u * v
         rx, ry = rx - force * u, ry - force * v
         xx += around + along * u * u
         xy += along * u * v
