@@ -80,6 +80,14 @@ class Quantity:
             **self.interval_json(),
         }
 
+    @property
+    def interval_text(self) -> str:
+        """Return the interval and the two inputs that cause most of it, in words; empty if there is no interval."""
+        if self.low is None or self.high is None:
+            return ""
+        inputs = " and ".join(f"{name} ({share:.0%})" for name, share in self.causes[:2])
+        return f"{self.low:.4g} to {self.high:.4g} (5 to 95 %), mostly from {inputs}"
+
     def interval_json(self) -> dict[str, Any]:
         """Return low, high and the two main causes of the interval as JSON values; empty if there is no interval."""
         if self.low is None:

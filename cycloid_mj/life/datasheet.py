@@ -25,7 +25,7 @@ from cycloid_mj.life.duty import DutyPoint, constant_duty
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import solve_loading
-from cycloid_mj.life.no_load import GREASE
+from cycloid_mj.life.no_load import grease_of
 from cycloid_mj.life.output_bearing import DEEP_GROOVE, output_bearings
 from cycloid_mj.life.rated import (
     is_bearing_life,
@@ -42,6 +42,8 @@ from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
+from cycloid_mj.statics.film import film_text
+from cycloid_mj.statics.film_spread import Spread, efficiency_spread, lost_powers
 from cycloid_mj.statics.sheet import Sheet, sheet
 from cycloid_mj.statics.springs import at_rest
 
@@ -75,11 +77,6 @@ DRIVE_FIGURES = {
     "drive_diameter_mm": ("Overall diameter", "of the covers"),
 }
 """Key of a figure of the complete drive -> name and condition."""
-
-LUBRICANT = GREASE.name
-
-BARE = "without seals, grease and bearings"
-"""Condition of figures of the contacts alone."""
 
 
 BY_GEOMETRY_ALONE = ("ratio", "nominal_torque", "input_speed", "largest_speed_rpm")
@@ -139,10 +136,16 @@ class Datasheet(Presented):
             "rated_torque_nm": self.value("rated_torque"),
             "life_h": self.life,
             "momentary_torque_nm": self.value("momentary_torque"),
-            "lubricant": f"{LUBRICANT}, to {self.design.service.grease_temperature:g} °C",
+            "lubricant": _lubricant_text(self.design),
             "weakest": {"key": self.weakest.key, **self.weakest.as_json()},
             "quantities": {
-                item.key: {"name": item.name, "value": item.value, "unit": item.unit, "condition": item.note}
+                item.key: {
+                    "name": item.name,
+                    "value": item.value,
+                    "unit": item.unit,
+                    "condition": item.note,
+                    **item.interval_json(),
+                }
                 for item in items
             },
             "figures": values_json(self.figures),
@@ -323,21 +326,35 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     """Return efficiencies, torques without load, temperature rise and thermal limits."""
     design = reducer.design
     quantities = static.quantities
-    condition = f"{design.rated_torque:.4g} N m, {_speed(reducer)}"
+    law = f", {film_text(reducer)}" if design.has_film else ""
+    condition = f"{design.rated_torque:.4g} N m, {_speed(reducer)}{law}"
+    with_film = "with seals, and grease in the cams, without bearings of shaft and output"
+    bare = f"{with_film}{law}" if design.has_film else "without seals, grease and bearings"
     housing = rate_at_rated_load(reducer).items["temperature"]
     ambient = design.service.ambient_temperature
     return (
-        _figure(reducer, "drive_efficiency_percent", "Efficiency", f"{condition}, all bearings included"),
+        _drive_efficiency(reducer, f"{condition}, all bearings included"),
         _with_name(
             quantities["efficiency"], "Efficiency of the contacts", f"{condition}, without bearings of shaft and output"
         ),
-        _with_name(quantities["back_driving_torque_rated"], "Back-driving torque", f"{BARE}; against drive.torque_nm"),
-        _figure(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", f"{BARE}; slow"),
-        _figure(reducer, "no_load_torque_nm", "No-load running torque", f"{BARE}; on the crank, {_speed(reducer)}"),
-        _figure(reducer, "starting_torque_nm", "Starting torque", f"{BARE}; on the crank"),
+        _with_name(quantities["back_driving_torque_rated"], "Back-driving torque", f"{bare}; against drive.torque_nm"),
+        _figure(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", f"{bare}; slow"),
+        _figure(reducer, "no_load_torque_nm", "No-load running torque", f"{bare}; on the crank, {_speed(reducer)}"),
+        _figure(reducer, "starting_torque_nm", "Starting torque", f"{bare}; on the crank"),
         Quantity("temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, still air"),
         *_thermal_rows(reducer),
     )
+
+
+def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
+    """Return the efficiency with all bearings at the nominal torque, with its interval under the law ``film``."""
+    efficiency = _figure(reducer, "drive_efficiency_percent", "Efficiency", condition)
+    torque = reducer.design.rated_torque
+    if not reducer.design.has_film:
+        return efficiency
+    delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
+    in_bearings = delivered * (100.0 / efficiency.value - 1.0) - lost_powers(reducer, torque)[0]
+    return _with_interval(efficiency, efficiency_spread(reducer, torque, further_loss=in_bearings))
 
 
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
@@ -439,12 +456,19 @@ def _figure(reducer: Reducer, key: str, name: str, condition: str) -> Quantity:
     """Compute a figure of the catalogue for a line of the sheet; if that fails, its note says why."""
     computed = quantity(reducer, key)
     note = condition if math.isfinite(computed.value) else computed.note
-    return Quantity(key, name, computed.value, computed.unit, note=note)
+    return _with_interval(Quantity(key, name, computed.value, computed.unit, note=note), computed)
 
 
 def _with_name(quantity: Quantity, name: str, condition: str) -> Quantity:
     """Return a quantity with another name, and a condition as its note if it has none."""
-    return Quantity(quantity.key, name, quantity.value, quantity.unit, note=quantity.note or condition)
+    note = condition if quantity.low is not None else quantity.note or condition
+    return _with_interval(Quantity(quantity.key, name, quantity.value, quantity.unit, note=note), quantity)
+
+
+def _with_interval(row: Quantity, interval: Quantity | Spread) -> Quantity:
+    """Return a row with an interval and its causes, which are also added to its note; unchanged without an interval."""
+    row = replace(row, low=interval.low, high=interval.high, causes=interval.causes)
+    return replace(row, note=f"{row.note}; {row.interval_text}") if row.interval_text else row
 
 
 def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
@@ -577,9 +601,14 @@ def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
         "first yield, dents, bent or sheared pins, a skipped tooth, or a joint that slips. Both have a safety factor "
         "of 1.",
         _material_text(reducer),
-        f"Lubricant: {LUBRICANT}, to {reducer.design.service.grease_temperature:g} °C.",
+        f"Lubricant: {_lubricant_text(reducer.design)}.",
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
     )
+
+
+def _lubricant_text(design: Design) -> str:
+    """Describe the lubricant and its largest temperature."""
+    return f"{grease_of(design).name}, to {design.service.grease_temperature:g} °C"
 
 
 def _material_text(reducer: Reducer) -> str:

@@ -7,7 +7,8 @@ shaft seals, ISO/TR 14179-2. Viscosity: Walther, lg lg (nu + 0.7) = A - B lg T.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cycloid_mj.design.lubricants import walther
+from cycloid_mj.design import Design
+from cycloid_mj.design.lubricants import lubricant, walther
 from cycloid_mj.design.stock import ball_bearings, thin_ball_bearings
 from cycloid_mj.life.bearings import Bearing, bearings_of
 from cycloid_mj.life.loading import relative_speed
@@ -36,6 +37,15 @@ class Grease:
 
 GREASE = Grease()
 
+
+def grease_of(design: Design) -> Grease:
+    """Return the lubricant of a design with the law ``film``, else the assumed grease."""
+    if not design.has_film:
+        return GREASE
+    oil = lubricant(design.friction.lubricant)
+    return Grease(f"{oil.name} (friction.lubricant)", oil.viscosity_40, oil.viscosity_100)
+
+
 BEARING_FACTORS = {"needle": (5.0, 12.0), "ball": (1.0, 2.0)}
 """Palmgren's factor f0 of bearings with little grease or oil, lower and upper value by kind (Harris; SKF)."""
 
@@ -59,9 +69,10 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
     """Compute the torque of bearings, grease and seals on the crank at its speed [rad/s] and a temperature [°C].
 
     Bearings by Palmgren's M0, seals by ISO/TR 14179-2 or as the design states them (`drag`). At speed 0 it is the
-    torque that starts the drive. Contacts of teeth and pins are not included.
+    torque that starts the drive. Contacts of teeth and pins are not included, nor are cams and seals with the law
+    ``film``, as statics includes these.
     """
-    viscosity = GREASE.viscosity(temperature)
+    viscosity = grease_of(reducer.design).viscosity(temperature)
     crank_speed = abs(speed) or abs(reducer.design.drive.speed)
     torques = []
     for factors, count, diameter, share in _bearing_torque_terms(reducer):
@@ -77,6 +88,8 @@ def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float
     """Yield for each kind of bearing the range of f0, the number, mean diameter [m] and speed over the crank's."""
     design = reducer.design
     for bearing in bearings_of(reducer):
+        if design.has_film and bearing.key == "cam_bearing":
+            continue
         kind, count, diameter = _bearing_size(reducer, bearing)
         share = bearing.speed(reducer, design.drive.speed) / abs(design.drive.speed)
         yield BEARING_FACTORS[kind], count, diameter, share
@@ -104,9 +117,9 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
 
 
 def _seal_torque(reducer: Reducer, crank_speed: float) -> float:
-    """Return the torque of the seals referred to a crank that turns at a speed [rad/s]; 0 if `drag` states it."""
+    """Return the torque of the seals referred to a crank that turns at a speed [rad/s]; 0 if statics includes it."""
     design = reducer.design
-    if design.drag.crank or design.drag.output:
+    if design.drag.crank or design.drag.output or design.has_film:
         return 0.0
     on_shaft, on_hub = seal_torques(reducer)
     output_speed = (

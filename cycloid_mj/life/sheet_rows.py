@@ -2,13 +2,15 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
+from cycloid_mj.design.model import HEATED
 from cycloid_mj.figures import quantity
 from cycloid_mj.life import rolling
 from cycloid_mj.life.bearings import bearing_forces, bearings_of
@@ -17,7 +19,7 @@ from cycloid_mj.life.heat import heat_limits
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.joints import screwed_joints
 from cycloid_mj.life.loading import solve_loading
-from cycloid_mj.life.no_load import GREASE, NoLoadTorque, no_load_torque
+from cycloid_mj.life.no_load import NoLoadTorque, grease_of, no_load_torque
 from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
@@ -71,52 +73,81 @@ def hysteresis(reducer: Reducer) -> Quantity:
 def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantity, ...]:
     """Return running, starting and back-driving torque of the drive with grease, bearings and seals [N m]."""
     design, speed = reducer.design, abs(reducer.design.drive.speed)
-    running_torque, starting_torque, back_driving_torque = (
-        quantity(reducer, key).value
-        for key in ("no_load_torque_nm", "starting_torque_nm", "back_driving_torque_free_nm")
+    running, running_warm, starting, back_driving = (
+        _contact_torque(reducer, key, temperature)
+        for key, temperature in (
+            ("no_load_torque_nm", SETTINGS.cold),
+            ("no_load_torque_nm", SETTINGS.warm),
+            ("starting_torque_nm", SETTINGS.cold),
+            ("back_driving_torque_free_nm", SETTINGS.cold),
+        )
     )
     cold_torque, warm_torque = (
         no_load_torque(reducer, speed, temperature) for temperature in (SETTINGS.cold, SETTINGS.warm)
     )
     start = no_load_torque(reducer, 0.0, SETTINGS.cold)
     efficiency = 0.01 * static_sheet.quantities["back_driving_efficiency"].value
-    driven_torque = back_driving_torque + start.total * design.reduction / efficiency if efficiency > 0.0 else math.nan
-    included = "with seals, grease, bearings"
-    source = "Palmgren's M0 and ISO/TR 14179-2"
+    lever = design.reduction / efficiency if efficiency > 0.0 else math.nan
+    range_of = "range" if not design.has_film else "5 to 95 % of the film, and range of the bearings"
     rows = (
+        ("running_torque_cold", "No-load torque, 20 °C", running, cold_torque, 1.0, "on the crank"),
+        ("running_torque_warm", "No-load torque, 60 °C", running_warm, warm_torque, 1.0, "on the crank"),
+        ("starting_torque_drive", "Starting torque, 20 °C", starting, start, 1.0, "on the crank"),
         (
-            "running_torque_cold",
-            "No-load torque, 20 °C",
-            running_torque + cold_torque.total,
-            _range(running_torque, cold_torque),
+            "back_driving_torque_drive",
+            "Back-driving torque, 20 °C",
+            back_driving,
+            start,
+            lever,
+            "on the output, crank free",
         ),
-        (
-            "running_torque_warm",
-            "No-load torque, 60 °C",
-            running_torque + warm_torque.total,
-            _range(running_torque, warm_torque),
-        ),
-        ("starting_torque_drive", "Starting torque, 20 °C", starting_torque + start.total, "on the crank"),
-        ("back_driving_torque_drive", "Back-driving torque, 20 °C", driven_torque, "on the output, crank free"),
     )
-    return tuple(
-        Quantity(key, name, value, "N m", note=f"{included}; {note}; {source}") for key, name, value, note in rows
-    )
+    return tuple(_torque_row(*row, range_of) for row in rows)
 
 
-def _range(contacts: float, torque: NoLoadTorque) -> str:
-    return f"{contacts + torque.low:.3g} to {contacts + torque.high:.3g}"
+def _torque_row(
+    key: str, name: str, contacts: Quantity, rest: NoLoadTorque, lever: float, where: str, range_of: str
+) -> Quantity:
+    """Return the row of a torque of contacts plus that of bearings and seals on the crank times a lever [N m].
+
+    Lower ends of both intervals add up, and so do upper ends. `where` and `range_of` describe torque and range.
+    """
+    if not math.isfinite(contacts.value):
+        return replace(contacts, key=key, name=name)
+    low = (contacts.value if contacts.low is None else contacts.low) + lever * rest.low
+    high = (contacts.value if contacts.high is None else contacts.high) + lever * rest.high
+    inputs = f", mostly from {' and '.join(cause for cause, _ in contacts.causes[:2])}" if contacts.causes else ""
+    interval = f"{low:.3g} to {high:.3g} ({range_of}){inputs}; " if math.isfinite(low) else ""
+    note = f"with seals, grease, bearings; {where}; {interval}Palmgren's M0 and ISO/TR 14179-2"
+    row = Quantity(key, name, contacts.value + lever * rest.total, "N m", note=note)
+    return replace(row, low=low, high=high, causes=contacts.causes) if contacts.causes else row
+
+
+def _contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
+    """Compute a torque of the catalogue without load [N m], with the law ``film`` at a temperature of all parts [°C].
+
+    It is NaN if the parts jam at this temperature, and its note says so.
+    """
+    try:
+        return quantity(_at_temperature(reducer, temperature), key)
+    except DesignError as error:
+        return Quantity(key, key, math.nan, "N m", note=str(error))
+
+
+def _at_temperature(reducer: Reducer, temperature: float) -> Reducer:
+    """Return a reducer with the law ``film`` with all parts at a temperature [°C]; with ``coulomb`` it is unchanged."""
+    return reducer.but(thermal=dict.fromkeys(HEATED, temperature)) if reducer.design.has_film else reducer
 
 
 def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     """Compute the torque on the crank without load over its speed, at the cold and the warm temperature."""
     design = reducer.design
     speeds = np.array(SETTINGS.speed_shares) * abs(design.drive.speed)
-    contacts = np.array(
-        [quantity(reducer.but(drive={"speed": float(speed)}), "no_load_torque_nm").value for speed in speeds]
-    )
-    curves = []
+    curves: list[Curve] = []
     for temperature in (SETTINGS.cold, SETTINGS.warm):
+        if reducer.design.has_film or not curves:
+            at_speeds = [reducer.but(drive={"speed": float(speed)}) for speed in speeds]
+            contacts = np.array([_contact_torque(at, "no_load_torque_nm", temperature).value for at in at_speeds])
         idle_torques = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])
         name = f"{temperature:g} °C"
         panel = "No-load torque"
@@ -135,10 +166,10 @@ def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
         min(heat_limits(reducer), key=lambda limit: limit.temperature),
     )
     condition = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, still air"
-    share = 100.0 * min(housing.safety or 1.0, 1.0)
+    share, grease = 100.0 * min(housing.safety or 1.0, 1.0), grease_of(design)
     return (
-        Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", GREASE.viscosity_40, "mm2/s", note=GREASE.name),
-        Quantity("ambient_min", "Ambient temperature, from", GREASE.coldest, "°C", note="assumed: the grease (K2K-20)"),
+        Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", grease.viscosity_40, "mm2/s", note=grease.name),
+        Quantity("ambient_min", "Ambient temperature, from", grease.coldest, "°C", note="assumed: the grease (K2K-20)"),
         Quantity(
             "ambient_max",
             "Ambient temperature, to",

@@ -65,11 +65,6 @@ class Spread:
     high: float
     causes: tuple[tuple[str, float], ...]
 
-    @property
-    def text(self) -> str:
-        """Return the two inputs that cause most of the spread, in words."""
-        return " and ".join(f"{name} ({share:.0%})" for name, share in self.causes[:2])
-
 
 @cache
 def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
@@ -117,15 +112,16 @@ def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tupl
     assert springs.film is not None
     contact_torque = float(sign) * (torque + drag_torques(reducer)[1])
     own_loads = loads(reducer, springs, contact_torque, follow=True)
-    springs = replace(springs, film=springs.film.displaced(own_loads.departures))
+    film = springs.film.displaced(own_loads.departures)
+    springs = replace(springs, film=film)
     own_loss = _contact_losses(reducer, springs, own_loads)
-    probe_springs = replace(springs, film=springs.film.with_inputs(PROBE))
+    probe_springs = replace(springs, film=film.with_inputs(PROBE))
     fixed_loss = _contact_losses(reducer, probe_springs, own_loads)
     raised_loss = _contact_losses(reducer, probe_springs, loads(reducer, probe_springs, contact_torque, follow=True))
     growth = (raised_loss / fixed_loss - 1.0) / (fixed_loss / own_loss - 1.0) if fixed_loss != own_loss else 0.0
     outcomes = []
     for inputs in sample_inputs(samples)[0]:
-        sample_loss = _contact_losses(reducer, replace(springs, film=springs.film.with_inputs(inputs)), own_loads)
+        sample_loss = _contact_losses(reducer, replace(springs, film=film.with_inputs(inputs)), own_loads)
         crank, output = drag_torques(reducer, inputs)
         outcomes.append(
             sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + speed * (crank + output / design.reduction)
@@ -148,10 +144,14 @@ def _contact_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) ->
     return sum(float(np.mean(power)) for power in losses.values())
 
 
-def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:
-    """Compute the efficiency under an output torque [N m] that brakes, with its interval [%]; errors as `powers`."""
+def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
+    """Compute the efficiency under an output torque [N m] that brakes, with its interval [%]; errors as `powers`.
+
+    `further_loss` is the power lost in parts without a film law [W], such as the bearings of shaft and output.
+    """
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, torque, samples)
+    lost, outcomes = lost + further_loss, outcomes + further_loss
     share = 100.0 * delivered / (delivered + outcomes)
     return compute_spread(100.0 * delivered / (delivered + lost), share, sample_inputs(samples)[1])
 

@@ -278,6 +278,5 @@ def sheet_quantity(
 
 def spread_quantity(key: str, spread: Spread) -> Quantity:
     """Return the quantity of a figure of the sheet with its interval and the causes of its spread."""
-    note = f"{spread.low:.4g} to {spread.high:.4g} (5 to 95 %), mostly from {spread.text}"
-    quantity = sheet_quantity(key, spread.value, note=note)
-    return replace(quantity, low=spread.low, high=spread.high, causes=spread.causes)
+    quantity = replace(sheet_quantity(key, spread.value), low=spread.low, high=spread.high, causes=spread.causes)
+    return replace(quantity, note=quantity.interval_text)

@@ -3,9 +3,12 @@
 import pytest
 
 from cycloid_mj.design import resolve
+from cycloid_mj.figures import quantity
 from cycloid_mj.life.no_load import GREASE, no_load_torque
+from cycloid_mj.life.sheet_rows import torques_without_load
 from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import sheet
 
 RPM = 0.10471975511965977
 
@@ -42,3 +45,24 @@ def test_no_load_torque_grows_with_speed_and_falls_with_temperature() -> None:
 def test_drag_of_the_design_replaces_the_seals() -> None:
     reducer = Reducer(resolve("pin", {"drag.crank_nm": 0.05}))
     assert no_load_torque(reducer, 100.0, 20.0).seals == 0.0
+
+
+def test_film_rows_have_intervals_and_count_seals_once() -> None:
+    reducer = Reducer(resolve("pin", ["friction.law=film"]))
+    rows = {row.key: row for row in torques_without_load(reducer, sheet(reducer, reducer.design.rated_torque))}
+    for row in rows.values():
+        assert row.low is not None
+        assert row.high is not None
+        assert row.low < row.value < row.high
+        assert len(row.interval_json()["causes"]) == 2
+        assert row.causes[0][0] in row.note
+    assert rows["running_torque_warm"].value < rows["running_torque_cold"].value
+    assert no_load_torque(reducer, 100.0, 20.0).seals == 0.0
+    contacts = quantity(reducer, "starting_torque_nm").value
+    assert rows["starting_torque_drive"].value - contacts == pytest.approx(no_load_torque(reducer, 0.0, 20.0).bearings)
+
+
+def test_coulomb_rows_have_no_interval() -> None:
+    reducer = Reducer(resolve("pin"))
+    rows = torques_without_load(reducer, sheet(reducer, reducer.design.rated_torque))
+    assert all(row.low is None and not row.causes for row in rows)
