@@ -1,4 +1,4 @@
-"""Make the folders models/pin, models/nonpin and models/twodisc with their READMEs, byte for byte.
+"""Make the folders models/pin, models/nonpin, models/twodisc and models/rv80e with their READMEs, byte for byte.
 
 With --pictures, the pictures are rendered, too (OpenGL off-screen is needed; their bytes depend on the machine). The
 figures of other methods in the READMEs are measured by scripts/measure_models.py.
@@ -12,7 +12,7 @@ from typing import Any
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
 from cycloid_mj.parts.convex import ConvexSettings
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 MODELS = Path(__file__).parent.parent / "models"
 README = Path(__file__).with_name("model_readme.md")
@@ -22,7 +22,11 @@ TWO_DISCS = Path(__file__).with_name("model_twodisc_readme.md")
 COARSE = ConvexSettings(chord_error=1e-6)
 """Of models/twodisc: half as many slices for each of its discs."""
 
-STEPS_US = {"pin": 2.0, "nonpin": 5.0, "twodisc": 5.0}
+RV_README = Path(__file__).with_name("model_rv80e_readme.md")
+RV_CHANGES = ("ring.pins=fixed", "clearance.pin_gear_um=1")
+"""Changes of the preset rv80e for its folder: fixed pins cost less, and slices are less accurate than its clearance."""
+
+STEPS_US = {"pin": 2.0, "nonpin": 5.0, "twodisc": 5.0, "rv80e": 5.0}
 """Time step of each preset's folder [us]: free pins need the shorter, for at 5 us they add what friction takes."""
 
 MODELLED = ("pin", "nonpin")
@@ -60,6 +64,24 @@ def format_two_disc_readme(manifest: dict[str, Any]) -> str:
         step=1e6 * manifest["timestep_s"],
         mujoco=manifest["versions"]["mujoco"],
     )
+
+
+def rv_design() -> Design:
+    """Return the design of models/rv80e."""
+    return override(at_step("rv80e"), RV_CHANGES)
+
+
+def rv_files() -> dict[str, bytes]:
+    """Collect every file of models/rv80e but its picture, with its README."""
+    generated = model_files(RvReducer(rv_design()))
+    manifest = json.loads(generated[MANIFEST])
+    text = RV_README.read_text(encoding="utf-8").format(
+        chord=1e6 * ConvexSettings().chord_error,
+        geoms=manifest["geoms"],
+        step=1e6 * manifest["timestep_s"],
+        mujoco=manifest["versions"]["mujoco"],
+    )
+    return {**generated, "README.md": text.encode()}
 
 
 def files(name: str, design: Design, plain: dict[str, dict[str, Any]]) -> dict[str, bytes]:
@@ -202,6 +224,10 @@ def main(arguments: list[str]) -> int:
     plain = read_measurements(PLAIN)
     manifests = {}
     print(write_model("twodisc", two_disc_files()))
+    folder = write_model("rv80e", rv_files())
+    if "--pictures" in arguments:
+        render(folder)
+    print(folder)
     for name in MODELLED:
         generated = files(name, at_step(name), plain)
         folder = write_model(name, generated)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim_outputs
 from cycloid_mj.base.result import Table
@@ -14,7 +14,7 @@ from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, STEP, TIMESTEP, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import claim_folder
 from cycloid_mj.cli.terminal import note
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.parts.convex import Plain
@@ -65,7 +65,8 @@ def build(
     The parts collide by convex meshes: working surfaces are divided into slices by their curvature, the rest is
     decomposed by CoACD. The model has keyframes (home, rest_90, ..., 1640rpm_0, ...), sensors, a speed servo on the
     crank and the load torque on the output. manifest.json lists versions, settings and the deviation of each convex
-    surface from the true surface, along its normals. If a decomposition exceeds its error bound, the command fails
+    surface from the true surface, along its normals. In an RV reducer the teeth of the discs collide; crank bearings
+    and planet meshes are springs without friction. If a decomposition exceeds its error bound, the command fails
     and writes nothing. The same design and settings produce identical files.
     """
     from dataclasses import replace
@@ -73,7 +74,9 @@ def build(
     from cycloid_mj.dynamics.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
     from cycloid_mj.parts.convex import ConvexSettings
 
-    reducer = Reducer(design_options.resolve_checked([(TIMESTEP, timestep_us)]))
+    reducer = reducer_of(design_options.resolve_checked([(TIMESTEP, timestep_us)]))
+    if plain_coacd and isinstance(reducer, RvReducer):
+        raise UsageError("--plain-coacd supports designs with a central crank only: leave it out")
     _require_writable(out)
     claim_outputs(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-model")

@@ -49,10 +49,10 @@ def view(
     design = load_design(what, set_, (), at_c)
     from cycloid_mj.base.errors import warn
     from cycloid_mj.dynamics.mjcf import build
-    from cycloid_mj.reducer import Reducer
+    from cycloid_mj.reducer import reducer_of
 
     note(f"building the MuJoCo model of {design.name}")
-    compiled = build(Reducer(design).at_rated_load.design)  # the window's sliders may load it
+    compiled = build(reducer_of(design).at_rated_load.design)  # the window's sliders may load it
     warn(design.name, compiled.warnings)
     show_model(compiled.model)
     return 0

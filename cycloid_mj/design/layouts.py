@@ -7,7 +7,17 @@ Layout = Literal["central", "rv"]
 
 SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "central": (),
-    "rv": ("design new --from", "design show", "design check", "export", "figures", "rate", "statics", "tolerance"),
+    "rv": (
+        "build",
+        "design new --from",
+        "design show",
+        "design check",
+        "export",
+        "figures",
+        "rate",
+        "statics",
+        "tolerance",
+    ),
 }
 """The only commands that support a layout; empty: all of them."""
 

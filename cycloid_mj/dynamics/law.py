@@ -161,7 +161,7 @@ def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impr
         shares = {design.tooth_pair: 1.0, "cam": gear.eccentricity / gear.bore_radius}
     if design.ring.has_pin_bodies:
         shares[design.seat_pair] = 1.0
-    pairs = {kind: (laws[kind], share) for kind, share in shares.items() if laws[kind].friction}
+    pairs = {kind: (laws[kind], share) for kind, share in shares.items() if kind in laws and laws[kind].friction}
     return {kind: share * impratio * law.added_mass * speed / law.creep for kind, (law, share) in pairs.items()}
 
 

@@ -1,7 +1,7 @@
 """Reducer of an RV design: planet stage, two or three cranks, no output pins."""
 
 import math
-from typing import TYPE_CHECKING, NoReturn, TypeVar
+from typing import TYPE_CHECKING, NoReturn, Self, TypeVar
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
@@ -216,6 +216,11 @@ class RvReducer(Reducer):
 
         design = self.design
         return RvMember(design.output.turns_ring, design.ring.teeth, design.lobes, self.kinematics)
+
+    @property
+    def for_slices(self) -> Self:
+        """Reducer for a model in stock MuJoCo: as that of a central crank, with a sun that is centred by bearings."""
+        return super().for_slices.but(planet={"sun_support": "fixed"})
 
     @property
     def orbit_speed(self) -> float:

@@ -13,7 +13,6 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
-from cycloid_mj.base.names import SHAFT
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE, RPM
@@ -222,7 +221,7 @@ def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
     design = reducer.design
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     discs = [masses[body.part] for body in reducer.mechanism.discs]
-    crank = crank_inertia(reducer, masses[SHAFT]) + sum(disc.mass for disc in discs) * design.gear.eccentricity**2
+    crank = crank_inertia(reducer, masses) + sum(disc.mass for disc in discs) * design.gear.eccentricity**2
     return crank, turning_inertia(reducer)
 
 

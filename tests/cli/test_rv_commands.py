@@ -11,7 +11,6 @@ from cycloid_mj.design.layouts import SUPPORTED
 
 REFUSED = (
     ("simulate", "rv80e"),
-    ("build", "rv80e", "--out", "model"),
     ("thermal", "rv80e"),
     ("reduce", "rv80e", "--out", "joint"),
     ("stress", "rv80e", "--out", "stress"),

@@ -1,21 +1,33 @@
 """RV reducers in MuJoCo: planet mesh, forces, wind-up, ratio and power balance against independent sources."""
 
+import math
+from pathlib import Path
 from typing import Any
 
+import build_models
+import mujoco
 import numpy as np
 import pytest
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import ContactError, DesignError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS
 from cycloid_mj.dynamics.contact.crank_train import mesh_numbers, planet_flanks
 from cycloid_mj.dynamics.contact.gap import Pose
 from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.mjcf.folder import model_files
+from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
+from cycloid_mj.dynamics.mjcf.mesh import build_mesh
+from cycloid_mj.dynamics.mjcf.springs import add_springs
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry.involute import InvoluteGear
+from cycloid_mj.parts.convex import ConvexSettings
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv import RvLoads, compute_rv_springs, solve_rv_loads
 from cycloid_mj.statics.rv_sheet import loss_figures
+
+MODELS = Path(__file__).parents[2] / "models"
 
 FRICTIONLESS = {
     "friction": {"pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0},
@@ -154,3 +166,62 @@ def test_planet_flanks_are_those_of_the_drawn_teeth(side: float) -> None:
         drawn = Pose(poses[1].x, poses[1].y, np.cos(planet_turn + first_tooth), np.sin(planet_turn + first_tooth))
         gap = flanks.gap if side > 0 else flanks.opposite
         assert gap == pytest.approx(flank_gap(sun, planet, (poses[0], drawn), side), abs=2e-7)
+
+
+def require_stock_run(model: Any, data: Any, steps: int) -> None:
+    """Turn a stock model from its keyframe at full speed under a load that rises to 784 N m in a third of the steps."""
+    mujoco.mj_resetDataKeyframe(model, data, model.key("2295rpm_0").id)
+    for step in range(steps):
+        data.ctrl[1] = -784.0 * 0.5 * (1.0 - math.cos(math.pi * min(1.0, 3.0 * step / steps)))
+        mujoco.mj_step(model, data)
+    assert not data.warning.number.any()
+
+
+def test_stock_model_has_the_springs_of_bearings_and_planet_meshes() -> None:
+    """Ideal motion keeps all tendons at their free lengths and the teeth free of contact; a load stretches them."""
+    reducer = RvReducer(PRESETS["rv80e"].but(ring={"pins": "fixed"}, clearance={"pin_gear": 5e-5}))
+    files = model_files(reducer.but(settings={"timestep": 5e-6}), ConvexSettings(chord_error=1e-5))
+    model = mujoco.MjModel.from_xml_string(
+        files["reducer.xml"].decode(), {Path(name).name: content for name, content in files.items()}
+    )
+    data = mujoco.MjData(model)
+    for key in range(model.nkey):
+        mujoco.mj_resetDataKeyframe(model, data, key)
+        mujoco.mj_forward(model, data)
+        np.testing.assert_allclose(data.ten_length, 0.0, atol=1e-9)
+        assert data.ncon == 0
+    data.joint("crank_1_angle").qpos[0] += 1e-3
+    mujoco.mj_forward(model, data)
+    assert data.ten_length[model.tendon("gear_1_crank_1").id] == pytest.approx(1.5e-6, rel=1e-3)
+    assert data.ten_length[model.tendon("planet_1").id] == pytest.approx(1e-3 * reducer.planet_mesh.planet_base)
+    moment = data.joint("crank_1_angle").qfrc_passive[0]
+    stiffness = reducer.mesh_stiffness * reducer.planet_mesh.planet_base**2 + 2.0 * 1e8 * 1.5e-3**2
+    assert moment == pytest.approx(-1e-3 * stiffness, rel=1e-3)
+
+
+def test_springs_too_stiff_for_the_step_are_refused() -> None:
+    reducer = rv(784.0, drive={"rotor_inertia": 0.0}).for_slices
+    spec = mujoco.MjSpec()
+    spec.option.timestep = 1e-5
+    with pytest.raises(ContactError, match=r"planet_mesh: springs of stock MuJoCo .* shorten settings.timestep_us to"):
+        add_springs(spec, reducer, stiffest(laws_of_discs(reducer)))
+
+
+def test_runs_with_mesh_contact_are_refused() -> None:
+    with pytest.raises(DesignError, match="do not support RV reducers"):
+        build_mesh(rv(784.0))
+
+
+@pytest.mark.slow
+def test_the_committed_model_comes_out_again_and_winds_up_as_statics() -> None:
+    folder = MODELS / "rv80e"
+    made = build_models.rv_files()
+    for name, content in made.items():
+        assert (folder / name).read_bytes() == content, name
+    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    data = mujoco.MjData(model)
+    require_stock_run(model, data, 900)
+    sun, output = data.sensor("sun_angle").data[0], data.sensor("output_angle").data[0]
+    reducer = RvReducer(build_models.rv_design())
+    static = solve_rv_loads(compute_rv_springs(reducer, reducer.member.against_ring(sun)), -784.0)
+    assert output - sun / 153.0 == pytest.approx(static.carrier_turn[0], rel=0.02)

@@ -73,8 +73,9 @@ def add_shapes(spec: Any, reducer: Reducer) -> None:
             )
 
 
-def crank_inertia(reducer: Reducer, shaft: MassProperties) -> float:
-    """Compute the inertia of the driven shaft and the rotor about their axis [kg m2]."""
+def crank_inertia(reducer: Reducer, masses: Mapping[str, MassProperties]) -> float:
+    """Compute the inertia of the driven shaft, crank or sun, and the rotor about their axis [kg m2]."""
+    shaft = masses[names.SUN if isinstance(reducer, RvReducer) else names.SHAFT]
     return float(
         shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + reducer.design.drive.rotor_inertia
     )

@@ -33,7 +33,8 @@ from cycloid_mj.parts.convex import (
     sectors,
     surface_quality,
 )
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer.rv_bodies import crank_names
 
 REDUCER, SCENE, MANIFEST, DESIGN = "reducer.xml", "scene.xml", "manifest.json", "design.toml"
 ASSETS = "assets"
@@ -66,7 +67,8 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     """Return every file of a model folder by its path in it; CoACD takes some 10 s.
 
     The model differs from that of ``build_mesh``: the crank has a speed servo (``ctrl`` in rad/s, no target to be
-    moved), there are keyframes, and convex pieces behind the teeth collide with other objects.
+    moved), there are keyframes, and convex pieces behind the teeth collide with other objects (not those of an
+    RV reducer).
 
     Warns
     -----
@@ -76,7 +78,8 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     settings, reducer = settings or ConvexSettings(), reducer.for_slices
     mesh = mesh_spec(reducer, settings)
     surface_errors = {surface.key: _check_surface(surface, settings) for surface in mesh.surfaces}
-    remainders = [decompose(sector, settings) for sector in sectors(reducer, settings)]
+    is_rv = isinstance(reducer, RvReducer)
+    remainders = [] if is_rv else [decompose(sector, settings) for sector in sectors(reducer, settings)]
     for number, remainder in enumerate(remainders, start=1):
         add_remainder(mesh.spec, reducer, number, remainder)
     gains = _add_drive(mesh, reducer)
@@ -130,7 +133,7 @@ def _check_surface(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
 def _add_drive(mesh: MeshSpec, reducer: Reducer) -> tuple[float, float]:
     """Add the speed servo of the crank and the torque of the load; return the servo's gains kp and kv."""
     joint = mujoco.mjtTrn.mjTRN_JOINT
-    drive = mesh.spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=joint)
+    drive = mesh.spec.add_actuator(name=names.DRIVE, target=reducer.INPUT_JOINT, trntype=joint)
     gain = mesh.crank_inertia * SPEED_SERVO.bandwidth
     drive.set_to_velocity(kv=gain)
     drive.forcelimited = True
@@ -158,8 +161,9 @@ def _manifest(
 ) -> str:
     """Return the manifest of a model folder as JSON: versions, hashes, settings and measured mesh errors."""
     design = reducer.design
+    shafts = [names.SUN, *crank_names(reducer)] if isinstance(reducer, RvReducer) else [names.SHAFT]
     moving = [
-        names.SHAFT,
+        *shafts,
         *reducer.gears,
         names.OUTPUT,
         *([names.numbered_name(names.PIN, 1)] if design.ring.has_pin_bodies else []),

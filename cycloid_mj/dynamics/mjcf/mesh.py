@@ -32,13 +32,15 @@ from cycloid_mj.dynamics.mjcf.bodies import (
 )
 from cycloid_mj.dynamics.mjcf.foundation import slice_law
 from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
-from cycloid_mj.dynamics.mjcf.model import ReducerModel, add_actuators, add_warnings, empty_spec
+from cycloid_mj.dynamics.mjcf.model import ReducerModel, add_actuators, add_warnings, empty_spec, visible_solids
 from cycloid_mj.dynamics.mjcf.sensors import add_sensors
+from cycloid_mj.dynamics.mjcf.springs import add_springs
 from cycloid_mj.geometry import profile
-from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
+from cycloid_mj.parts import mesh, moving_masses
 from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePlacement, gear_holes, prism, surfaces
 from cycloid_mj.parts.export.triangles import stl_bytes
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.reducer.rv_bodies import CRANK_BEARING, PLANET_MESH
 from cycloid_mj.reducer.sockets import require_one_ring, require_open_sockets
 
 VISUAL, COLLISION = "visual", "collision"
@@ -67,6 +69,9 @@ class MeshContactSettings:
 
 MESH_CONTACT = MeshContactSettings()
 
+
+SPRINGS = (CRANK_BEARING, PLANET_MESH)
+"""Kinds of pairs of an RV reducer that are springs instead of surfaces."""
 
 _STEMS = {"lobe": names.LOBE, "socket": names.SOCKET, "hole": names.HOLE}
 """Surfaces of which a part has several, numbered."""
@@ -101,6 +106,11 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
     design = reducer.design
+    if isinstance(reducer, RvReducer):
+        raise DesignError(
+            f"{design.name}: runs with mesh contact do not support RV reducers, whose crank bearings would be springs "
+            "without logged forces. Use --contact profile, or `cycloid-mj build` for a model without this package"
+        )
     if design.contact.law == "impact":
         raise DesignError(
             f'{design.name}: contact.law = "impact" needs exact profiles, not convex meshes. Use --contact profile, or '
@@ -140,7 +150,8 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     require_open_sockets(reducer.design, "mesh contact")
     require_one_ring(reducer, "mesh contact")
     masses = moving_masses(reducer)
-    laws = laws_of_discs(reducer)
+    all_laws = laws_of_discs(reducer)
+    laws = [{kind: law for kind, law in of_disc.items() if kind not in SPRINGS} for of_disc in all_laws]
     spec = empty_spec(reducer, stock_impratio(reducer, laws))
     spec.nuser_geom = 0
     for item in (*spec.lights, *spec.cameras):
@@ -159,7 +170,9 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
         equal_discs = [disc for disc in discs if surface.name != names.TEETH or disc not in own_discs]
         _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else equal_discs, laws, weights, settings)
     _add_round_parts(spec, reducer)
-    return MeshSpec(spec, sliced_surfaces, stiffest(laws), crank_inertia(reducer, masses[names.SHAFT]))
+    if isinstance(reducer, RvReducer):
+        add_springs(spec, reducer, stiffest(all_laws))
+    return MeshSpec(spec, sliced_surfaces, stiffest(laws), crank_inertia(reducer, masses))
 
 
 def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> None:
@@ -200,7 +213,7 @@ def _add_visuals(spec: Any, reducer: Reducer) -> None:
     visual = spec.add_default(VISUAL, spec.default)
     visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
     visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
-    for part, solid in parts(reducer, VISUAL_CHORD_ERROR).items():
+    for part, solid in visible_solids(reducer).items():
         _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
         opacity = MESH_CONTACT.output_opacity if part == names.OUTPUT else 1.0
         spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
@@ -265,7 +278,7 @@ def _add_slices(
     conaffinity.
     """
     design, carriers, discs = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     kind = _KINDS.get(surface.name, design.tooth_pair)
     copies = discs if surface.name in _OF_DISCS else 1
     curvature_law, force = reducer.contacts.teeth.curvature_law, reducer.contacts[kind].force
@@ -329,10 +342,12 @@ def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
 def _add_round_parts(spec: Any, reducer: Reducer) -> None:
     """Add pins, or the arcs of an internal gear's lobes (the same circles), cams and output pins as capsules."""
     design, collision = reducer.design, spec.find_default(COLLISION)
-    cams = [("cam", BORES[disc], disc) for disc in range(design.gear.discs)]
-    for kind, bits, disc in ((design.tooth_pair, TEETH | SOCKETS, 0), *cams, ("output", HOLES, 0)):
+    kinds = [(design.tooth_pair, TEETH | SOCKETS, 0)]
+    if not isinstance(reducer, RvReducer):
+        kinds += [*(("cam", BORES[disc], disc) for disc in range(design.gear.discs)), ("output", HOLES, 0)]
+    for kind, bits, disc in kinds:
         round_parts = reducer.mechanism.mating(kind, disc).by
-        centre_z, half_width = axial_extent(Reducer(design), round_parts)
+        centre_z, half_width = axial_extent(reducer, round_parts)
         half_length = half_width * (1.0 + 2.0 * MESH_CONTACT.cap_share)
         for i, name in enumerate(round_parts.names):
             spec.body(round_parts.bodies[i]).add_geom(

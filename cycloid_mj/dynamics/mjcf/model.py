@@ -104,7 +104,7 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     masses = moving_masses(reducer)
     laws = laws_of_discs(reducer)
     spec = empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))
-    for name, solid in _visible_solids(reducer).items():
+    for name, solid in visible_solids(reducer).items():
         shape = mesh(solid)
         spec.add_mesh(
             name=name,
@@ -114,7 +114,7 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
         )
     add_bodies(spec, reducer, masses)
     add_shapes(spec, reducer)
-    crank = crank_inertia(reducer, masses[names.SUN if isinstance(reducer, RvReducer) else names.SHAFT])
+    crank = crank_inertia(reducer, masses)
     inertias = {"crank": crank, "output": output_inertia(reducer), "": 0.0}
     gains = add_actuators(spec, inertias[held], held, reducer.INPUT_JOINT)
     add_sensors(spec, reducer)
@@ -163,7 +163,7 @@ def empty_spec(reducer: Reducer, impratio: float) -> Any:
     return spec
 
 
-def _visible_solids(reducer: Reducer) -> dict[str, Solid]:
+def visible_solids(reducer: Reducer) -> dict[str, Solid]:
     """Return the solids of all parts for viewers, by name."""
     if isinstance(reducer, RvReducer):
         return rv_solids(reducer, VISUAL_CHORD_ERROR)

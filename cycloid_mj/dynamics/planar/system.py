@@ -131,7 +131,7 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
     shafts = {"output": masses[mechanism.turning], "crank": masses[names.SHAFT]}
     shaft_inertia = {
         "output": float(shafts["output"].inertia[2, 2]),
-        "crank": crank_inertia(reducer, masses[names.SHAFT]),
+        "crank": crank_inertia(reducer, masses),
     }
     unknown_of_body = {mechanism.turning: 3 * len(discs)}
     pin = masses[names.PIN] if design.ring.has_pin_bodies else None

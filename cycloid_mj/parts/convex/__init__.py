@@ -12,7 +12,7 @@ from cycloid_mj.parts.convex.rest import Rest, Sector, decompose, sectors
 from cycloid_mj.parts.convex.settings import CoacdSettings, ConvexSettings
 from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, placed_outline, prism
 from cycloid_mj.parts.convex.teeth import gear_teeth, ring_lobes
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 __all__ = [
     "CoacdSettings",
@@ -49,7 +49,8 @@ def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface,
     """Slice all working surfaces of a design into convex pieces: teeth, bore and holes of the discs, and the ring.
 
     The ring has the lobes of an internal gear, or sockets of free pins, or nothing if its pins are fixed. Discs of
-    another size have teeth of their own; all discs have the holes of the first one, at their own positions.
+    another size have teeth of their own; all discs have the holes of the first one, at their own positions. Discs of an
+    RV reducer have teeth only.
 
     Raises the errors of `ring_lobes`.
     """
@@ -60,4 +61,6 @@ def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface,
         ring = (pin_sockets(reducer, settings),)
     sizes = reducer.deviations.disc_radius
     teeth = [gear_teeth(reducer, settings, disc) for disc, size in enumerate(sizes) if disc == 0 or size != sizes[0]]
+    if isinstance(reducer, RvReducer):
+        return (*teeth, *ring)
     return (*teeth, gear_bore(reducer, settings), gear_holes(reducer, settings), *ring)

@@ -4,15 +4,19 @@ import math
 
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts.convex.settings import METHOD, ConvexSettings
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 
 def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
     """Compute the thickness [m] of the slices of a disc: `settings.depth` pin radii, less where a wall is thin."""
     design = reducer.design
+    valley = reducer.gear_profile.pin_circle_radius - design.gear.eccentricity - reducer.profile_offset
+    if isinstance(reducer, RvReducer):
+        inner = max(reducer.crank_radius + reducer.bore_radius, reducer.post_circle_radius + reducer.window_radius)
+        wall = min(valley - inner, _lobe_width(reducer))
+        return min(settings.depth * design.ring.pin_radius, METHOD.wall_share * wall)
     output, clearance = design.output, design.clearance
     hole = output.hole_radius + clearance.output
-    valley = reducer.gear_profile.pin_circle_radius - design.gear.eccentricity - reducer.profile_offset
     walls = (
         output.pin_circle_radius - hole - design.gear.bore_radius - clearance.cam,
         2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole),

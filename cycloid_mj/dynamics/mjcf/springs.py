@@ -1,0 +1,68 @@
+"""Crank bearings and planet meshes of an RV reducer as springs of stock MuJoCo.
+
+A crank bearing is a spatial tendon between the middles of eccentric and bore: within the clearance it is slack, beyond
+it pulls towards the middle. Under a preload both sides carry, and it is twice as stiff. A planet mesh is a fixed tendon
+whose length is the advance of the sun along the line of action, slack within the backlash. Neither has friction. Their
+forces are explicit in the time step, which has to follow their oscillation.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import significant
+from cycloid_mj.base.errors import ContactError
+from cycloid_mj.dynamics.law import ContactParameters
+from cycloid_mj.dynamics.mjcf.bodies import mujoco_position
+from cycloid_mj.dynamics.regime import stiffness_ratio
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer.rv_bodies import CRANK_BEARING, PLANET_MESH, SUN_ANGLE, crank_joint, crank_names
+
+MAX_STIFFNESS_RATIO = 2.0
+"""Largest K dt^2/m of a spring: the explicit step diverges at 4 (Hairer and others, Geometric Numerical Integration,
+I.1.4), and the damping, explicit too, takes a part of this."""
+
+
+def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParameters]) -> None:
+    """Add the springs of all crank bearings and planet meshes to an editable model, with the laws of both kinds.
+
+    Raises
+    ------
+    ContactError
+        The time step is too long for their stiffness.
+    """
+    for kind in (CRANK_BEARING, PLANET_MESH):
+        ratio = stiffness_ratio(laws[kind], spec.option.timestep)
+        if ratio > MAX_STIFFNESS_RATIO:
+            longest = spec.option.timestep * (MAX_STIFFNESS_RATIO / ratio) ** 0.5
+            raise ContactError(
+                f"{kind}: springs of stock MuJoCo with a stiffness of {laws[kind].stiffness:.3g} N/m diverge at a time "
+                f"step of {1e6 * spec.option.timestep:g} us: shorten settings.timestep_us to {1e6 * longest:.3g} or "
+                "less, or increase drive.rotor_inertia"
+            )
+    for disc, plane in enumerate(reducer.design.gear.disc_planes):
+        mating = reducer.mechanism.mating(CRANK_BEARING, disc)
+        for i, name in enumerate(mating.names):
+            for side in (mating.on, mating.by):
+                position = mujoco_position(side.place[i], plane - reducer.mechanism.body(side.bodies[i]).plane)
+                spec.body(side.bodies[i]).add_site(name=side.names[i], pos=position, group=4)
+            clearance = reducer.bearing_clearance
+            tendon = _add_spring(spec, name, laws[CRANK_BEARING], 0.0, clearance, 1.0 if clearance >= 0.0 else 2.0)
+            tendon.wrap_site(mating.on.names[i])
+            tendon.wrap_site(mating.by.names[i])
+    mesh = reducer.planet_mesh
+    for crank, name in zip(crank_names(reducer), reducer.mechanism.mating(PLANET_MESH).names, strict=True):
+        tendon = _add_spring(spec, name, laws[PLANET_MESH], -mesh.half_backlash, mesh.half_backlash)
+        tendon.wrap_joint(SUN_ANGLE, significant(mesh.sun_base))
+        tendon.wrap_joint(crank_joint(crank), significant(mesh.planet_base))
+        if not reducer.design.output.turns_ring:
+            tendon.wrap_joint(names.OUTPUT_JOINT, -significant(mesh.sun_base))
+
+
+def _add_spring(spec: Any, name: str, law: ContactParameters, low: float, high: float, count: float = 1.0) -> Any:
+    """Add a tendon that is slack between two lengths [m], with `count` springs of a law; return it."""
+    tendon = spec.add_tendon(name=name, group=4)
+    tendon.stiffness = [significant(count * law.stiffness), 0.0, 0.0]
+    tendon.damping = [significant(count * law.damping), 0.0, 0.0]
+    tendon.springlength = [low, max(low, high)]
+    return tendon
