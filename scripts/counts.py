@@ -28,7 +28,7 @@ gear, and the carrier's `share` in the torque, are the same functions of either 
 """
 
 RING_MODULE = "cycloid_mj/reducer/member.py"
-RV_MODULES = ("cycloid_mj/geometry/rv.py", "cycloid_mj/reducer/rv.py")
+RV_MODULES = ("cycloid_mj/geometry/rv.py", "cycloid_mj/reducer/rv.py", "cycloid_mj/reducer/rv_member.py")
 """Modules that convert for a turning ring of RV reducers."""
 
 DRAWERS = {

@@ -354,8 +354,10 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
     Cyclopts reads flags and help from the signature and docstring of this function.
     """
 
-    def measure_design(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery) -> int:
-        return _measure_designs(name, [chosen.resolve_checked(options.values())], options, delivered)
+    def measure_design(
+        design_options: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery
+    ) -> int:
+        return _measure_designs(name, [design_options.resolve_checked(options.values())], options, delivered)
 
     def measure_designs(
         *designs: Annotated[
@@ -373,7 +375,11 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
         return _measure_designs(name, resolved, options, delivered)
 
     command: Any = measure_designs if options is TorqueOptions else measure_design
-    option_types: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": MeasureDelivery}
+    option_types: dict[str, type[Any]] = {
+        "design_options": PresetOptions,
+        "options": options,
+        "delivered": MeasureDelivery,
+    }
     flat_types = {word: Annotated[kind, FLAT] for word, kind in option_types.items() if word in command.__annotations__}
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat_types

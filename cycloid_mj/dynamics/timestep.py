@@ -215,22 +215,19 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     """
     design = reducer.design
     gear, output, pin = _masses(reducer.shape)
-    mobility = _rv_mobility(reducer) if isinstance(reducer, RvReducer) else _central_mobility(reducer)
+    ring_inertia, carrier_inertia = (output, math.inf) if design.output.turns_ring else (math.inf, output)
+    if isinstance(reducer, RvReducer):
+        mobility = _rv_mobility(reducer)
+    else:
+        by_carrier = design.gear.discs * design.output.pin_circle_radius**2 / carrier_inertia
+        mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + by_carrier) * design.output.pins / 2.0}
     if design.ring.has_pin_bodies:
         mobility |= {"pin_gear": 2.0 * (1.0 / gear + 1.0 / pin), design.seat_pair: 2.0 / pin}
     else:
         arm = design.gear.eccentricity * design.ring.teeth
-        by_ring = design.gear.discs * arm**2 / output if design.output.turns_ring else 0.0
+        by_ring = design.gear.discs * arm**2 / ring_inertia
         mobility[design.tooth_pair] = (1.0 / gear + by_ring) * design.ring.teeth / 2.0
     return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
-
-
-def _central_mobility(reducer: Reducer) -> dict[str, float]:
-    """Compute the inverse of the mass that moves on a cam and on an output pin [1/kg]."""
-    design = reducer.design
-    gear, output, _ = _masses(reducer.shape)
-    by_carrier = 0.0 if design.output.turns_ring else design.gear.discs * design.output.pin_circle_radius**2 / output
-    return {"cam": 1.0 / gear, "output": (1.0 / gear + by_carrier) * design.output.pins / 2.0}
 
 
 def _rv_mobility(reducer: RvReducer) -> dict[str, float]:

@@ -225,8 +225,8 @@ def test_a_design_is_taken_by_position_and_by_its_flag(chain: tuple[str, ...]) -
 def designs_of(bound: BoundArguments) -> tuple[str, ...]:
     """Return the designs that a command was asked for."""
     given = bound.arguments
-    if "chosen" in given:
-        return (given["chosen"].design,)
+    if "design_options" in given:
+        return (given["design_options"].design,)
     if "what" in given:
         return (given["what"],)
     return (*given.get("names", ()), *given.get("designs", ()), *given.get("design", ()))

@@ -146,7 +146,7 @@ def test_paths_are_relative_to_the_design_file_and_a_log_needs_none(tmp_path: Pa
         ),
         ("# scan\nangle_deg,deviation_um\n1,2\n3,x\n", "line 4: '3,x' is not valid. Write 2 numbers"),
         ("angle_deg,deviation_um\n1,2\n3,4,5\n", "line 3"),
-        ("angle_deg,deviation_um\n1,0.002e6\n", "line 2: deviation_um is 2000, must be from -1000 to 1000"),
+        ("angle_deg,deviation_um\n1,0.002e6\n", "line 2: deviation_um is 2000, but must be from -1000 to 1000"),
         ("angle_deg,deviation_um\n1,nan\n", "line 2"),
     ],
 )

@@ -226,7 +226,7 @@ def test_stress_that_is_asked_for_by_name_needs_its_extra_before_any_run(tmp_pat
         raise ImportError(f"No module named {name!r}")
 
     monkeypatch.setattr("cycloid_mj.stress.packages.importlib.import_module", absent)
-    with pytest.raises(CycloidError, match=r"the package gmsh .*cycloid-mj\[fem\]"):
+    with pytest.raises(CycloidError, match=r"the package gmsh, .*cycloid-mj\[fem\]"):
         command.reproduce(only=("geometry", "stress"), delivery=ReproduceDelivery(out=str(tmp_path / "paper")))
     assert not (tmp_path / "paper").exists()
 

@@ -170,7 +170,7 @@ def test_magnifications_that_are_refused():
     assert drawn_radii(Reducer(PIN), largest).pin == pytest.approx(0.4 * 2.25e-3)
     assert drawn_radii(Reducer(PIN)).pin == 2.25e-3
     for times in (0.99, largest + 1, np.nan, np.inf):
-        with pytest.raises(UsageError, match="choose a value from 1 to 1351 for this design"):
+        with pytest.raises(UsageError, match="out of range for pin: choose a value from 1 to 1351"):
             drawn_radii(Reducer(PIN), times)
 
 
