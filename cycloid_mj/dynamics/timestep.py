@@ -217,7 +217,7 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     gear, output, pin = _masses(reducer.shape)
     ring_inertia, carrier_inertia = (output, math.inf) if design.output.turns_ring else (math.inf, output)
     if isinstance(reducer, RvReducer):
-        mobility = _rv_mobility(reducer)
+        mobility = _rv_mobility(reducer, 0.0 if math.isinf(carrier_inertia) else 1.0 / turning_inertia(reducer))
     else:
         by_carrier = design.gear.discs * design.output.pin_circle_radius**2 / carrier_inertia
         mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + by_carrier) * design.output.pins / 2.0}
@@ -230,16 +230,16 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
 
 
-def _rv_mobility(reducer: RvReducer) -> dict[str, float]:
+def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
     """Compute the inverse of the mass that moves on a crank bearing and on a planet mesh [1/kg].
 
-    A disc moves on n cranks in the plane, or turns against the carrier, whichever is easier. The sun turns, or moves in
-    the plane if it floats, where n meshes are as stiff as n/2 along any direction; a planet turns.
+    A disc moves on n cranks in the plane, or turns against the carrier, whichever is easier. The inverse inertia of the
+    carrier with its cranks is `by_carrier` [1/(kg m2)], 0 if it is fixed. The sun turns, or moves in the plane if it
+    floats, where n meshes are as stiff as n/2 along any direction; a planet turns.
     """
     count, mesh, masses = reducer.cranks.count, reducer.planet_mesh, moving_masses(reducer)
     disc, crank, sun = masses[reducer.gears[0]], masses[names.CRANK], masses[names.SUN]
-    carrier = 0.0 if reducer.design.output.turns_ring else 1.0 / turning_inertia(reducer)
-    turning = reducer.crank_radius**2 * (1.0 / disc.inertia[2, 2] + reducer.design.gear.discs * carrier)
+    turning = reducer.crank_radius**2 * (1.0 / disc.inertia[2, 2] + reducer.design.gear.discs * by_carrier)
     sun_inertia = float(sun.inertia[2, 2]) + reducer.design.drive.rotor_inertia
     sideways = 0.5 / sun.mass if reducer.planet.sun_support == "floating" else 0.0
     by_sun = count * max(mesh.sun_base**2 / sun_inertia, sideways)
