@@ -171,8 +171,8 @@ def define_problem(
     task = Problem(reducer, ranges, choices, objectives, parsed_limits, strict, links)
     if task.combinations > MAX_COMBINATIONS:
         raise UsageError(
-            f"--vary: the whole numbers and words have {task.combinations:,} combinations, but at most "
-            f"{MAX_COMBINATIONS:,} are allowed. Narrow their ranges, or vary fewer keys"
+            f"--vary: the keys whose values are whole numbers or words have {task.combinations:,} combinations, but at "
+            f"most {MAX_COMBINATIONS:,} are allowed. Narrow their ranges, or vary fewer keys"
         )
     return task
 

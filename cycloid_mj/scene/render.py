@@ -90,7 +90,8 @@ def render_part(
     is_shown = np.isin([model.body(body).name for body in model.geom_bodyid], bodies)
     if not is_shown.any():
         raise UsageError(
-            f"the model of {run.label} has no body named {', '.join(bodies)}: choose bodies of the attached scene.xml"
+            f"the model of {run.label} has no body named {', '.join(bodies)}: choose from "
+            f"{', '.join(model.body(number).name for number in range(1, model.nbody))}"
         )
     model.geom_rgba[:, 3] = np.where(is_shown, 1.0, 0.0)
     camera = mujoco.MjvCamera()
