@@ -320,12 +320,12 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
     arc = _arc_touch(profile, arc_radius, gear, sn, cn, margin)
 
     max_sine = ring.eccentricity * ring.teeth / ring.radius
-    modified = flank.curve.radius != ring.radius or flank.rotation != 0.0 or len(flank.waves) > 0
+    is_modified = flank.curve.radius != ring.radius or flank.rotation != 0.0 or len(flank.waves) > 0
     monotone = is_monotone(ring)
     min_cosine = math.sqrt(1.0 - max_sine * max_sine)
     # Of a conjugate gear, only roots near the eccentric direction are in contact: |crank| < acos(share), plus a margin.
     is_far = gear.y < (max_sine - SETTINGS.angle_margin * min_cosine) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
-    if is_far and monotone and not modified:
+    if is_far and monotone and not is_modified:
         return _write_arc(address, arc, lobe, arc_radius)
     # The crank is N - 1 times as far round as the gear. Most roots are open, and do not need its angle.
     crank_x, crank_y = sn * cosine - cn * sine, cn * cosine + sn * sine
@@ -342,15 +342,15 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
             if is_own
             else (-max_sine, min_cosine, half_sine, half_cosine)
         )
-        if not modified and _stays_open(shift_x, shift_y, x1, y1, x2, y2, offset - arc_radius - margin):
+        if not is_modified and _stays_open(shift_x, shift_y, x1, y1, x2, y2, offset - arc_radius - margin):
             continue
         turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
         crank = turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
         low = math.acos(max_sine)
-        start = root_start_phase(crank - pitch, low, ring, modified) if monotone else math.pi
+        start = root_start_phase(crank - pitch, low, ring, is_modified) if monotone else math.pi
         if start == 0.0:
             continue
-        root = HalfRoot(is_own, low, start, Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch)), modified, monotone)
+        root = HalfRoot(is_own, low, start, Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch)), is_modified, monotone)
         count, arc = _write_root(address, count, profile, arc_radius, root, arc, lobe, gear, margin)
     return count + _write_arc(address + STRIDE * count, arc, lobe, arc_radius)
 
@@ -383,14 +383,16 @@ def _write_root(
         pieces = 1
     slope = root_slope(bottom, ring, flank, gear_pose) if pieces > 1 else -1.0
     for piece in range(pieces):
-        left = _piece_edge(bottom, top, piece / pieces, root.own, root.modified and root.monotone)
-        right = _piece_edge(bottom, top, (piece + 1) / pieces, root.own, root.modified and root.monotone)
+        left_end = _piece_edge(bottom, top, piece / pieces, root.own, root.modified and root.monotone)
+        right_end = _piece_edge(bottom, top, (piece + 1) / pieces, root.own, root.modified and root.monotone)
         if pieces > 1:
             was_falling = slope < 0.0
-            slope = root_slope(right, ring, flank, gear_pose)
+            slope = root_slope(right_end, ring, flank, gear_pose)
             if not was_falling or slope < 0.0:
                 continue
-        minimum = root_minimum(left, right, root.start if pieces == 1 else 0.5 * (left + right), ring, flank, gear_pose)
+        minimum = root_minimum(
+            left_end, right_end, root.start if pieces == 1 else 0.5 * (left_end + right_end), ring, flank, gear_pose
+        )
         gap = minimum.distance + flank.offset - arc_radius
         if not (minimum.exists and gap < margin):
             continue

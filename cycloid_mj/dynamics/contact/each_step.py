@@ -68,8 +68,8 @@ def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
     the friction law ``film`` to each contact.
     """
     spec.nuserdata = 1
-    before = {IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if changes_contacts else {}
-    stages = {SENSOR: mujoco.mjtStage.mjSTAGE_ACC} | before
+    stage_by_sensor = {IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if changes_contacts else {}
+    stages = {SENSOR: mujoco.mjtStage.mjSTAGE_ACC} | stage_by_sensor
     for name, stage in stages.items():
         spec.add_sensor(
             name=name,
@@ -302,11 +302,11 @@ def _apply_impact(run: StepState) -> None:
     """
     if not run.impact:
         return
-    first, positions = read_address(run.contact), read_address(run.efc_pos)
+    contacts_address, positions = read_address(run.contact), read_address(run.efc_pos)
     regularisations, inverse = read_address(run.efc_R), read_address(run.efc_D)
     constants, timestep = read_address(run.efc_KBIP), read_float(run.timestep)
     for k in range(read_int(run.ncon)):
-        contact = first + run.stride * k
+        contact = contacts_address + run.stride * k
         pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
         if pair < 0 or row < 0:
             continue
@@ -407,16 +407,16 @@ def _set_command(run: StepState) -> None:
 @compiling.njit(inner=True)
 def _update_peaks(run: StepState) -> None:
     """Raise the peak force of each pair to its normal force in this step (sum of contacts), if larger."""
-    first, force = read_address(run.contact), read_address(run.efc_force)
+    contacts_address, force = read_address(run.contact), read_address(run.efc_force)
     count = read_int(run.ncon)
     for k in range(count):
-        contact = first + run.stride * k
+        contact = contacts_address + run.stride * k
         pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
         if pair >= 0 and row >= 0:
             address = run.sum + 8 * pair
             write_float(address, read_float(address) + read_float(force + 8 * row))
     for k in range(count):
-        pair = abs(pair_of(run, first + run.stride * k)) - 1
+        pair = abs(pair_of(run, contacts_address + run.stride * k)) - 1
         if pair >= 0:
             address = run.peak + 8 * pair
             write_float(address, max(read_float(address), read_float(run.sum + 8 * pair)))

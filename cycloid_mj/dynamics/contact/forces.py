@@ -67,17 +67,17 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Return radii of mates of exact teeth and addresses of the teeth's data, `reach` and `teeth` of `PairIndex`.
+    """Return radii of mates of exact teeth and addresses of the teeth's data, `max_reach` and `teeth` of `PairIndex`.
 
     Both are zero for a model without exact teeth.
     """
-    priority, user, reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
+    priority, user, max_reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     exact = priority == int(Role.TEETH)
     if exact.any():
         for role, play in ((Role.PIN, user[:, PLAY]), (Role.LOBE, 0.0)):
-            reach = np.where(priority == int(role), model.geom_size[:, 0] - play, reach)
+            max_reach = np.where(priority == int(role), model.geom_size[:, 0] - play, max_reach)
     address = model.geom_user.ctypes.data + 8 * model.nuser_geom * np.arange(model.ngeom)
-    return reach, np.where(exact, address, 0)
+    return max_reach, np.where(exact, address, 0)
 
 
 def surface_name(model: Any, geom: int) -> str:
@@ -150,8 +150,8 @@ def _penetration(state: StepState, contact: int) -> float:
     MuJoCo's distance at exact teeth is scaled: it makes the stiffness follow the local curvature (``mating``).
     """
     overlap = -read_float(contact)
-    first, second = read_int(contact + state.geom), read_int(contact + state.geom + 4)
-    teeth, mate = (first, second) if read_address(state.teeth + 8 * first) else (second, first)
+    first_geom, second_geom = read_int(contact + state.geom), read_int(contact + state.geom + 4)
+    teeth, mate = (first_geom, second_geom) if read_address(state.teeth + 8 * first_geom) else (second_geom, first_geom)
     user = read_address(state.teeth + 8 * teeth)
     if not user or overlap <= 0.0:
         return overlap

@@ -70,12 +70,12 @@ def to_frame(pose: Pose, x: float, y: float) -> tuple[float, float]:
 def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     """Return sine and cosine of an angle increased by a small one, by a series that is exact to rounding."""
     if abs(angle) > 0.05:
-        s, c = math.sin(angle), math.cos(angle)
+        small_sine, small_cosine = math.sin(angle), math.cos(angle)
     else:
         square = angle * angle
-        s = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)))
-        c = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
-    return sine * c + cosine * s, cosine * c - sine * s
+        small_sine = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)))
+        small_cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
+    return sine * small_cosine + cosine * small_sine, cosine * small_cosine - sine * small_sine
 
 
 @njit(inline="always")
@@ -87,16 +87,16 @@ def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, f
     is that of (N-1) times the polar angle.
     """
     radius, eccentricity, teeth = curve
-    squared = x * x + y * y
+    squared_distance = x * x + y * y
     polar_angle = math.atan2(x, y)
-    cosine = (radius * radius + eccentricity * eccentricity - squared) / (2.0 * radius * eccentricity)
+    cosine = (radius * radius + eccentricity * eccentricity - squared_distance) / (2.0 * radius * eccentricity)
     cosine = min(1.0, max(-1.0, cosine))
     turns = (teeth - 1.0) * polar_angle / (2.0 * math.pi)
     sine = math.sqrt(1.0 - cosine * cosine)
     if turns - math.floor(turns) > 0.5:
         sine = -sine
     tilt = eccentricity * sine / (radius - eccentricity * cosine)
-    length = math.sqrt(squared * (1.0 + tilt * tilt))
+    length = math.sqrt(squared_distance * (1.0 + tilt * tilt))
     return polar_angle + math.atan(tilt), (x + tilt * y) / length, (y - tilt * x) / length
 
 
@@ -116,20 +116,20 @@ def trochoid_foot(
         Signed distance from the trochoid [m], positive outside.
     normal_x, normal_y
         Outward unit normal at the foot point.
-    converged
+    has_converged
         Whether the last step was below the tolerance.
     """
     radius, eccentricity, teeth = curve
     t = start
     sn, cn = math.sin(teeth * t), math.cos(teeth * t)
-    base = eccentricity * teeth
+    pitch_distance = eccentricity * teeth
     limit = 0.5 / teeth
-    converged = False
+    has_converged = False
     for _ in range(SETTINGS.max_iterations):
         dx = radius * st - eccentricity * sn - x
         dy = radius * ct - eccentricity * cn - y
-        tx, ty = radius * ct - base * cn, base * sn - radius * st
-        ax, ay = base * teeth * sn - radius * st, base * teeth * cn - radius * ct
+        tx, ty = radius * ct - pitch_distance * cn, pitch_distance * sn - radius * st
+        ax, ay = pitch_distance * teeth * sn - radius * st, pitch_distance * teeth * cn - radius * ct
         speed2 = tx * tx + ty * ty
         curvature = speed2 + dx * ax + dy * ay
         # Gauss-Newton where the point is beyond a centre of curvature: always a descent direction.
@@ -139,14 +139,14 @@ def trochoid_foot(
         st, ct = _rotate_angle(st, ct, increment)
         sn, cn = _rotate_angle(sn, cn, teeth * increment)
         if abs(increment) < SETTINGS.tolerance:
-            converged = True
+            has_converged = True
             break
-    tx, ty = radius * ct - base * cn, base * sn - radius * st
+    tx, ty = radius * ct - pitch_distance * cn, pitch_distance * sn - radius * st
     speed = math.sqrt(tx * tx + ty * ty)
     nx, ny = -ty / speed, tx / speed
     dx = radius * st - eccentricity * sn - x
     dy = radius * ct - eccentricity * cn - y
-    return t, -(dx * nx + dy * ny), nx, ny, converged
+    return t, -(dx * nx + dy * ny), nx, ny, has_converged
 
 
 @njit
@@ -180,10 +180,10 @@ def trochoid_curvature(t: float, curve: Trochoid) -> float:
     From l^2 = E^2 + c^2 N^2 - 2 E c N cos B: kappa = (E^2 + c^2 N^3 - E c N (N+1) cos B) / l^3 with B = (N-1) t.
     """
     radius, eccentricity, teeth = curve
-    base = eccentricity * teeth
-    product = radius * base * math.cos((teeth - 1.0) * t)
-    l2 = radius * radius + base * base - 2.0 * product
-    return (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
+    pitch_distance = eccentricity * teeth
+    product = radius * pitch_distance * math.cos((teeth - 1.0) * t)
+    l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * product
+    return (radius * radius + pitch_distance * pitch_distance * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
 
 
 class Flank(NamedTuple):
@@ -217,7 +217,7 @@ class Flank(NamedTuple):
 @njit
 def wave_offset(t: float, waves: Array) -> tuple[float, float, float]:
     """Compute the inward offset [m] of a waved flank at the parameter t [rad], and its first and second derivative."""
-    offset, first, second = 0.0, 0.0, 0.0
+    offset, first_derivative, second_derivative = 0.0, 0.0, 0.0
     sine, cosine = math.sin(t), math.cos(t)
     s, c = 0.0, 1.0
     for k in range(1, len(waves) + 1):
@@ -225,9 +225,9 @@ def wave_offset(t: float, waves: Array) -> tuple[float, float, float]:
         by_cosine, by_sine = waves[k - 1, 0], waves[k - 1, 1]
         term = by_cosine * c + by_sine * s
         offset += term
-        first += k * (by_sine * c - by_cosine * s)
-        second -= k * k * term
-    return offset, first, second
+        first_derivative += k * (by_sine * c - by_cosine * s)
+        second_derivative -= k * k * term
+    return offset, first_derivative, second_derivative
 
 
 @njit(inline="always")
@@ -273,25 +273,25 @@ def flank_curvature(t: float, flank: Flank) -> float:
 @njit
 def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
     """Compute `flank_distance` for rotated flanks: the larger of both distances, or that of the corner between them."""
-    s, c = math.sin(flank.rotation), math.cos(flank.rotation)
+    sine, cosine = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
     side = 1.0
-    t, distance, nx, ny = _unrotated_distance(c * x - s * y, c * y + s * x, flank)
-    other_side = _unrotated_distance(c * x + s * y, c * y - s * x, flank)
+    t, distance, nx, ny = _unrotated_distance(cosine * x - sine * y, cosine * y + sine * x, flank)
+    other_side = _unrotated_distance(cosine * x + sine * y, cosine * y - sine * x, flank)
     if other_side[1] > distance:
-        side, s = -1.0, -s
+        side, sine = -1.0, -sine
         t, distance, nx, ny = other_side
     pitch = 2.0 * math.pi / (flank.curve.teeth - 1.0)
     turns = side * t / pitch
     beyond_valley = pitch * (turns - math.floor(turns))
     if beyond_valley <= 0.5 * pitch - flank.tip or beyond_valley >= pitch - flank.valley:
-        return t, distance, c * nx + s * ny, c * ny - s * nx, False
+        return t, distance, cosine * nx + sine * ny, cosine * ny - sine * nx, False
     is_tip = beyond_valley < 0.75 * pitch
-    middle = side * pitch * (math.floor(turns) + (0.5 if is_tip else 1.0))
+    middle_angle = side * pitch * (math.floor(turns) + (0.5 if is_tip else 1.0))
     corner = flank.tip_radius if is_tip else flank.valley_radius
-    dx, dy = x - corner * math.sin(middle), y - corner * math.cos(middle)
+    dx, dy = x - corner * math.sin(middle_angle), y - corner * math.cos(middle_angle)
     to_corner = math.sqrt(dx * dx + dy * dy)
-    end = middle - side * (flank.tip if is_tip else flank.valley)
+    end = middle_angle - side * (flank.tip if is_tip else flank.valley)
     return end, to_corner - flank.offset + wave_offset(end, flank.waves)[0], dx / to_corner, dy / to_corner, True
 
 
@@ -367,7 +367,7 @@ def nearest_on_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, boo
     other
         Whether the other edge, across the opening, is a second nearest point.
     """
-    along, across = dx * arc.x + dy * arc.y, dx * arc.y - dy * arc.x
-    side = 1.0 if across >= 0.0 else -1.0
-    arc_side, edge_side = arc.sine * along, arc.cosine * abs(across)
+    along_axis, across_axis = dx * arc.x + dy * arc.y, dx * arc.y - dy * arc.x
+    side = 1.0 if across_axis >= 0.0 else -1.0
+    arc_side, edge_side = arc.sine * along_axis, arc.cosine * abs(across_axis)
     return side, arc_side >= edge_side, arc_side < -edge_side

@@ -101,16 +101,16 @@ def discover() -> Layout:
         mujoco.MjModel.from_xml_string(_PROBE.format(user=user_numbers, more=extra))
         for user_numbers, extra in probes.items()
     ]
-    first, second = map(_find_pointers, models)
-    if first != second:
-        raise _layout_error(f"two models disagree: {first} and {second}")
+    first_pointers, second_pointers = map(_find_pointers, models)
+    if first_pointers != second_pointers:
+        raise _layout_error(f"two models disagree: {first_pointers} and {second_pointers}")
     numbers = [
         set(_find_number(model._address, _Span.SIZES, user_numbers))
         for model, user_numbers in zip(models, probes, strict=True)
     ]
-    if not (common := set.intersection(*numbers)):
+    if not (common_offsets := set.intersection(*numbers)):
         raise _layout_error("mjModel.nuser_geom is missing")
-    return Layout(**first, nuser_geom=min(common))
+    return Layout(**first_pointers, nuser_geom=min(common_offsets))
 
 
 @cache
@@ -123,15 +123,20 @@ def discover_steps() -> StepLayout:
         The structures are not as expected; the message names the field and the release.
     """
     # What lies behind the structure may be an address by chance, but not for both models at the same offset.
-    (first, fields), (second, other_fields) = _find_candidates(balls=2, user=7919), _find_candidates(balls=5, user=6101)
-    offsets = {name: sorted(first[name] & second[name]) for name in first}
+    (first_address, fields), (second_address, other_fields) = (
+        _find_candidates(balls=2, user=7919),
+        _find_candidates(balls=5, user=6101),
+    )
+    offsets = {name: sorted(first_address[name] & second_address[name]) for name in first_address}
     # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
     forces = offsets["efc_force"]
     offsets["contact"] = [offset for offset in offsets["contact"] if forces and offset < forces[0]]
     if not all(offsets.values()) or fields != other_fields:
         raise _layout_error("contacts, forces, accelerations or user data are missing")
-    chosen = {name: candidates[-1 if name in ("contact", "userdata") else 0] for name, candidates in offsets.items()}
-    return StepLayout(nuser_geom=discover().nuser_geom, **chosen, **fields)
+    offset_by_name = {
+        name: candidates[-1 if name in ("contact", "userdata") else 0] for name, candidates in offsets.items()
+    }
+    return StepLayout(nuser_geom=discover().nuser_geom, **offset_by_name, **fields)
 
 
 def _find_candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[str, int]]:

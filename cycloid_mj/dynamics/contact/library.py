@@ -49,10 +49,10 @@ def library() -> ctypes.CDLL:
         path for folder in folders for name in ("libmujoco*", "mujoco.dll") for path in sorted(folder.rglob(name))
     ]
     for path in candidates:
-        loaded = ctypes.CDLL(str(path))
-        loaded.mj_versionString.restype = ctypes.c_char_p
-        if loaded.mj_versionString().decode() == mujoco.mj_versionString():
-            return loaded
+        shared_library = ctypes.CDLL(str(path))
+        shared_library.mj_versionString.restype = ctypes.c_char_p
+        if shared_library.mj_versionString().decode() == mujoco.mj_versionString():
+            return shared_library
     raise ContactError(
         f"the shared library of MuJoCo {mujoco.__version__} is missing in {', '.join(map(str, folders))}. Reinstall it "
         "with: pip install --force-reinstall mujoco"

@@ -72,11 +72,11 @@ def local_distance(
     """
     radius, eccentricity, teeth = curve
     st, ct, sn, cn = start
-    base = eccentricity * teeth
+    pitch_distance = eccentricity * teeth
     for _ in range(SETTINGS.max_iterations):
         dx, dy = x - radius * st + eccentricity * sn, y - radius * ct + eccentricity * cn
-        tx, ty = radius * ct - base * cn, base * sn - radius * st
-        ax, ay = base * teeth * sn - radius * st, base * teeth * cn - radius * ct
+        tx, ty = radius * ct - pitch_distance * cn, pitch_distance * sn - radius * st
+        ax, ay = pitch_distance * teeth * sn - radius * st, pitch_distance * teeth * cn - radius * ct
         speed2 = tx * tx + ty * ty
         speed = math.sqrt(speed2)
         share = 1.0 / speed
@@ -85,26 +85,28 @@ def local_distance(
         curvature_term = (ax * ty - ay * tx) * share
         curvature = curvature_term / speed2
         straight = 1.0 + curvature * offset
-        turning = math.sqrt(ax * ax + ay * ay)
+        tangent_rate = math.sqrt(ax * ax + ay * ay)
         # bend is curvature * speed^2: the curve falls away from its tangent by half of bend * step^2, within a
         # sixth of base * teeth^2 * step^3.
-        away = (abs(curvature_term) + base * teeth * abs(teeth * increment)) * increment * increment
+        max_sag = (abs(curvature_term) + pitch_distance * teeth * abs(teeth * increment)) * increment * increment
         if (
-            offset - away > max_distance
-            and (abs(increment) + abs(offset) * share) * turning < SETTINGS.max_tangent_change * speed
+            offset - max_sag > max_distance
+            and (abs(increment) + abs(offset) * share) * tangent_rate < SETTINGS.max_tangent_change * speed
         ):
             return offset, 0.0, 0.0, 0.0
-        if abs(increment) * turning < SETTINGS.circle_angle * speed and straight > 0.5:
-            along = increment * speed
-            bent = curvature * along
-            norm = math.sqrt(straight * straight + bent * bent)
-            distance = (2.0 * offset + curvature * (offset * offset + along * along)) / (norm + 1.0)
-            along_normal, along_tangent = straight * share / norm, bent * share / norm
+        if abs(increment) * tangent_rate < SETTINGS.circle_angle * speed and straight > 0.5:
+            arc = increment * speed
+            arc_angle = curvature * arc
+            norm = math.sqrt(straight * straight + arc_angle * arc_angle)
+            distance = (2.0 * offset + curvature * (offset * offset + arc * arc)) / (norm + 1.0)
+            along_normal, along_tangent = straight * share / norm, arc_angle * share / norm
             # cos B at the foot, B = (N - 1) t, to second order of the last way.
             cosine = cn * ct + sn * st - (teeth - 1.0) * increment * (sn * ct - cn * st)
-            product = radius * base * cosine
-            l2 = radius * radius + base * base - 2.0 * product
-            curvature_term = (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
+            product = radius * pitch_distance * cosine
+            l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * product
+            curvature_term = (radius * radius + pitch_distance * pitch_distance * teeth - (teeth + 1.0) * product) / (
+                l2 * math.sqrt(l2)
+            )
             return (
                 distance,
                 along_tangent * tx - along_normal * ty,

@@ -93,16 +93,16 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
         read_address(data + layout.efc_KBIP),
         read_address(data + layout.efc_aref),
     )
-    first, half = read_address(data + layout.contact), read_float(run.half_timestep)
+    contacts_address, half_timestep = read_address(data + layout.contact), read_float(run.half_timestep)
     for k in range(read_int(data + layout.ncon)):
-        row = read_int(first + layout.stride * k + layout.efc_address)
+        row = read_int(contacts_address + layout.stride * k + layout.efc_address)
         if row >= 0:
-            share = 1.0 - half * read_float(constants + 32 * row + 8)
+            share = 1.0 - half_timestep * read_float(constants + 32 * row + 8)
             reference = references + 8 * row
             write_float(reference, read_float(reference) + share * read_float(product + 8 * row))
     _multiply_orbit(layout, model, data, run, True)
     for k in range(read_int(data + layout.ncon)):
-        row = read_int(first + layout.stride * k + layout.efc_address)
+        row = read_int(contacts_address + layout.stride * k + layout.efc_address)
         if row >= 0:
             damping, reference = read_float(constants + 32 * row + 8), references + 8 * row
             write_float(reference, read_float(reference) - damping * read_float(product + 8 * row))
@@ -115,16 +115,16 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, o
     The mean of the speeds half a step before and after is smaller than the speed v by (w dt)^2/6 v. The product is
     written to ``efc_force``.
     """
-    half = read_float(run.half_timestep)
+    half_timestep = read_float(run.half_timestep)
     for k in range(run.discs):
         x = 8 * read_int(run.orbits + 4 * k)
         px, py = read_float(run.qpos + x), read_float(run.qpos + x + 8)
         vx, vy = read_float(run.qvel + x), read_float(run.qvel + x + 8)
         angular = (px * vy - py * vx) / (px * px + py * py)
-        squared = angular * angular
-        ax, ay = -squared * px, -squared * py
+        squared_speed = angular * angular
+        ax, ay = -squared_speed * px, -squared_speed * py
         if of_speeds:
-            speed_error = 2.0 / 3.0 * half * half * squared * angular
+            speed_error = 2.0 / 3.0 * half_timestep * half_timestep * squared_speed * angular
             ax, ay = -speed_error * py, speed_error * px
         write_float(run.circling + x, ax)
         write_float(run.circling + x + 8, ay)
@@ -134,11 +134,11 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, o
 @compiling.njit(inner=True)
 def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
     """Lower the normal reference accelerations of sliding contacts by the lift of the convex friction cone."""
-    first, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
+    contacts_address, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)
     multiply_jacobian(model, data, accelerations, read_address(data + layout.qacc))
     for k in range(read_int(data + layout.ncon)):
-        contact = first + layout.stride * k
+        contact = contacts_address + layout.stride * k
         row = read_int(contact + layout.efc_address)
         if row < 0 or read_int(contact + layout.dim) != _FRICTIONAL:
             continue

@@ -45,20 +45,20 @@ def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, f
     (``envelope.Sigma.radius`` at rho = 0).
     """
     radius, eccentricity, teeth = ring
-    base = eccentricity * teeth
+    pitch_distance = eccentricity * teeth
     sine, cosine = math.sin(B), math.cos(B)
-    alpha = math.atan2(-base * sine, radius - base * cosine)
-    K = radius * radius - base * base
-    l2 = radius * radius + base * base - 2.0 * radius * base * cosine
+    alpha = math.atan2(-pitch_distance * sine, radius - pitch_distance * cosine)
+    K = radius * radius - pitch_distance * pitch_distance
+    l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * radius * pitch_distance * cosine
     length = math.sqrt(l2)
     crank = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
     psi = (math.pi - 2.0 * B - (teeth - 2.0) * alpha) / teeth
     support = ((teeth - 1.0) * K + l2) / (teeth * length)
-    x = base * math.sin(crank) + support * math.sin(psi)
-    y = base * math.cos(crank) + support * math.cos(psi)
+    x = pitch_distance * math.sin(crank) + support * math.sin(psi)
+    y = pitch_distance * math.cos(crank) + support * math.cos(psi)
     rate = ((teeth + 1.0) * length + (teeth - 1.0) * K * K / (l2 * length)) / (teeth * teeth)
-    turning = (teeth + 2.0 - (teeth - 2.0) * K / l2) / (2.0 * teeth)
-    return x, y, psi, rate, turning / rate
+    normal_rate = (teeth + 2.0 - (teeth - 2.0) * K / l2) / (2.0 * teeth)
+    return x, y, psi, rate, normal_rate / rate
 
 
 @njit
@@ -77,16 +77,16 @@ def ideal_root_phase(crank: float, min_phase: float, ring: Trochoid) -> float:
     method from the end converges from one side.
     """
     radius, eccentricity, teeth = ring
-    base = eccentricity * teeth
-    K = radius * radius - base * base
-    middle = -math.pi / teeth
-    is_mirrored = crank > middle
-    target = 2.0 * middle - crank if is_mirrored else crank
+    pitch_distance = eccentricity * teeth
+    K = radius * radius - pitch_distance * pitch_distance
+    root_axis = -math.pi / teeth
+    is_mirrored = crank > root_axis
+    target = 2.0 * root_axis - crank if is_mirrored else crank
     B = min_phase
     for _ in range(SETTINGS.max_iterations):
         cosine = math.cos(B)
-        alpha = math.atan2(-base * math.sin(B), radius - base * cosine)
-        l2 = radius * radius + base * base - 2.0 * radius * base * cosine
+        alpha = math.atan2(-pitch_distance * math.sin(B), radius - pitch_distance * cosine)
+        l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * radius * pitch_distance * cosine
         value = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
         increment = (target - value) * teeth / ((teeth - 1.0) * K / l2 - 1.0)
         B = min(math.pi, B + increment)

@@ -139,7 +139,7 @@ def try_correction(address: int) -> str:
 
     Feet at rest start to slide along the floor; they must press on it by their weights, as without friction.
     """
-    soft = 'solref="0.002 1" solimp="0.01 0.01 0.001"'
+    soft_contact = 'solref="0.002 1" solimp="0.01 0.01 0.001"'
     weights = {mass: mass * TEST.gravity for mass in (1.0, 2.0, 3.0)}
     feet = "".join(
         f'<body pos="{mass} 0.1 0"><joint type="slide" axis="0 1 0"/><joint type="slide" axis="1 0 0"/>'
@@ -148,7 +148,7 @@ def try_correction(address: int) -> str:
     )
     pairs = "".join(
         f'<pair geom1="floor" geom2="foot{mass:g}" condim="{1 if mass == 2.0 else 3}" '
-        f'friction="{TEST.friction} {TEST.friction}" {soft}/>'
+        f'friction="{TEST.friction} {TEST.friction}" {soft_contact}/>'
         for mass in weights
     )
     model = mujoco.MjModel.from_xml_string(

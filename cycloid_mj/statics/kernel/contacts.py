@@ -226,11 +226,11 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveO
     In the frame of a profile that rotates with its disc by phi, its mate rotates the other way, q + i p as e^(i phi);
     the centre of a round hole rotates about that of the disc, and the output pin about that of the output.
     """
-    x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
+    x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
     q, p = springs.distance[k, i], springs.shift[k, i]
     rotated_q, rotated_p = springs.slope[k, i, t] * pose.t, springs.shift_slope[k, i, t] * pose.t
-    output_q, output_p = springs.slope[k, i, o] * pose.o, springs.shift_slope[k, i, o] * pose.o
+    output_q, output_p = springs.slope[k, i, output_dof] * pose.o, springs.shift_slope[k, i, output_dof] * pose.o
     moved_q = springs.slope[k, i, x] * pose.x + springs.slope[k, i, y] * pose.y
     moved_p = springs.shift_slope[k, i, x] * pose.x + springs.shift_slope[k, i, y] * pose.y
     if rotates:
@@ -251,12 +251,12 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOf
 
     The profile is expanded to the third order, unless `use_foot_point` or the expansion is not accurate.
     """
-    x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
+    x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
     qx, px = springs.slope[k, i, x], springs.shift_slope[k, i, x]
     qy, py = springs.slope[k, i, y], springs.shift_slope[k, i, y]
     qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
-    qo, po = springs.slope[k, i, o], springs.shift_slope[k, i, o]
+    qo, po = springs.slope[k, i, output_dof], springs.shift_slope[k, i, output_dof]
     curvature, curvature_rate, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
     phase, trochoid = springs.phase[k, i], springs.trochoid
     arm_q, arm_p = offset.arm_q / springs.radius, offset.arm_p / springs.radius
@@ -293,25 +293,29 @@ def _curve_distance(
     point on the trochoid is used; if there is none nearby, as for parts that are far apart, the profile is approximated
     by its circle of curvature.
     """
-    along, across = 1.0 + curvature * q, curvature * p
+    normal_component, tangent_component = 1.0 + curvature * q, curvature * p
     is_accurate = _is_expansion_valid(trochoid, curvature, curvature_rate, p)
     if rotates and (use_foot_point or not is_accurate):
-        has_foot, distance, cosine, sine, rate = _find_foot_point(trochoid, phase, q, p, along)
+        has_foot, distance, cosine, sine, rate = _find_foot_point(trochoid, phase, q, p, normal_component)
         if has_foot:
             return distance, cosine, sine, rate
         curvature_rate = 0.0
-    distance_ratio = math.sqrt(along * along + across * across)
+    distance_ratio = math.sqrt(normal_component * normal_component + tangent_component * tangent_component)
     # a hole is a full circle, a valley is open beyond its centre
-    if not distance_ratio > 0.0 or (rotates and along <= 0.0):
+    if not distance_ratio > 0.0 or (rotates and normal_component <= 0.0):
         return q, 1.0, 0.0, 0.0
     inverse = 1.0 / distance_ratio
     # (distance_ratio - 1) / curvature without cancellation, and the third-order term
-    radial = q + across * p / (distance_ratio + along) if along > 0.0 else (distance_ratio - 1.0) / curvature
+    radial = (
+        q + tangent_component * p / (distance_ratio + normal_component)
+        if normal_component > 0.0
+        else (distance_ratio - 1.0) / curvature
+    )
     width = radial + curvature_rate * p * p * p / 6.0
     return (
         width,
-        along * inverse,
-        across * inverse + 0.5 * curvature_rate * p * p,
+        normal_component * inverse,
+        tangent_component * inverse + 0.5 * curvature_rate * p * p,
         curvature * inverse + curvature_rate * p,
     )
 
@@ -338,13 +342,13 @@ def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _find_foot_point(
-    trochoid: tuple[float, float, float], phase: float, q: float, p: float, along: float
+    trochoid: tuple[float, float, float], phase: float, q: float, p: float, normal_component: float
 ) -> tuple[bool, float, float, float, float]:
     """Find the foot point of a point on the trochoid; return whether there is one, and the values of `_curve_distance`.
 
     The point is at q along the normal and p along the tangent from the curve's point at the `phase` (N - 1) t, where
     the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method, safeguarded
-    by bisection, starts from the foot point on the circle of curvature, at the arc p over `along`.
+    by bisection, starts from the foot point on the circle of curvature, at the arc p over `normal_component`.
     """
     E, c, N = trochoid
     sine, cosine = math.sin(phase), math.cos(phase)
@@ -353,15 +357,18 @@ def _find_foot_point(
     sa, ca = sa / rate, ca / rate
     sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
     # first and second order of the arc by t
-    t = p / (rate * max(along, 0.5))
+    t = p / (rate * max(normal_component, 0.5))
     t -= 0.5 * E * c * N * (N - 1.0) * sine / (rate * rate) * t * t
     t = min(max(t, -_FOOT_POINT.max_start / N), _FOOT_POINT.max_start / N)
     lower, upper, converged = -math.inf, math.inf, FALSE
     for _ in range(_FOOT_POINT.max_iterations):
         # sine, and cosine less 1, of t and N t, whose halves are less than a right angle
-        half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
-        st, ct = 2.0 * half * math.sqrt(1.0 - half * half), -2.0 * half * half
-        sw, cw = 2.0 * wide * math.sqrt(1.0 - wide * wide), -2.0 * wide * wide
+        sine_half, sine_half_teeth = math.sin(0.5 * t), math.sin(0.5 * N * t)
+        st, ct = 2.0 * sine_half * math.sqrt(1.0 - sine_half * sine_half), -2.0 * sine_half * sine_half
+        sw, cw = (
+            2.0 * sine_half_teeth * math.sqrt(1.0 - sine_half_teeth * sine_half_teeth),
+            -2.0 * sine_half_teeth * sine_half_teeth,
+        )
         # position relative to the start, first and second derivative by t; each along normal (q) and tangent (p)
         uq, up = E * (ca * ct - sa * st), E * (sa * ct + ca * st)
         wq, wp = c * (cb * cw - sb * sw), c * (sb * cw + cb * sw)
@@ -410,6 +417,6 @@ def bound_width(springs: KernelSprings, k: int, i: int, offset: _CurveOffset, us
         curvature = _valley_curvature(trochoid)  # a circle of the largest curvature lies inside the profile
     if curvature > 0.0:
         return room + q
-    along, across, rim = 1.0 + curvature * q, curvature * p, 1.0 - curvature * room
-    square = along * along + across * across
+    normal_component, tangent_component, rim = 1.0 + curvature * q, curvature * p, 1.0 - curvature * room
+    square = normal_component * normal_component + tangent_component * tangent_component
     return (math.sqrt(square) - rim) / curvature if square < rim * rim else 0.0

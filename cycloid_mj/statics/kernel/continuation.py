@@ -175,22 +175,22 @@ def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array
         z[j] = point[j] * path.unit
     parameter, rate, order = point[number], path.rate, path.order
     friction, clearance = _shares(order, parameter)
-    scaled, friction_grows = scale_clearances(springs, clearance, path.room), (parameter < 1.0) == (order > 0.0)
+    scaled_springs, friction_grows = scale_clearances(springs, clearance, path.room), (parameter < 1.0) == (order > 0.0)
     if order == 0.0 or friction_grows:
-        assemble(scaled, k, load, z, 1.0, friction + 1.0, TRUE, TRUE, system)
+        assemble(scaled_springs, k, load, z, 1.0, friction + 1.0, TRUE, TRUE, system)
         for j in range(number):
             path.residual[j] = residual[j]
-    assemble(scaled, k, load, z, 1.0, friction, TRUE, TRUE, system)
+    assemble(scaled_springs, k, load, z, 1.0, friction, TRUE, TRUE, system)
     clear(rate)
     if order == 0.0 or friction_grows:
         for j in range(number):
             rate[j] = path.residual[j] - residual[j]
     if order == 0.0 or not friction_grows:
-        _add_clearance_rate(springs, scaled, k, z, friction, rate, system)
+        _add_clearance_rate(springs, scaled_springs, k, z, friction, rate, system)
     for j in range(number):
         path.residual[j] = residual[j]
-        for m in range(number):
-            matrix[j, m] = system.tangent[j, m] * path.unit
+        for column in range(number):
+            matrix[j, column] = system.tangent[j, column] * path.unit
         matrix[j, j] += RIGID_BODY_STIFFNESS * springs.cam_stiffness * path.unit
         matrix[j, number] = -path.rate[j]
     return largest(residual)
@@ -198,22 +198,28 @@ def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _add_clearance_rate(
-    springs: KernelSprings, scaled: KernelSprings, k: int, z: Array, friction: float, rate: Array, system: System
+    springs: KernelSprings,
+    scaled_springs: KernelSprings,
+    k: int,
+    z: Array,
+    friction: float,
+    rate: Array,
+    system: System,
 ) -> None:
     """Add the derivative of the springs' forces by the share of clearance to a `rate` [N], shape (u,).
 
-    `scaled` are the springs with the present share of clearance.
+    `scaled_springs` are the springs with the present share of clearance.
     """
     number, has_friction = z.size, springs.rubbing.shape[0] > 0
     for i in range(springs.disc.size):
         if system.pressed[i] == 0.0:
             continue
-        for a in range(4):
-            unknown = 3 * springs.disc[i] + a if a < 3 else number - 1
+        for component in range(4):
+            unknown = 3 * springs.disc[i] + component if component < 3 else number - 1
             friction_rate = friction * springs.rubbing[k, i, unknown] if has_friction else 0.0
-            rate[unknown] -= system.row[i, RATE] * springs.room[i] * (system.row[i, a] + friction_rate)
+            rate[unknown] -= system.row[i, RATE] * springs.room[i] * (system.row[i, component] + friction_rate)
     for disc in range(springs.cam_place.shape[1]):
-        cam = cam_at(scaled, k, disc, z)
+        cam = cam_at(scaled_springs, k, disc, z)
         if cam.both > 0.0 and springs.cam_clearance > 0.0:
             force_rate = springs.cam_stiffness * springs.cam_clearance
             rate[3 * disc] += force_rate * cam.u

@@ -429,16 +429,16 @@ def _assemble_step(
     With fixed friction limits there is an energy, and the tangent is symmetric.
     """
     increment.work[0] += 1
-    number, contacts, z = increment.load.size, springs.disc.size, new.z
+    unknown_count, contacts, z = increment.load.size, springs.disc.size, new.z
     drag, energy, gradient = increment.drag[0], 0.0, increment.gradient
-    for j in range(number):
-        moved = z[j] - old.z[j]
-        increment.residual[j] = increment.load[j] - drag * moved
-        energy += (0.5 * drag * moved - increment.load[j]) * moved
-        for m in range(number):
-            increment.tangent[j, m] = drag if j == m else 0.0
+    for j in range(unknown_count):
+        displacement_change = z[j] - old.z[j]
+        increment.residual[j] = increment.load[j] - drag * displacement_change
+        energy += (0.5 * drag * displacement_change - increment.load[j]) * displacement_change
+        for column in range(unknown_count):
+            increment.tangent[j, column] = drag if j == column else 0.0
     for i in range(contacts):
-        x, t, o = 3 * springs.disc[i], 3 * springs.disc[i] + 2, number - 1
+        x_dof, rotation_dof, output_dof = 3 * springs.disc[i], 3 * springs.disc[i] + 2, unknown_count - 1
         pose = disc_pose(springs, springs.disc[i], z)
         offset = curve_offset(springs, FIRST, i, pose)
         clear(gradient)
@@ -447,12 +447,12 @@ def _assemble_step(
             gap = gap_at(springs, FIRST, i, pose, offset, FALSE)
             depth = max(-gap.width, 0.0)
             if depth > 0.0:
-                gradient[x], gradient[x + 1], gradient[t], gradient[o] = gap.normal
+                gradient[x_dof], gradient[x_dof + 1], gradient[rotation_dof], gradient[output_dof] = gap.normal
         energy += _add_contact(rubbing, fixed_limits, i, springs.stiffness[0, i], depth, increment, old, new)
         if depth == 0.0:
             continue
         force = new.pressed[i] + new.normal[i]
-        _add_geometric_stiffness(increment.tangent, x, gap, force, force / springs.radius, springs.turning[i])
+        _add_geometric_stiffness(increment.tangent, x_dof, gap, force, force / springs.radius, springs.turning[i])
     for disc in range(springs.cam_place.shape[1]):
         energy += _add_cam(springs, rubbing, fixed_limits, disc, increment, old, new)
     for e in range(rubbing.drag.size):
@@ -470,21 +470,21 @@ def _add_geometric_stiffness(
     It is that of the rotation of the normal and of the parts, as in `system._add_contact`. The disc's unknowns begin at
     `x`; `rotates` is whether the profile rotates with the disc.
     """
-    y, t, o = x + 1, x + 2, len(tangent) - 1
-    (bx, by, bt, bo), turning = gap.tangential, -force * gap.rate
-    with_disc = rotation_stiffness if rotates else 0.0
-    alone = with_disc if rotates else -rotation_stiffness
-    tangent[x, x] += turning * bx * bx
-    tangent[y, y] += turning * by * by
-    tangent[t, t] += turning * bt * bt + alone * bt
-    tangent[o, o] += turning * bo * bo + alone * bo
+    y, t, output_dof = x + 1, x + 2, len(tangent) - 1
+    (bx, by, bt, bo), normal_rotation = gap.tangential, -force * gap.rate
+    disc_coupling = rotation_stiffness if rotates else 0.0
+    rotation_term = disc_coupling if rotates else -rotation_stiffness
+    tangent[x, x] += normal_rotation * bx * bx
+    tangent[y, y] += normal_rotation * by * by
+    tangent[t, t] += normal_rotation * bt * bt + rotation_term * bt
+    tangent[output_dof, output_dof] += normal_rotation * bo * bo + rotation_term * bo
     for row, column, rate in (
-        (x, y, turning * bx * by),
-        (x, t, turning * bx * bt + with_disc * bx),
-        (y, t, turning * by * bt + with_disc * by),
-        (x, o, turning * bx * bo),
-        (y, o, turning * by * bo),
-        (t, o, turning * bt * bo),
+        (x, y, normal_rotation * bx * by),
+        (x, t, normal_rotation * bx * bt + disc_coupling * bx),
+        (y, t, normal_rotation * by * bt + disc_coupling * by),
+        (x, output_dof, normal_rotation * bx * bo),
+        (y, output_dof, normal_rotation * by * bo),
+        (t, output_dof, normal_rotation * bt * bo),
     ):
         tangent[row, column] += rate
         tangent[column, row] += rate
@@ -509,11 +509,11 @@ def _add_cam(
     stiffness, depth = springs.cam_stiffness, max(cam.depth, 0.0)
     energy = _add_contact(rubbing, fixed_limits, i, stiffness, depth, increment, old, new)
     if cam.depth > 0.0:
-        across = (new.pressed[i] + new.normal[i]) / cam.depth * cam.around
-        tangent[x, x] += across * cam.v * cam.v
-        tangent[y, y] += across * cam.u * cam.u
-        tangent[x, y] -= across * cam.u * cam.v
-        tangent[y, x] -= across * cam.u * cam.v
+        tangential_stiffness = (new.pressed[i] + new.normal[i]) / cam.depth * cam.around
+        tangent[x, x] += tangential_stiffness * cam.v * cam.v
+        tangent[y, y] += tangential_stiffness * cam.u * cam.u
+        tangent[x, y] -= tangential_stiffness * cam.u * cam.v
+        tangent[y, x] -= tangential_stiffness * cam.u * cam.v
     return energy
 
 
@@ -544,8 +544,8 @@ def _add_contact(
     gradient = increment.gradient
     for j in range(gradient.size):
         increment.residual[j] += force * gradient[j]
-        for m in range(gradient.size):
-            increment.tangent[j, m] += rate * gradient[j] * gradient[m]
+        for column in range(gradient.size):
+            increment.tangent[j, column] += rate * gradient[j] * gradient[column]
     limit, limit_rate = increment.side[i], 0.0
     if not fixed_limits:
         limit, limit_rate = rubbing.coefficient[i] * force, rubbing.coefficient[i] * rate
@@ -578,12 +578,12 @@ def _add_friction(
         sign = 1.0 if trial > 0.0 else -1.0
         trial = sign * limit
         for j in range(number):
-            for m in range(number):
-                increment.tangent[j, m] -= sign * rate * slip[j] * increment.gradient[m]
+            for column in range(number):
+                increment.tangent[j, column] -= sign * rate * slip[j] * increment.gradient[column]
     else:
         for j in range(number):
-            for m in range(number):
-                increment.tangent[j, m] += stick * slip[j] * slip[m]
+            for column in range(number):
+                increment.tangent[j, column] += stick * slip[j] * slip[column]
     new.side[i] = trial
     for j in range(number):
         increment.residual[j] -= trial * slip[j]

@@ -171,8 +171,8 @@ def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: fl
         if pivot != j:
             sign = -sign
             solution[j], solution[pivot] = solution[pivot], solution[j]
-            for m in range(j, number):
-                matrix[j, m], matrix[pivot, m] = matrix[pivot, m], matrix[j, m]
+            for row in range(j, number):
+                matrix[j, row], matrix[pivot, row] = matrix[pivot, row], matrix[j, row]
         if not abs(matrix[j, j]) > 0.0:
             return 0.0
         sign = sign if matrix[j, j] > 0.0 else -sign
@@ -181,13 +181,13 @@ def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: fl
             factor = matrix[i, j] * share
             if factor == 0.0:
                 continue
-            for m in range(j + 1, number):
-                matrix[i, m] -= factor * matrix[j, m]
+            for row in range(j + 1, number):
+                matrix[i, row] -= factor * matrix[j, row]
             solution[i] -= factor * solution[j]
     for j in range(number - 1, -1, -1):
         value = solution[j]
-        for m in range(j + 1, number):
-            value -= matrix[j, m] * solution[m]
+        for row in range(j + 1, number):
+            value -= matrix[j, row] * solution[row]
         solution[j] = value / matrix[j, j]
     return sign
 
@@ -201,26 +201,26 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
     number = right_side.size
     for j in range(number):
         pivot = matrix[j, j] + diagonal
-        for m in range(j):
-            pivot -= matrix[j, m] * matrix[j, m]
+        for inner in range(j):
+            pivot -= matrix[j, inner] * matrix[j, inner]
         if not pivot > 0.5 * diagonal:
             return False
         pivot = math.sqrt(pivot)
         matrix[j, j] = pivot
         for i in range(j + 1, number):
             value = matrix[i, j]
-            for m in range(j):
-                value -= matrix[i, m] * matrix[j, m]
+            for inner in range(j):
+                value -= matrix[i, inner] * matrix[j, inner]
             matrix[i, j] = value / pivot
     for i in range(number):
         value = right_side[i]
-        for m in range(i):
-            value -= matrix[i, m] * solution[m]
+        for inner in range(i):
+            value -= matrix[i, inner] * solution[inner]
         solution[i] = value / matrix[i, i]
     for i in range(number - 1, -1, -1):
         value = solution[i]
-        for m in range(i + 1, number):
-            value -= matrix[m, i] * solution[m]
+        for inner in range(i + 1, number):
+            value -= matrix[inner, i] * solution[inner]
         solution[i] = value / matrix[i, i]
     return True
 
@@ -241,12 +241,12 @@ def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenv
         return
     _find_eigenvectors(matrix, vectors)
     clear(step)
-    for m in range(number):
+    for column in range(number):
         component = 0.0
         for j in range(number):
-            component += vectors[j, m] * residual[j]
+            component += vectors[j, column] * residual[j]
         for j in range(number):
-            step[j] += component / max(abs(matrix[m, m]), min_eigenvalue) * vectors[j, m]
+            step[j] += component / max(abs(matrix[column, column]), min_eigenvalue) * vectors[j, column]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
@@ -261,27 +261,27 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
     for i in range(number):
         clear(vectors[i])
         vectors[i, i] = 1.0
-    rotated = True
-    while rotated:
-        rotated = False
+    has_rotated = True
+    while has_rotated:
+        has_rotated = False
         for p in range(number - 1):
             for q in range(p + 1, number):
                 off_diagonal = matrix[p, q]
                 if not abs(off_diagonal) > tolerance:
                     continue
-                rotated = True
+                has_rotated = True
                 cotangent = (matrix[q, q] - matrix[p, p]) / (2.0 * off_diagonal)
                 tangent = math.copysign(1.0, cotangent) / (abs(cotangent) + math.hypot(1.0, cotangent))
                 cos = 1.0 / math.hypot(1.0, tangent)
                 sin = tangent * cos
                 for i in range(number):
-                    first, second = matrix[i, p], matrix[i, q]
-                    matrix[i, p], matrix[i, q] = cos * first - sin * second, sin * first + cos * second
-                    first, second = vectors[i, p], vectors[i, q]
-                    vectors[i, p], vectors[i, q] = cos * first - sin * second, sin * first + cos * second
+                    entry_p, entry_q = matrix[i, p], matrix[i, q]
+                    matrix[i, p], matrix[i, q] = cos * entry_p - sin * entry_q, sin * entry_p + cos * entry_q
+                    entry_p, entry_q = vectors[i, p], vectors[i, q]
+                    vectors[i, p], vectors[i, q] = cos * entry_p - sin * entry_q, sin * entry_p + cos * entry_q
                 for i in range(number):
-                    first, second = matrix[p, i], matrix[q, i]
-                    matrix[p, i], matrix[q, i] = cos * first - sin * second, sin * first + cos * second
+                    entry_p, entry_q = matrix[p, i], matrix[q, i]
+                    matrix[p, i], matrix[q, i] = cos * entry_p - sin * entry_q, sin * entry_p + cos * entry_q
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")

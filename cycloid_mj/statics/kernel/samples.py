@@ -95,13 +95,15 @@ def balance_few_samples(
     the samples. For `use_arclength` see `search._balance`: samples that fail without are to be solved with it.
     """
     z, force, system = workspace.z, workspace.force, workspace.system
-    for s in range(first, last):
-        _fill_sample(effects, deviations, s, workspace.distance, workspace.shift, workspace.cam_place, workspace.begun)
+    for sample in range(first, last):
+        _fill_sample(
+            effects, deviations, sample, workspace.distance, workspace.shift, workspace.cam_place, workspace.begun
+        )
         springs = KernelSprings(
             ideal.radius,
             ideal.disc,
             ideal.turning,
-            deviations.room[s],
+            deviations.room[sample],
             workspace.distance,
             ideal.slope,
             workspace.shift,
@@ -112,7 +114,7 @@ def balance_few_samples(
             ideal.trochoid,
             ideal.stiffness,
             workspace.cam_place,
-            deviations.cam[s],
+            deviations.cam[sample],
             ideal.cam_stiffness,
             ideal.rubbing,
             ideal.cam_rubbing,
@@ -132,13 +134,13 @@ def balance_few_samples(
                 ideal.radius,
                 ideal.turning,
                 workspace.cam_place,
-                deviations.cam[s],
+                deviations.cam[sample],
                 ideal.cam_stiffness,
                 z,
                 force,
-                rows[t, s],
+                rows[t, sample],
             )
-            rows[t, s, FIGURES - 1] = residual.force
+            rows[t, sample, FIGURES - 1] = residual.force
 
 
 balance_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(balance_few_samples)
@@ -152,29 +154,31 @@ balance_samples_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy"
 def _fill_sample(
     effects: Effects,
     deviations: SampleDeviations,
-    s: int,
+    sample: int,
     distance: Array,
     shift: Array,
     cam_place: Array,
     start_values: Array,
 ) -> None:
-    """Write gaps (k, n) [m], cam positions (k, D, 2) [m] and start values (k, u) [m] of the sample with index `s`."""
-    circle, rotation = deviations.pin_circle[s], deviations.rotation[s]
+    """Write gaps (k, n) [m], cam positions (k, D, 2) [m] and start values (k, u) [m] of the sample of an index."""
+    circle, rotation = deviations.pin_circle[sample], deviations.rotation[sample]
     for k in range(distance.shape[0]):
         for i in range(distance.shape[1]):
             distance_change = shift_change = 0.0
-            for j, size in enumerate((deviations.place[s, i, 0], deviations.place[s, i, 1], circle, rotation)):
+            for j, size in enumerate(
+                (deviations.place[sample, i, 0], deviations.place[sample, i, 1], circle, rotation)
+            ):
                 distance_change += effects.distance[k, i, j] * size
                 shift_change += effects.shift[k, i, j] * size
             for j in range(deviations.waves.shape[1]):
-                distance_change += effects.waves[k, i, j] * deviations.waves[s, j]
+                distance_change += effects.waves[k, i, j] * deviations.waves[sample, j]
             distance[k, i], shift[k, i] = distance_change, shift_change
         cosine, sine = effects.turned[k, 0], effects.turned[k, 1]
         for disc in range(cam_place.shape[1]):
-            x, y = deviations.cam_place[s, disc, 0], deviations.cam_place[s, disc, 1]
+            x, y = deviations.cam_place[sample, disc, 0], deviations.cam_place[sample, disc, 1]
             radial_x, radial_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
-            cam_place[k, disc, 0] = deviations.eccentricity[s] * radial_x + (cosine * x - sine * y)
-            cam_place[k, disc, 1] = deviations.eccentricity[s] * radial_y + (sine * x + cosine * y)
+            cam_place[k, disc, 0] = deviations.eccentricity[sample] * radial_x + (cosine * x - sine * y)
+            cam_place[k, disc, 1] = deviations.eccentricity[sample] * radial_y + (sine * x + cosine * y)
             start_values[k, 3 * disc], start_values[k, 3 * disc + 1] = cam_place[k, disc, 0], cam_place[k, disc, 1]
 
 

@@ -210,16 +210,16 @@ def assemble(
     float
         Energy of the springs minus work of the load [J].
     """
-    number, residual, tangent, seen = z.size, system.residual, system.tangent, system.seen
+    unknown_count, residual, tangent, list_origin = z.size, system.residual, system.tangent, system.seen
     has_friction = springs.rubbing.shape[0] > 0 and friction > 0.0
     energy = 0.0
     system.assembled[0] += 1
-    for j in range(number):
+    for j in range(unknown_count):
         energy -= load[j] * z[j]
         residual[j] = load[j]
-        seen[j] = z[j] if rebuild_list else seen[j]
-        for m in range(number):
-            tangent[j, m] = 0.0
+        list_origin[j] = z[j] if rebuild_list else list_origin[j]
+        for column in range(unknown_count):
+            tangent[j, column] = 0.0
     for disc in range(springs.cam_place.shape[1]):
         sums, energy = _sum_contacts(
             springs, k, disc, z, stiffness_factor, use_foot_points, has_friction, rebuild_list, energy, system
@@ -255,13 +255,13 @@ def _sum_contacts(
     # sums are local variables: the compiler would write array elements at every contact
     sums = _DiscSums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     pose = disc_pose(springs, disc, z)
-    moved = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * disc, system.arm[0])
+    max_displacement = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * disc, system.arm[0])
     for i in range(_independent_contacts(springs)):
         if disc_of[i] != disc:
             continue
         pressed[i] = 0.0
         is_kept, bound = warm[i], margin[i]
-        if not (rebuild_list or is_kept) and bound > moved:
+        if not (rebuild_list or is_kept) and bound > max_displacement:
             continue
         offset, stiffness = curve_offset(springs, k, i, pose), stiffness_factor * springs.stiffness[k, i]
         bound = bound_width(springs, k, i, offset, use_foot_points)
@@ -292,24 +292,24 @@ def _add_contact(
     [N/m], which acts on the disc if the profile `rotates` with it, else also on the output.
     """
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
-    turning, with_disc = -force * gap.rate, rotation_stiffness if rotates else 0.0
-    alone = with_disc if rotates else -rotation_stiffness
+    normal_rotation, disc_coupling = -force * gap.rate, rotation_stiffness if rotates else 0.0
+    rotation_term = disc_coupling if rotates else -rotation_stiffness
     (ax, ay, at, ao), (bx, by, bt, bo) = gap.normal, gap.tangential
     return _DiscSums(
         rx + force * ax,
         ry + force * ay,
         rt + force * at,
         ro + force * ao,
-        xx + (stiffness * ax * ax + turning * bx * bx),
-        xy + (stiffness * ax * ay + turning * bx * by),
-        yy + (stiffness * ay * ay + turning * by * by),
-        xt + (stiffness * ax * at + turning * bx * bt + with_disc * bx),
-        yt + (stiffness * ay * at + turning * by * bt + with_disc * by),
-        tt + (stiffness * at * at + turning * bt * bt + alone * bt),
-        xo + (stiffness * ax * ao + turning * bx * bo),
-        yo + (stiffness * ay * ao + turning * by * bo),
-        to + (stiffness * at * ao + turning * bt * bo),
-        oo + (stiffness * ao * ao + turning * bo * bo + alone * bo),
+        xx + (stiffness * ax * ax + normal_rotation * bx * bx),
+        xy + (stiffness * ax * ay + normal_rotation * bx * by),
+        yy + (stiffness * ay * ay + normal_rotation * by * by),
+        xt + (stiffness * ax * at + normal_rotation * bx * bt + disc_coupling * bx),
+        yt + (stiffness * ay * at + normal_rotation * by * bt + disc_coupling * by),
+        tt + (stiffness * at * at + normal_rotation * bt * bt + rotation_term * bt),
+        xo + (stiffness * ax * ao + normal_rotation * bx * bo),
+        yo + (stiffness * ay * ao + normal_rotation * by * bo),
+        to + (stiffness * at * ao + normal_rotation * bt * bo),
+        oo + (stiffness * ao * ao + normal_rotation * bo * bo + rotation_term * bo),
     )
 
 
@@ -328,31 +328,35 @@ def _add_cam(
     """Add the contact of a disc and its cam to the sums of the disc and the energy [J], its friction to the system."""
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     residual, tangent, x, y, t = system.residual, system.tangent, 3 * disc, 3 * disc + 1, 3 * disc + 2
-    cam, i, hard = cam_at(springs, k, disc, z), springs.disc.size + disc, stiffness_factor * springs.cam_stiffness
-    system.pressed[i] = hard * cam.depth if cam.both > 0.0 else 0.0
+    cam, i, cam_stiffness = (
+        cam_at(springs, k, disc, z),
+        springs.disc.size + disc,
+        stiffness_factor * springs.cam_stiffness,
+    )
+    system.pressed[i] = cam_stiffness * cam.depth if cam.both > 0.0 else 0.0
     if cam.both > 0.0 or system.warm[i]:
-        force, rate, u, v = hard * cam.depth, hard * cam.along, cam.u, cam.v
-        energy += hard * cam.energy
+        force, rate, u, v = cam_stiffness * cam.depth, cam_stiffness * cam.along, cam.u, cam.v
+        energy += cam_stiffness * cam.energy
         if friction > 0.0:
-            sliding = friction * springs.cam_rubbing * hard
+            sliding = friction * springs.cam_rubbing * cam_stiffness
             residual[t] += sliding * (cam.both if cam.both > 0.0 else cam.depth)
             if cam.both == cam.depth or cam.depth < 0.0:
                 tangent[t, x] -= sliding * u
                 tangent[t, y] -= sliding * v
-        around = force / cam.depth * cam.around if cam.depth > 0.0 else hard * cam.around
-        along = rate - around
+        tangential_stiffness = force / cam.depth * cam.around if cam.depth > 0.0 else cam_stiffness * cam.around
+        radial_excess = rate - tangential_stiffness
         if friction > 0.0:
             lateral = friction * springs.cam_lateral
             residual[x] += lateral * force * v
             residual[y] -= lateral * force * u
-            tangent[x, x] -= lateral * along * u * v
-            tangent[x, y] -= lateral * (around + along * v * v)
-            tangent[y, x] += lateral * (around + along * u * u)
-            tangent[y, y] += lateral * along * u * v
+            tangent[x, x] -= lateral * radial_excess * u * v
+            tangent[x, y] -= lateral * (tangential_stiffness + radial_excess * v * v)
+            tangent[y, x] += lateral * (tangential_stiffness + radial_excess * u * u)
+            tangent[y, y] += lateral * radial_excess * u * v
         rx, ry = rx - force * u, ry - force * v
-        xx += around + along * u * u
-        xy += along * u * v
-        yy += around + along * v * v
+        xx += tangential_stiffness + radial_excess * u * u
+        xy += radial_excess * u * v
+        yy += tangential_stiffness + radial_excess * v * v
     return _DiscSums(rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo), energy
 
 
@@ -360,17 +364,17 @@ def _add_cam(
 def _write_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> None:
     """Add the sums of a disc to residual (u,) [N] and tangent (u, u) [N/m]."""
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
-    x, y, t, o = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
+    x, y, t, output_dof = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
     residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
-    residual[o] += ro
+    residual[output_dof] += ro
     tangent[x, x], tangent[y, y], tangent[t, t] = tangent[x, x] + xx, tangent[y, y] + yy, tangent[t, t] + tt
     tangent[x, y], tangent[y, x] = tangent[x, y] + xy, tangent[y, x] + xy
     tangent[x, t], tangent[t, x] = tangent[x, t] + xt, tangent[t, x] + xt
     tangent[y, t], tangent[t, y] = tangent[y, t] + yt, tangent[t, y] + yt
-    tangent[x, o], tangent[o, x] = tangent[x, o] + xo, tangent[o, x] + xo
-    tangent[y, o], tangent[o, y] = tangent[y, o] + yo, tangent[o, y] + yo
-    tangent[t, o], tangent[o, t] = tangent[t, o] + to, tangent[o, t] + to
-    tangent[o, o] += oo
+    tangent[x, output_dof], tangent[output_dof, x] = tangent[x, output_dof] + xo, tangent[output_dof, x] + xo
+    tangent[y, output_dof], tangent[output_dof, y] = tangent[y, output_dof] + yo, tangent[output_dof, y] + yo
+    tangent[t, output_dof], tangent[output_dof, t] = tangent[t, output_dof] + to, tangent[output_dof, t] + to
+    tangent[output_dof, output_dof] += oo
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -405,13 +409,13 @@ def _add_bent_pins(
     Forces f on a pin with contacts of stiffness K and gaps w of the straight pin solve the linear complementarity
     problem K^-1 f + B f + w >= 0, f >= 0, with the `bending` B. The arguments are those of `assemble`.
     """
-    discs, energy, first = springs.cam_place.shape[1], 0.0, _independent_contacts(springs)
+    discs, energy, first_contact = springs.cam_place.shape[1], 0.0, _independent_contacts(springs)
     width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
     for pin in range(springs.pins):
         if not _may_touch_pin(springs, k, pin, z, rebuild_list, system):
             continue
         for d in range(discs):
-            i = first + d * springs.pins + pin
+            i = first_contact + d * springs.pins + pin
             pose = disc_pose(springs, d, z)
             gap = gap_at(springs, k, i, pose, curve_offset(springs, k, i, pose), FALSE)
             width[d], rate[d], kept_closed[d] = gap.width, gap.rate, system.warm[i]
@@ -422,7 +426,7 @@ def _add_bent_pins(
             flexibility[d, d] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
         _solve_pin(flexibility, width, kept_closed, is_active, forces, stiffness)
         for d in range(discs):
-            system.pressed[first + d * springs.pins + pin] = forces[d]
+            system.pressed[first_contact + d * springs.pins + pin] = forces[d]
             energy -= 0.5 * forces[d] * width[d]
         _add_pin_forces(springs, k, pin, friction, system)
     return energy
@@ -431,48 +435,54 @@ def _add_bent_pins(
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_list: bool, system: System) -> bool:
     """Return whether any disc may touch a pin, by the neighbour list; set the forces on the pin to 0."""
-    closed, first = False, _independent_contacts(springs)
+    may_touch, first_contact = False, _independent_contacts(springs)
     for d in range(springs.cam_place.shape[1]):
-        i = first + d * springs.pins + pin
+        i = first_contact + d * springs.pins + pin
         if rebuild_list:
             offset = curve_offset(springs, k, i, disc_pose(springs, d, z))
             system.margin[i] = bound_width(springs, k, i, offset, FALSE)
-        moved = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * d, system.arm[0])
-        closed |= system.warm[i] or not system.margin[i] > moved
+        max_displacement = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * d, system.arm[0])
+        may_touch |= system.warm[i] or not system.margin[i] > max_displacement
         system.pressed[i] = 0.0
-    return closed
+    return may_touch
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, system: System) -> None:
     """Add the solved forces on a pin, in `system.pin`, and their tangent stiffness and friction to the system."""
-    discs, first, o = springs.cam_place.shape[1], _independent_contacts(springs), system.residual.size - 1
+    discs, first_contact, output_dof = (
+        springs.cam_place.shape[1],
+        _independent_contacts(springs),
+        system.residual.size - 1,
+    )
     has_friction = springs.rubbing.shape[0] > 0 and friction > 0.0
     _, forces, normal, tangential, rate, is_active, _, _, stiffness = system.pin
     for d in range(discs):
-        i = first + d * springs.pins + pin
+        i = first_contact + d * springs.pins + pin
         if not is_active[d]:
             continue
         force, system.row[i, RATE] = forces[d], 0.0
         for e in range(discs):
             system.row[i, RATE] += stiffness[d, e]  # the clearances of all discs on a pin grow together
-        turning, alone = -force * rate[d], -force / springs.radius
+        normal_rotation, rotation_term = -force * rate[d], -force / springs.radius
         for a in range(4):
             system.row[i, a] = normal[d, a]
-            row = 3 * d + a if a < 3 else o
+            row = 3 * d + a if a < 3 else output_dof
             rubs = friction * springs.rubbing[k, i, row] if has_friction else 0.0
             system.residual[row] += force * (normal[d, a] + rubs)
             for b in range(4):
-                system.tangent[row, 3 * d + b if b < 3 else o] += turning * tangential[d, a] * tangential[d, b]
+                system.tangent[row, 3 * d + b if b < 3 else output_dof] += (
+                    normal_rotation * tangential[d, a] * tangential[d, b]
+                )
             for e in range(discs):
                 if not is_active[e]:
                     continue
                 for b in range(4):
-                    column = 3 * e + b if b < 3 else o
+                    column = 3 * e + b if b < 3 else output_dof
                     system.tangent[row, column] += stiffness[d, e] * (normal[d, a] + rubs) * normal[e, b]
         # geometric stiffness of the rotations of disc and output, as in `_add_contact`
-        system.tangent[3 * d + 2, 3 * d + 2] += alone * tangential[d, 2]
-        system.tangent[o, o] += alone * tangential[d, 3]
+        system.tangent[3 * d + 2, 3 * d + 2] += rotation_term * tangential[d, 2]
+        system.tangent[output_dof, output_dof] += rotation_term * tangential[d, 3]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
@@ -489,22 +499,22 @@ def _solve_pin(
         is_active[d] = kept_closed[d] or width[d] < 0.0
     for _ in range(4 * discs):
         _invert_flexibility(flexibility, is_active, stiffness)
-        exchanged, violation = -1, 0.0
+        exchanged_index, violation = -1, 0.0
         for d in range(discs):
             forces[d] = 0.0
             for e in range(discs):
                 forces[d] -= stiffness[d, e] * width[e]
             if not kept_closed[d] and forces[d] < violation:
-                exchanged, violation = d, forces[d]
-        for d in range(discs if exchanged < 0 else 0):  # no contact pulls: check the open ones
+                exchanged_index, violation = d, forces[d]
+        for d in range(discs if exchanged_index < 0 else 0):  # no contact pulls: check the open ones
             gap = width[d]
             for e in range(discs):
                 gap += flexibility[d, e] * forces[e]
             if not is_active[d] and gap < violation:
-                exchanged, violation = d, gap
-        if exchanged < 0:
+                exchanged_index, violation = d, gap
+        if exchanged_index < 0:
             break
-        is_active[exchanged] = not is_active[exchanged]
+        is_active[exchanged_index] = not is_active[exchanged_index]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
