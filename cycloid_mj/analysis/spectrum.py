@@ -181,9 +181,9 @@ def _invert_samples(increasing: Array, targets: Array) -> Array:
     node_values = increasing[first_index + np.arange(4)[:, np.newaxis]]
     sample_numbers = np.zeros(len(targets))
     for k in range(4):
-        other_nodes = [other for other in range(4) if other != k]
+        other_nodes = [node for node in range(4) if node != k]
         weight = np.prod(
-            [(targets - node_values[other]) / (node_values[k] - node_values[other]) for other in other_nodes], axis=0
+            [(targets - node_values[node]) / (node_values[k] - node_values[node]) for node in other_nodes], axis=0
         )
         sample_numbers += weight * (first_index + k)
     return sample_numbers

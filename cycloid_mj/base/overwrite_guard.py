@@ -161,8 +161,8 @@ def require_replaceable(path: Path) -> None:
         raise TakenError(
             f"cannot write {path} over {source_text}, because this command reads that file: choose another file name"
         )
-    real = _real(path)
-    if command.replaceable.isdisjoint((real, *real.parents)):
+    resolved_path = _real(path)
+    if command.replaceable.isdisjoint((resolved_path, *resolved_path.parents)):
         raise TakenError(
             f"{path} already exists ({describe_file(path)}): choose another name (--out), or overwrite it with --force"
         )

@@ -201,12 +201,12 @@ class Calibration(Presented):
         best, sentences = self.preferred, list(self._worst_stretches())
         if best is None or best.key == model_selection.WRITTEN:
             return tuple(sentences)
-        of_design = next(item for item in self.candidates if item.key == model_selection.WRITTEN)
-        extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in of_design.values)
+        design_fit = next(item for item in self.candidates if item.key == model_selection.WRITTEN)
+        extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in design_fit.values)
         better = (
             f"{best.meaning}{f' ({extra})' if extra else ''} explains the loops better than the design's "
-            f"{of_design.meaning}: Bayesian criterion lower by {of_design.bayesian - best.bayesian:.3g}, residual "
-            f"{_percent(best.shares)} instead of {_percent(of_design.shares)} of the heights"
+            f"{design_fit.meaning}: Bayesian criterion lower by {design_fit.bayesian - best.bayesian:.3g}, residual "
+            f"{_percent(best.shares)} instead of {_percent(design_fit.shares)} of the heights"
         )
         remedy = (
             "; a design and a MuJoCo joint have only friction of constant size at a locked crank. To see the fit, use "
@@ -632,9 +632,9 @@ def _advise_loops(
             f"losses: a loop of +-{small_torque:.2g} N m, in which constant friction is most of the torque, in "
             f"addition to one of +-{max_torque:.4g} N m"
         )
-        other_end = "output" if bench.held == "crank" else "crank"
+        other_shaft = "output" if bench.held == "crank" else "crank"
         advice.append(
-            f"friction: the same loop with the {other_end} locked (--held {other_end}), where friction acts in the "
+            f"friction: the same loop with the {other_shaft} locked (--held {other_shaft}), where friction acts in the "
             "other direction"
         )
     if {"tooth_stiffness", "structure_stiffness", "hysteresis_travel"} & open_keys:

@@ -277,14 +277,14 @@ def _find_crossings(
     """
     crossings = []
     for direction in (-1, 1):
-        on_branch = loop.moving(direction)
-        if not on_branch.any() or not abscissa[on_branch].min() < level < abscissa[on_branch].max():
+        is_on_branch = loop.moving(direction)
+        if not is_on_branch.any() or not abscissa[is_on_branch].min() < level < abscissa[is_on_branch].max():
             return None
-        line = _fit_line(abscissa, values, on_branch & (np.abs(abscissa - level) <= window))
+        line = _fit_line(abscissa, values, is_on_branch & (np.abs(abscissa - level) <= window))
         crossings.append(
             (*line.at(level), line.freedom)
             if line
-            else _interpolate_leap(abscissa[on_branch], values[on_branch], level)
+            else _interpolate_leap(abscissa[is_on_branch], values[is_on_branch], level)
         )
     falling_crossing, rising_crossing = crossings
     return falling_crossing, rising_crossing

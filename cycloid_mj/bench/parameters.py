@@ -178,7 +178,7 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
     design = reducer.design
     tooth, clearance, tooth_kinds = design.tooth_pair, design.clearance, _tooth_pairs(reducer)
     mesh = getattr(clearance, tooth) + design.pin_play
-    to_um, zones = MICROMETRE.from_si, tolerance_zones(reducer)
+    to_micrometres, zones = MICROMETRE.from_si, tolerance_zones(reducer)
 
     def make_play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
         """Return the clearance of some kinds of pairs as a parameter, with the tolerances that change it as its prior.
@@ -188,13 +188,13 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
         tolerances = [
             item for item in SHIFTING if item in zones and {"teeth": tooth}.get(SHIFTING[item], SHIFTING[item]) in kinds
         ]
-        scale, apply = max(0.3 * to_um(start), 0.1), _play_setter(kinds)
-        parameter = Parameter(key, "um", meaning, to_um(start), scale, 1e-3, BOUNDS.max_play_um, apply)
+        scale, apply = max(0.3 * to_micrometres(start), 0.1), _play_setter(kinds)
+        parameter = Parameter(key, "um", meaning, to_micrometres(start), scale, 1e-3, BOUNDS.max_play_um, apply)
         if not tolerances:
             return parameter
         squares = sum(zones[item].deviation ** 2 + zones[item].middle ** 2 for item in tolerances)
         source = f"tolerance: {', '.join(tolerances)}"
-        return replace(parameter, deviation=to_um(math.sqrt(squares)), source=source)
+        return replace(parameter, deviation=to_micrometres(math.sqrt(squares)), source=source)
 
     return (
         make_play(

@@ -264,12 +264,12 @@ def protocol(
     """
     for loop in files.loops:
         require_torque(loop, rated_torque)
-    of_bench = {**_loop_lines(files.loops, rated_torque), **_file_lines(files)} if files != BenchFiles() else {}
+    bench_lines = {**_loop_lines(files.loops, rated_torque), **_file_lines(files)} if files != BenchFiles() else {}
     loaded_reducer = reducer.working_at(rated_torque)
     cranks = crank_angles(reducer, angles).tolist()
     engine = engine or Engine(kind="threads")
     loops = tuple(engine.each(lambda crank: compute_model_loop(loaded_reducer, rated_torque, crank), cranks, progress))
-    of_model = {**_loop_lines(loops, rated_torque), **_model_lines(loaded_reducer, rated_torque)}
+    model_lines = {**_loop_lines(loops, rated_torque), **_model_lines(loaded_reducer, rated_torque)}
     notes = [
         f"model: loops at {angles} crank angles, their mean, smallest and largest value; contacts have the stiffness "
         f"of {rated_torque:.4g} N m",
@@ -277,15 +277,15 @@ def protocol(
         f"({abs(reducer.design.drive.speed) / RPM:.4g} rpm)",
         "the model's torques include shaft bearings, seals and grease only as [drag] of the design",
     ]
-    if math.isnan(of_model["back_driving_torque_nm"].value):
+    if math.isnan(model_lines["back_driving_torque_nm"].value):
         notes.append("the model is self-locking: friction under a load consumes all of the output's power")
     incomplete = [loop for loop in files.loops if loop.most < 0.98 * rated_torque]
     notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in incomplete]
     return Protocol(
         reducer.design.name,
         rated_torque,
-        of_model,
-        of_bench,
+        model_lines,
+        bench_lines,
         loops,
         files.loops,
         tuple(notes),
@@ -328,8 +328,8 @@ def find_breakaway_torque(crank: Array, torque: Array) -> float:
     has_moved = np.abs(crank - crank[0]) > START.turned
     if not has_moved[-1]:
         return math.nan
-    at_rest = np.flatnonzero(~has_moved)
-    return float(abs(torque[at_rest[-1]]))
+    resting_rows = np.flatnonzero(~has_moved)
+    return float(abs(torque[resting_rows[-1]]))
 
 
 def read_breakaway_torque(path: Path, torque_column: str) -> float:

@@ -356,11 +356,11 @@ class FitProblem:
         def residuals(scaled_values: Array) -> Array:
             return np.concatenate([self.deflection_errors(scaled_values), weights * (scaled_values - start)])
 
-        def slopes(free_values: Array) -> Array:
-            return self.slopes(fill(free_values), free.tolist(), limits=(low, high), residuals=residuals)
+        def slopes(values: Array) -> Array:
+            return self.slopes(fill(values), free.tolist(), limits=(low, high), residuals=residuals)
 
-        def filled_residuals(free_values: Array) -> Array:
-            return residuals(fill(free_values))
+        def filled_residuals(values: Array) -> Array:
+            return residuals(fill(values))
 
         solution = least_squares(
             filled_residuals,

@@ -109,11 +109,11 @@ def estimate_uncertainty(
     if prior is not None:
         information += np.diag(prior**2)
     inverse = np.zeros_like(information)
-    free_entries = np.ix_(is_free, is_free)
-    values, vectors = np.linalg.eigh(information[free_entries])
+    free_block = np.ix_(is_free, is_free)
+    values, vectors = np.linalg.eigh(information[free_block])
     min_eigenvalue = 1e-12 * max(float(values.max(initial=0.0)), 1e-300)
     null_vectors = vectors[:, values <= min_eigenvalue]
-    inverse[free_entries] = (vectors / np.maximum(values, min_eigenvalue)) @ vectors.T
+    inverse[free_block] = (vectors / np.maximum(values, min_eigenvalue)) @ vectors.T
     covariance, influence, counts = np.zeros_like(information), [], []
     for loop_residuals, loop_slopes in zip(residuals, slopes, strict=True):
         leverage = np.minimum(np.sum(loop_slopes @ inverse * loop_slopes, axis=1), INTERVAL.max_leverage)
@@ -123,5 +123,5 @@ def estimate_uncertainty(
         covariance += correlation_time * scaled_residuals.T @ scaled_residuals
         influence.append(gain / np.sqrt(1.0 - leverage)[:, np.newaxis])
         counts.append(np.full(len(loop_residuals), correlation_time))
-    covariance[free_entries] += INTERVAL.unknown_error**2 * null_vectors @ null_vectors.T
+    covariance[free_block] += INTERVAL.unknown_error**2 * null_vectors @ null_vectors.T
     return FitUncertainty(covariance, inverse, np.concatenate(influence), np.concatenate(counts))

@@ -22,8 +22,8 @@ def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
     """
     design, contact = reducer.design, reducer.contacts["cam"]
     shaft, roller, bore = design.material_of("shaft"), reducer.contacts.roller_radius, design.gear.bore_radius
-    on_cam = ideal_loads.contact_modulus(shaft.youngs_modulus, shaft.poisson)
-    yield "shaft", math.sqrt(on_cam / contact.modulus)
+    shaft_modulus = ideal_loads.contact_modulus(shaft.youngs_modulus, shaft.poisson)
+    yield "shaft", math.sqrt(shaft_modulus / contact.modulus)
     yield "gear", math.sqrt((1.0 / roller - 1.0 / bore) / contact.relative_curvature)
 
 

@@ -200,8 +200,10 @@ def compare(
             f"{options.for_runs[0]} applies to new simulations only and has no effect on logs: remove this flag"
         )
     if logs:
-        usual = f"{logs[0].removesuffix('.mcap')}-compare"
-        destination = _claim(claim_folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
+        default_folder = f"{logs[0].removesuffix('.mcap')}-compare"
+        destination = _claim(
+            claim_folder(delivery.out or default_folder, "the figures", FILES, delivery.force), delivery
+        )
         return deliver(_compare_logs(logs, q, destination), destination, delivery)
     first_design = load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
     compared_designs = [load_design(name, options.set_, (), options.at_c) for name in designs]

@@ -227,12 +227,12 @@ def _summary_lines(design: Design, summary: "Summary", rating: "Rating | None") 
     from cycloid_mj.geometry.measured import part_notes
 
     angle, play = degrees(summary.pressure_angle), 60.0 * degrees(summary.backlash)
-    per_disc = " of each disc" if summary.discs > 1 else ""
+    disc_text = " of each disc" if summary.discs > 1 else ""
     part = "identical parts" if summary.one_part else "different parts"
     return [
         *([f"{summary.discs} discs, {part}"] if summary.discs > 1 else []),
         f"ratio {summary.ratio}:1, outer diameter {1e3 * summary.outer_diameter:.4g} mm, mass {summary.mass:.3g} kg",
-        f"at the nominal torque of {summary.rated_torque:.4g} N m: {summary.loaded_teeth:.1f} teeth{per_disc} "
+        f"at the nominal torque of {summary.rated_torque:.4g} N m: {summary.loaded_teeth:.1f} teeth{disc_text} "
         f"carry load on average, mean pressure angle {angle:.1f} deg",
         f"backlash {play:.3g} arcmin; capacity {summary.capacity:.3g} N m (first yield at {summary.weakest})",
         *([f"weakest: {rating.weakest_line()}"] if rating else []),

@@ -143,8 +143,8 @@ def reduce(
     design = design_options.resolve_checked()
     destination = claim_destination(delivery, STEM, _list_files(design.name, format_, spread), OUT, with_page=True)
     joint = identify(design, level, count_progress("reduce", delivery.quiet))
-    reducer, on_drive = Reducer(design), count_progress("spread", delivery.quiet)
-    drives = draw_population(reducer, samples, seed, on_drive) if spread else None
+    reducer, spread_progress = Reducer(design), count_progress("spread", delivery.quiet)
+    drives = draw_population(reducer, samples, seed, spread_progress) if spread else None
     free = without_slip(joint)
     comparison, steps = compare_with_full_model(reducer, free), study_time_steps(free)
     timestep = None if timestep_ms is None else 1e-3 * timestep_ms

@@ -175,7 +175,7 @@ def _with_explanations(
             *explain(findings),
             *([] if findings.condition.load else _explain_unloaded_run(design_options.resolve())),
             log_text,
-            *(f"next: {words}" for words in _suggest_commands(findings, design_options)),
+            *(f"next: {command}" for command in _suggest_commands(findings, design_options)),
         ],
         page=lambda: _draw_page(logged_run, quiet),
     )
@@ -190,8 +190,10 @@ def _explain_unloaded_run(design: Design) -> Iterator[str]:
     from cycloid_mj.figures import quantity
 
     reducer = Reducer(design)
-    figures = [(words, quantity(reducer, key)) for words, key in LOADED_FIGURES.items()]
-    figure_texts = [f"{words} {figure.value:.3g} {figure.unit}" for words, figure in figures if not isnan(figure.value)]
+    figures = [(figure_name, quantity(reducer, key)) for figure_name, key in LOADED_FIGURES.items()]
+    figure_texts = [
+        f"{figure_name} {figure.value:.3g} {figure.unit}" for figure_name, figure in figures if not isnan(figure.value)
+    ]
     if figure_texts:
         yield f"at the nominal torque of {design.rated_torque:.4g} N m, by statics: {', '.join(figure_texts)}"
 

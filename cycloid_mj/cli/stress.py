@@ -262,8 +262,8 @@ def _read_logs(
     """Read the logs to study, mesh the requested parts, and claim the files of the results."""
     runs = [_read_log(Path(log), designs[index] if designs else "") for index, log in enumerate(logs)]
     grids = _plan_cost([design for design, _, _ in runs], parts, settings, delivery.quiet)
-    usual = f"{logs[0].removesuffix('.mcap')}-stress"
-    destination = _claim(claim_folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
+    default_folder = f"{logs[0].removesuffix('.mcap')}-stress"
+    destination = _claim(claim_folder(delivery.out or default_folder, "the figures", FILES, delivery.force), delivery)
     return _Job(runs, grids, destination)
 
 

@@ -191,8 +191,8 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
 def _run_json(trial: Trial) -> dict[str, Any]:
     """Convert a trial to JSON values: measures of its first start, and at no load the spread of each figure."""
     spreads = [
-        {"quantity": words, "unit": unit, **spread.as_json()}
-        for words, unit, compared in ROWS
+        {"quantity": figure_name, "unit": unit, **spread.as_json()}
+        for figure_name, unit, compared in ROWS
         if trial.load == 0.0 and (spread := trial.over_starts(compared)) is not None
     ]
     return {

@@ -1131,10 +1131,10 @@ class Design(Section, Presented):
         It is R with the carrier as output and 1 - R with the ring. R is -(N - 1) with a central crank, and 1 + N
         z_p/z_s of an RV reducer with z_s teeth of the sun, z_p of a planet; its input is the sun.
         """
-        to_carrier: float = -self.lobes
+        carrier_ratio: float = -self.lobes
         if self.planet is not None:
-            to_carrier = 1.0 + self.ring.teeth * self.planet.planet_teeth / self.planet.sun_teeth
-        return 1 - to_carrier if self.output.turns_ring else to_carrier
+            carrier_ratio = 1.0 + self.ring.teeth * self.planet.planet_teeth / self.planet.sun_teeth
+        return 1 - carrier_ratio if self.output.turns_ring else carrier_ratio
 
     @property
     def reduction(self) -> float:
@@ -1225,12 +1225,12 @@ class Design(Section, Presented):
         pin's radius and the bore of a sleeve a smaller arm. It is a two-force body: where both are alike, the loss is
         the same however the slip divides.
         """
-        on_gear, ring = self.friction_of(self.tooth_pair), self.ring
+        gear_friction, ring = self.friction_of(self.tooth_pair), self.ring
         if ring.has_sockets:
-            return min(on_gear, self.friction_of("pin_socket"))
+            return min(gear_friction, self.friction_of("pin_socket"))
         if ring.has_sleeves:
-            return min(on_gear, self.friction_of("pin_sleeve") * ring.sleeve_bore_radius / ring.pin_radius)
-        return on_gear
+            return min(gear_friction, self.friction_of("pin_sleeve") * ring.sleeve_bore_radius / ring.pin_radius)
+        return gear_friction
 
     @property
     def has_film(self) -> bool:

@@ -322,8 +322,8 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
     if size_mm in _DOWELS:
         shortest, longest = _DOWELS[size_mm]
         count = max(-(-length_mm // longest), 1)
-        usual = [item for item in _LENGTHS if shortest <= item <= longest]
-        dowel = usual[min(bisect_left(usual, length_mm / count - 1e-6), len(usual) - 1)]
+        usual_lengths = [item for item in _LENGTHS if shortest <= item <= longest]
+        dowel = usual_lengths[min(bisect_left(usual_lengths, length_mm / count - 1e-6), len(usual_lengths) - 1)]
         return Dowel(f"ISO 8734 - {size_mm:g} x {dowel} - A", diameter, dowel * MM), int(count)
     if size_mm < _GAUGES.high and _GAUGES.includes(size_mm):
         return Dowel(f"{GAUGES} - {size_mm:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
@@ -335,9 +335,9 @@ def single_pin(diameter: float, length: float) -> Dowel | None:
 
     It is one of `pins`, or a longer pin gauge, which is cut to length.
     """
-    in_stock = pins(diameter, length)
-    if not in_stock or in_stock[1] == 1:
-        return in_stock[0] if in_stock else None
+    stock_pins = pins(diameter, length)
+    if not stock_pins or stock_pins[1] == 1:
+        return stock_pins[0] if stock_pins else None
     size = round(diameter / MM, 6)
     if _LONG_GAUGES.includes(size) and length <= _LONG_GAUGES.length * MM:
         return Dowel(f"{GAUGES} - {size:.2f} x {_LONG_GAUGES.length}", diameter, _LONG_GAUGES.length * MM)
@@ -372,11 +372,11 @@ def free_pin(diameter: float, width: float, play: float) -> Roller | None:
 
 def key_for(shaft: float, max_length: float) -> StockKey | None:
     """Find the longest parallel key (DIN 6885) for a shaft diameter up to a length [m]; None if none is in stock."""
-    for above, up_to, width, height, in_shaft, in_hub, shortest, longest in _rows(_KEYS, 8):
-        if above < round(shaft / MM, 6) <= up_to:
+    for min_diameter, max_diameter, width, height, shaft_depth, hub_depth, shortest, longest in _rows(_KEYS, 8):
+        if min_diameter < round(shaft / MM, 6) <= max_diameter:
             lengths = [item for item in _KEY_LENGTHS if shortest <= item <= min(longest, max_length / MM + 1e-6)]
             if lengths:
-                sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], in_shaft, in_hub))
+                sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], shaft_depth, hub_depth))
                 return StockKey(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
     return None
 
@@ -391,9 +391,11 @@ def stock_pin_length(diameter: float, length: float, max_count: int = 4) -> floa
     if size not in _DOWELS:
         return length
     shortest, longest = _DOWELS[size]
-    usual = [dowel for dowel in _LENGTHS if shortest <= dowel <= longest]
+    usual_lengths = [dowel for dowel in _LENGTHS if shortest <= dowel <= longest]
     counts = range(1, max_count + 1)
-    stack_lengths = [count * dowel for count in counts for dowel in usual if -(-count * dowel // longest) == count]
+    stack_lengths = [
+        count * dowel for count in counts for dowel in usual_lengths if -(-count * dowel // longest) == count
+    ]
     nearest = min(stack_lengths, key=lambda item: abs(math.log(item * MM / length)), default=0.0) * MM
     return round(nearest, 9) if length / OFF <= nearest <= length * OFF else length
 

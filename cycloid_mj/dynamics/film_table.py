@@ -104,10 +104,10 @@ def film_table(reducer: Reducer) -> Array:
     curvature = arc_contacts(reducer.tooth_profile, phases[:, np.newaxis]).relative_curvature[:, 0]
     film = build_film_surfaces(reducer, phases, curvature)
     force = np.exp(_FIRST + _FORCE_STEP * np.arange(_FORCES))
-    at_teeth = force[:, np.newaxis]
+    tooth_force = force[:, np.newaxis]
     is_massless = not reducer.design.ring.has_pin_bodies
-    teeth = (film.smaller_friction(at_teeth)[0] if is_massless else film.flank_friction(at_teeth)).coefficient
-    seat = film.seat_friction(at_teeth)
+    teeth = (film.smaller_friction(tooth_force)[0] if is_massless else film.flank_friction(tooth_force)).coefficient
+    seat = film.seat_friction(tooth_force)
     values = np.zeros((4, _PHASES, _FORCES))
     values[TEETH] = np.broadcast_to(teeth, (_FORCES, _PHASES)).T
     if seat is not None:

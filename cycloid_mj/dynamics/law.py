@@ -136,7 +136,7 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
     impratio/R = creep dt/2 it is centred in the step, like the damping; above, friction leads the sliding. The result
     is the smallest value that reaches this for every kind of pair, and the coupling `FRICTION.max_coupling`.
     """
-    sliding_laws = [law for of_disc in laws for law in of_disc.values() if law.friction]
+    sliding_laws = [law for disc_laws in laws for law in disc_laws.values() if law.friction]
     if not (sliding_laws and reducer.design.drive.speed):
         return FRICTION.impratio
     required = [
@@ -173,8 +173,8 @@ def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParamete
     """
     allowed = [
         (FRICTION.max_pin_lead if kind == reducer.design.seat_pair else FRICTION.max_lead) / lead
-        for of_disc in laws
-        for kind, lead in friction_leads(reducer, of_disc, 1.0).items()
+        for disc_laws in laws
+        for kind, lead in friction_leads(reducer, disc_laws, 1.0).items()
         if lead
     ]
     return significant(min([FRICTION.impratio, *allowed]))

@@ -256,21 +256,21 @@ def simulate(
     compiled = compiled or build(reducer.design)
     groups = log_columns(compiled, reducer)
     samples, run = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
-    late: tuple[str, ...] = ()
+    late_texts: tuple[str, ...] = ()
 
     def collect_blocks() -> Iterator[SampleBlock]:
-        nonlocal late
-        late = yield from blocks(compiled, reducer, course)
+        nonlocal late_texts
+        late_texts = yield from blocks(compiled, reducer, course)
 
     for block in collect_blocks():
         run.append(block)
-        progress(sum(len(taken_block.time) for taken_block in run), samples)
+        progress(sum(len(finished_block.time) for finished_block in run), samples)
     return Run(
         time=own(np.concatenate([block.time for block in run])),
         columns=_join_columns(groups, run),
         units={name: unit for group in groups.values() for name, unit in group.items()},
         provenance=provenance(reducer, contact_kind(compiled), compiled.timestep, solver_name(compiled))
-        | warnings_entry((*run_warnings(compiled, reducer, course), *late)),
+        | warnings_entry((*run_warnings(compiled, reducer, course), *late_texts)),
         attachments=attachments(compiled, reducer),
         topics={topic: tuple(names) for topic, names in groups.items()},
     )
@@ -389,9 +389,9 @@ def blocks(
                 yield block
             if problem:
                 raise RunError(problem)
-    late = stepping.late_warnings(recorder.noted, plan)
-    warn(reducer.design.name, late)
-    return late
+    late_texts = stepping.late_warnings(recorder.noted, plan)
+    warn(reducer.design.name, late_texts)
+    return late_texts
 
 
 def _advance_block(
@@ -512,7 +512,7 @@ class _Recorder:
         )
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
         powers = np.stack(
-            [pairs[:, of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for of_kind in self._kinds], axis=1
+            [pairs[:, is_of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for is_of_kind in self._kinds], axis=1
         )
         energies = copied_columns[:, self._read :]
         pin_motion = point_motion(

@@ -185,11 +185,11 @@ def departure_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
         axes = {"pin_position": "xy", "hole_position": "xy", "cam_position": "xy"}.get(key, "")
         for index in np.ndindex(values.shape[1:]):
             if key.startswith(WAVE):
-                words = ["cos" if index[0] == 0 else "sin"]
+                name_parts = ["cos" if index[0] == 0 else "sin"]
             else:
-                words = [str(number + 1) for number in (index[:-1] if axes else index)]
-                words += [axes[index[-1]]] if axes else []
-            columns["_".join(["drawn", key, *words, "um"])] = MICROMETRES * values[(slice(None), *index)]
+                name_parts = [str(number + 1) for number in (index[:-1] if axes else index)]
+                name_parts += [axes[index[-1]]] if axes else []
+            columns["_".join(["drawn", key, *name_parts, "um"])] = MICROMETRES * values[(slice(None), *index)]
     return columns
 
 

@@ -66,9 +66,9 @@ def parse_zone(
     DesignError
         The text does not have one of the `FORMS`, or its numbers are not finite.
     """
-    words = text.split()
+    parts = text.split()
     try:
-        match [word.lower() for word in words]:
+        match [word.lower() for word in parts]:
             case [] | ["0"]:
                 return None
             case ["normal", sigma] if _finite(sigma) >= 0.0:
@@ -106,14 +106,14 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
     """
     zones: dict[int, Zone] = {}
     for part in filter(str.strip, text.split(",")):
-        order, colon, words = part.partition(":")
+        order, colon, zone_text = part.partition(":")
         number = int(order) if order.strip().isdecimal() else 0
         if not colon or not 1 <= number <= highest or number in zones:
             raise DesignError(
                 f"tolerance.profile = {text!r}: {part.strip()!r} is not an order with its tolerance. Write orders from "
                 f'1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
             )
-        if zone := parse_zone(words, "profile", size):
+        if zone := parse_zone(zone_text, "profile", size):
             zones[number] = zone
     return zones
 

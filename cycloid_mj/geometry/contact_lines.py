@@ -68,12 +68,12 @@ def _contact_lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> 
         return [_collect_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "pin"))]
     roots = envelope.sigma_contacts(gear, crank_angle)
     phase = roots.B
-    beyond_middle = phase > np.pi
+    is_past_lobe = phase > np.pi
     # that half of the root counter-clockwise of a lobe is the flank Sigma(2) of the lobe on its other side
-    tooth = np.mod(roots.lobe - beyond_middle, gear.ring_teeth)
+    tooth = np.mod(roots.lobe - is_past_lobe, gear.ring_teeth)
     return [
         _collect_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "arc")),
-        _collect_lines(crank_angle, roots, tooth, np.where(beyond_middle, "sigma2", "sigma1")),
+        _collect_lines(crank_angle, roots, tooth, np.where(is_past_lobe, "sigma2", "sigma1")),
     ]
 
 

@@ -209,9 +209,9 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
         )
     pitch = perimeter(gear) / gear.ring_teeth
     lobe, remainder = np.divmod(np.arange(points) * gear.ring_teeth, points)
-    beyond_middle = 2 * remainder > points
-    signed_share = np.where(beyond_middle, remainder - points, remainder) / points
-    return _ring_points(gear, lobe + beyond_middle, pitch * signed_share)
+    is_in_second_half = 2 * remainder > points
+    signed_share = np.where(is_in_second_half, remainder - points, remainder) / points
+    return _ring_points(gear, lobe + is_in_second_half, pitch * signed_share)
 
 
 def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline:
@@ -339,15 +339,15 @@ def _ring_points(gear: CycloidGear, lobe: Integers, arc_lengths: Array) -> RingO
         np.pi,
     )[row]
     alpha = np.minimum(distance / rho, largest_alpha(gear))
-    on_arc = distance <= arc_half
+    is_on_arc = distance <= arc_half
     flank = Sigma(gear, B)
-    next_points = np.where(on_arc[:, np.newaxis], arc_points(gear, alpha), flank.points * [-1, 1])
-    angle = np.where(on_arc, -alpha, -flank.normal_angle)
+    next_points = np.where(is_on_arc[:, np.newaxis], arc_points(gear, alpha), flank.points * [-1, 1])
+    angle = np.where(is_on_arc, -alpha, -flank.normal_angle)
     zeta = 2 * np.pi * lobe / gear.ring_teeth
     return RingOutline(
         normals=-unit(zeta + side * angle),
         points=_rotate(next_points * np.stack([side, np.ones_like(side)], axis=1), zeta),
-        curvature=np.where(on_arc, 1 / rho, -1 / flank.radius),
-        part=np.where(on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
+        curvature=np.where(is_on_arc, 1 / rho, -1 / flank.radius),
+        part=np.where(is_on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
         arc_length=perimeter(gear) / gear.ring_teeth * lobe + arc_lengths,
     )

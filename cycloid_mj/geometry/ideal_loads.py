@@ -60,10 +60,12 @@ def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
     `arms` (..., n) [m] as in `LoadSharing`, `torque` (...) [N m], counter-clockwise on the gear.
     """
     arms, torque = np.asarray(arms, float), np.asarray(torque, float)[..., np.newaxis]
-    push = -torque * arms
-    is_loaded = push > 0
+    relative_force = -torque * arms
+    is_loaded = relative_force > 0
     squares = np.sum(np.where(is_loaded, arms**2, 0.0), axis=-1, keepdims=True)
-    return np.divide(push, squares, out=np.zeros(np.broadcast_shapes(push.shape, squares.shape)), where=is_loaded)
+    return np.divide(
+        relative_force, squares, out=np.zeros(np.broadcast_shapes(relative_force.shape, squares.shape)), where=is_loaded
+    )
 
 
 def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: npt.ArrayLike) -> LoadSharing:

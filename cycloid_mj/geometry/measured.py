@@ -112,9 +112,9 @@ def measurement_notes(design: Design) -> tuple[str, ...]:
     pins = f"{len(measured_files.pins_radial)} pins" if measured_files.pins_radial else ""
     description_by_part = {"gear": gear.words if gear else "", "pins": pins}
     return tuple(
-        f"measured {part} ({getattr(measured_files, part) or 'values of the design file'}): {words}"
-        for part, words in description_by_part.items()
-        if words
+        f"measured {part} ({getattr(measured_files, part) or 'values of the design file'}): {description}"
+        for part, description in description_by_part.items()
+        if description
     )
 
 

@@ -164,8 +164,8 @@ def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -
     teeth.
     """
     ratio = planet_teeth / sun_teeth
-    of_tips = _tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle)
-    shape = 1.0 - sum(of_tips) + sum(part**2 for part in of_tips)
+    tip_contact_ratios = _tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle)
+    shape = 1.0 - sum(tip_contact_ratios) + sum(part**2 for part in tip_contact_ratios)
     return math.pi * (ratio + 1.0) / (sun_teeth * ratio) * shape
 
 

@@ -185,8 +185,8 @@ def closed_form_error(stage: RvStage, crank: npt.ArrayLike, phase_error: Array, 
     tangential = np.einsum("mdnj,mdj->md", misfit, perpendicular) / stage.cranks
     turn = np.einsum("mdnj,mnj->md", misfit, _quarter_turned(stage.crank_places(crank)))
     turn /= stage.cranks * stage.radius**2
-    of_discs = tangential / stage.gear.eccentricity + stage.gear.lobes * turn
-    return -(phase_error.mean(axis=1) + of_discs.mean(axis=1)) / stage.speed_up
+    disc_errors = tangential / stage.gear.eccentricity + stage.gear.lobes * turn
+    return -(phase_error.mean(axis=1) + disc_errors.mean(axis=1)) / stage.speed_up
 
 
 def _unit_turned(angle: Array) -> Array:

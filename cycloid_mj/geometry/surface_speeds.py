@@ -74,8 +74,8 @@ def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius:
     The pin turns as on the disc, and the load turns with the contact line: both at the seat's `radius` [m], which is
     the pin's in a socket, and that of the bore of a sleeve.
     """
-    on_disc, scale = tooth_speeds(gear, B, crank_speed), radius / gear.pin_radius
-    return SurfaceSpeeds(moving=scale * on_disc.moving, fixed=scale * on_disc.fixed)
+    disc_speeds, scale = tooth_speeds(gear, B, crank_speed), radius / gear.pin_radius
+    return SurfaceSpeeds(moving=scale * disc_speeds.moving, fixed=scale * disc_speeds.fixed)
 
 
 def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_speed: float) -> SurfaceSpeeds:
@@ -96,6 +96,6 @@ def entrainment_zeros(gear: CycloidGear) -> Array:
     N, c, E, rho = gear.symbols
     constant = gear.lobes * rho * (E**2 - (c * N) ** 2)
     roots = np.roots([1.0, -N * rho, 0.0, constant])
-    real = roots[np.abs(roots.imag) < 1e-9 * E].real
-    cosine = (E**2 + (c * N) ** 2 - real**2) / (2.0 * E * c * N)
-    return np.sort(np.arccos(cosine[(np.abs(cosine) < 1.0) & (real > 0.0)]))
+    real_roots = roots[np.abs(roots.imag) < 1e-9 * E].real
+    cosine = (E**2 + (c * N) ** 2 - real_roots**2) / (2.0 * E * c * N)
+    return np.sort(np.arccos(cosine[(np.abs(cosine) < 1.0) & (real_roots > 0.0)]))

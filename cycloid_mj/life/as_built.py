@@ -119,7 +119,7 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
     rank = _rank(usable.size)
     sorted_samples = {key: usable[np.argsort(figures[key][usable], kind="stable")] for key in FORCES}
     sample_by_force = {key: int(numbers[rank]) for key, numbers in sorted_samples.items()}
-    forces = ", ".join(f"{words} {figures[key][sample_by_force[key]]:.4g} N" for key, words in FORCES.items())
+    forces = ", ".join(f"{force_name} {figures[key][sample_by_force[key]]:.4g} N" for key, force_name in FORCES.items())
     numbers = tuple(dict.fromkeys(sample_by_force.values()))
     return RatedSamples(
         numbers,

@@ -137,10 +137,10 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
     output, shaft = design.output, design.shaft
     if design.gear.bearing == "rolling":
         yield Bearing("cam_bearing", "cam bearing", cam_ratings(reducer), CAM)
-    on_shaft, straddles = _shaft_ratings(reducer), shaft.mounting == "straddle"
+    shaft_ratings, straddles = _shaft_ratings(reducer), shaft.mounting == "straddle"
     for end, name in (("far", "shaft bearing far from the discs"), ("near", "shaft bearing next to the discs")):
         joins: tuple[Body, Body] = ("shaft", "output") if straddles and end == "far" else ("shaft", "housing")
-        yield Bearing(f"shaft_bearing_{end}", name, on_shaft, joins, bore=2.0 * shaft.radius)
+        yield Bearing(f"shaft_bearing_{end}", name, shaft_ratings, joins, bore=2.0 * shaft.radius)
     if has_casing(reducer):
         ratings, bore = _hub_ratings(reducer), casing(reducer).hub.bore
         for end_name in ("inner", "outer"):

@@ -157,10 +157,10 @@ def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
 def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iterator[Check]:
     """Yield a check for each of `KINDS` that has items: the weakest item against a safety factor of 1 or the life."""
     for kind, (about, explanation) in KINDS.items():
-        of_kind = [item for item in decisive_items if _check_kind(item) == kind]
-        if not of_kind:
+        items_of_kind = [item for item in decisive_items if _check_kind(item) == kind]
+        if not items_of_kind:
             continue
-        weakest = min(of_kind, key=lambda item: item.margin(rating.life))
+        weakest = min(items_of_kind, key=lambda item: item.margin(rating.life))
         margin = weakest.margin(rating.life)
         by_life = weakest.safety is None
         yield Check(

@@ -169,8 +169,8 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     static = sheet(reducer, design.rated_torque)
     advance()
     momentary, stop = momentary_torque(reducer)
-    for_life = rated_torque(reducer, design.drive.speed, life)
-    rated, weakest = min(for_life, (momentary, stop), key=lambda pair: pair[0])
+    lasting_limit = rated_torque(reducer, design.drive.speed, life)
+    rated, weakest = min(lasting_limit, (momentary, stop), key=lambda pair: pair[0])
     advance()
     groups = {
         "Ratings": _rating_rows(reducer, life, (rated, weakest), (momentary, stop)),
@@ -189,7 +189,7 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         groups["Assembly"] = tuple(mounting_rows(reducer))
     advance()
     curves = (
-        life_curve(reducer, life, momentary, for_life[0], advance),
+        life_curve(reducer, life, momentary, lasting_limit[0], advance),
         _efficiency_curve(reducer),
         _wind_up_curve(reducer),
         *no_load_curves(reducer),
@@ -571,9 +571,9 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
         for point in points
     ]
     shares = []
-    for torque, in_bearings in zip(torques, np.interp(torques, ends, lost_torque), strict=True):
+    for torque, bearing_loss in zip(torques, np.interp(torques, ends, lost_torque), strict=True):
         contacts = powers(reducer, float(torque))
-        shares.append(contacts.delivered / (contacts.supplied + in_bearings))
+        shares.append(contacts.delivered / (contacts.supplied + bearing_loss))
     panel = f"Efficiency at {_speed(reducer)}"
     return Curve(
         panel, "all bearings included", torques, 100.0 * np.array(shares), "output torque [N m]", "efficiency [%]"

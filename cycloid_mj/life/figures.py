@@ -75,9 +75,9 @@ def largest_speed(reducer: Reducer) -> float:
     seat = seat_radius(reducer, bearing_width_of(reducer))
     speeds = [SPEED_LIMITS.caged / (shaft.radius + seat)]
     if gear.bearing == "rolling":
-        in_stock = cam_bearing(reducer)
-        bore = 0.5 * in_stock[0].bore if in_stock else gear.bore_radius
-        factor = SPEED_LIMITS.caged if in_stock else SPEED_LIMITS.full_complement_share * SPEED_LIMITS.caged
+        stock_bearing = cam_bearing(reducer)
+        bore = 0.5 * stock_bearing[0].bore if stock_bearing else gear.bore_radius
+        factor = SPEED_LIMITS.caged if stock_bearing else SPEED_LIMITS.full_complement_share * SPEED_LIMITS.caged
         slower = abs(reducer.design.drive.speed) / relative_speed(reducer, reducer.design.drive.speed)
         speeds.append(factor / (bore + gear.bore_radius) * slower)
     return min(speeds)

@@ -110,8 +110,8 @@ def _rate_parts(
     by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
     spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
-    words = f"{duty.words}, {design.thermal.words}" if design.thermal.words else duty.words
-    return Rating(design.name, words, life, by_key, assumptions, spread, work, reducer.parts_text)
+    condition = f"{duty.words}, {design.thermal.words}" if design.thermal.words else duty.words
+    return Rating(design.name, condition, life, by_key, assumptions, spread, work, reducer.parts_text)
 
 
 def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:

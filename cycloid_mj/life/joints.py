@@ -159,7 +159,7 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
         (screwed_joint for screwed_joint in screwed if {*screwed_joint.joint.parts} == {MOTOR_COVER, OUTPUT_COVER}),
         None,
     )
-    on_ring = _ring_slip_torque(reducer, clamp) if clamp else 0.0
+    ring_slip_torque = _ring_slip_torque(reducer, clamp) if clamp else 0.0
     for screwed_joint in screwed:
         parts = screwed_joint.joint.parts
         through_ring = (MOTOR_COVER, names.HOUSING, OUTPUT_COVER) if {*parts} == {MOTOR_COVER, OUTPUT_COVER} else parts
@@ -180,7 +180,7 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
         friction_torques = [
             screwed_joint.torque for screwed_joint in screwed if {*joint.parts} <= {*screwed_joint.joint.parts}
         ]
-        clamped = max(friction_torques, default=on_ring if names.HOUSING in joint.parts else 0.0)
+        clamped = max(friction_torques, default=ring_slip_torque if names.HOUSING in joint.parts else 0.0)
         friction = f"; screws transmit {clamped:.3g} N m by friction" if clamped else ""
         yield torque_item(
             _slug(joint),
@@ -497,16 +497,18 @@ def _rate_press_fit(
         for value in (0.5 * (least_interference + largest_interference), least_interference, largest_interference)
     )
     strongest = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
-    at_middle, at_loose, at_tight = (min(fit.pressure(value), strongest) for value in (mean_torque, *ends))
+    mean_pressure, least_pressure, largest_pressure = (
+        min(fit.pressure(value), strongest) for value in (mean_torque, *ends)
+    )
     key, name = key_and_name
     return torque_item(
         key,
         name,
         turning_torque,
-        fit.torque(at_middle),
+        fit.torque(mean_pressure),
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
-        f"{zones}, mean interference less smoothing {1e6 * mean_torque:.3g} um: {1e-6 * at_middle:.3g} MPa; "
-        f"{fit.torque(at_loose):.3g} to {fit.torque(at_tight):.3g} N m over the zones; friction "
+        f"{zones}, mean interference less smoothing {1e6 * mean_torque:.3g} um: {1e-6 * mean_pressure:.3g} MPa; "
+        f"{fit.torque(least_pressure):.3g} to {fit.torque(largest_pressure):.3g} N m over the zones; friction "
         f"{JOINTS.interface_friction:g} (assumed)",
     )
 

@@ -208,37 +208,37 @@ def _compute_sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -
     slip, count = np.abs(springs.slip), springs.teeth
     discs, directions = contact_loads.discs, springs.directions
     towards = np.arctan2(directions[..., 1], directions[..., 0])
-    teeth, on_teeth = contact_loads.teeth, slip[:, :count]
+    teeth, tooth_speed = contact_loads.teeth, slip[:, :count]
     seat = design.seat_pair
     sliding: dict[str, Sliding] = {}
     if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
-        at_pin = np.tile(profile.pin_angles(reducer.tooth_profile), ring.halves)
-        phase = springs.crank[:, None, None] + np.array(reducer.phases)[:, None] + at_pin
-        density = _largest_density(teeth * on_teeth, phase.reshape(teeth.shape), _flank_lengths(reducer))
+        pin_angle = np.tile(profile.pin_angles(reducer.tooth_profile), ring.halves)
+        phase = springs.crank[:, None, None] + np.array(reducer.phases)[:, None] + pin_angle
+        density = _largest_density(teeth * tooth_speed, phase.reshape(teeth.shape), _flank_lengths(reducer))
         sliding[design.tooth_pair] = _summarize_sliding(
-            reducer, design.tooth_pair, teeth, on_teeth, ring.pin_radius, density
+            reducer, design.tooth_pair, teeth, tooth_speed, ring.pin_radius, density
         )
     elif seat == "pin_sleeve":
-        in_bore = on_teeth * ring.sleeve_bore_radius / ring.pin_radius
-        density = _mean_density(teeth * in_bore, ring.sleeve_bore_radius)
-        sliding[seat] = _summarize_sliding(reducer, seat, teeth, in_bore, ring.sleeve_bore_radius, density)
+        bore_speed = tooth_speed * ring.sleeve_bore_radius / ring.pin_radius
+        density = _mean_density(teeth * bore_speed, ring.sleeve_bore_radius)
+        sliding[seat] = _summarize_sliding(reducer, seat, teeth, bore_speed, ring.sleeve_bore_radius, density)
     else:
         lengths = _circle_lengths(ring.pin_radius, teeth.shape[1])
         azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
-        density = _largest_density(teeth * on_teeth, towards[:, :count] + azimuth, lengths, passes_evenly=False)
-        sliding[seat] = _summarize_sliding(reducer, seat, teeth, on_teeth, ring.pin_radius, density)
-    output_forces, on_pins = contact_loads.output, slip[:, count:]
+        density = _largest_density(teeth * tooth_speed, towards[:, :count] + azimuth, lengths, passes_evenly=False)
+        sliding[seat] = _summarize_sliding(reducer, seat, teeth, tooth_speed, ring.pin_radius, density)
+    output_forces, pin_speed = contact_loads.output, slip[:, count:]
     if not output.rollers:
         lengths = _circle_lengths(output.hole_radius, output_forces.shape[1])
         azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
-        in_disc = towards[:, count:] + springs.crank[:, np.newaxis] / design.lobes
-        density = _largest_density(output_forces * on_pins, in_disc + azimuth, lengths)
-        sliding["output"] = _summarize_sliding(reducer, "output", output_forces, on_pins, output.pin_radius, density)
+        hole_angle = towards[:, count:] + springs.crank[:, np.newaxis] / design.lobes
+        density = _largest_density(output_forces * pin_speed, hole_angle + azimuth, lengths)
+        sliding["output"] = _summarize_sliding(reducer, "output", output_forces, pin_speed, output.pin_radius, density)
     elif not output.has_needles:
-        on_core = on_pins * output.root_radius / output.pin_radius
-        density = _mean_density(output_forces * on_core, output.root_radius)
+        core_speed = pin_speed * output.root_radius / output.pin_radius
+        density = _mean_density(output_forces * core_speed, output.root_radius)
         sliding["output_roller"] = _summarize_sliding(
-            reducer, "output", output_forces, on_core, output.root_radius, density
+            reducer, "output", output_forces, core_speed, output.root_radius, density
         )
     if design.gear.bearing == "plain":
         cam = contact_loads.cam
@@ -327,14 +327,14 @@ def _shaft_forces(
     """
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
     x, y = cam_forces[..., 0], cam_forces[..., 1]
-    on_cams = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
+    cam_force = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
     properties = mass_properties(crank_solid(reducer))
     unbalance = np.broadcast_to(
         properties.mass * properties.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2)
     )
     far_bearing, near_bearing = (0.5 * sum(ends) for ends in dimensions.bearings)
     loaded_stations = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(dimensions.counterweight)])
-    applied_forces = np.concatenate([on_cams, unbalance], axis=1)
+    applied_forces = np.concatenate([cam_force, unbalance], axis=1)
     far_reaction, near_reaction = Planes(applied_forces, loaded_stations).reactions_at(far_bearing, near_bearing)
     return np.array([*loaded_stations, far_bearing, near_bearing]), np.concatenate(
         [applied_forces, far_reaction[:, None], near_reaction[:, None]], axis=1

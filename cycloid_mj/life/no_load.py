@@ -121,9 +121,9 @@ def _seal_torque(reducer: Reducer, crank_speed: float) -> float:
     design = reducer.design
     if design.drag.crank or design.drag.output or design.has_film:
         return 0.0
-    on_shaft, on_hub = seal_torques(reducer)
+    shaft_torque, hub_torque = seal_torques(reducer)
     output_speed = (
         relative_speed(reducer, crank_speed, ("shaft", "housing")),
         relative_speed(reducer, crank_speed, ("output", "housing")),
     )
-    return output_speed[0] / crank_speed * on_shaft + output_speed[1] / crank_speed * on_hub
+    return output_speed[0] / crank_speed * shaft_torque + output_speed[1] / crank_speed * hub_torque

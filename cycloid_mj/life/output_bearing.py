@@ -140,8 +140,8 @@ def output_bearings(reducer: Reducer) -> OutputBearings:
     dynamic, static = sizes.hub.dynamic, sizes.hub.static
     inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
     speed = abs(design.drive.speed) / design.reduction
-    for_life = rolling.load_for_life(dynamic, design.service.life, speed, design.bearing.reliability)
-    for_life /= design.bearing.service_factor
+    lasting_force = rolling.load_for_life(dynamic, design.service.life, speed, design.bearing.reliability)
+    lasting_force /= design.bearing.service_factor
     return OutputBearings(
         bearing=sizes.hub,
         row=row,
@@ -149,7 +149,7 @@ def output_bearings(reducer: Reducer) -> OutputBearings:
         lever=sizes.ends[1] - outer,
         dynamic=dynamic,
         static=static,
-        capacity=min(for_life, static),
+        capacity=min(lasting_force, static),
         own=_own_forces(reducer),
     )
 
@@ -170,8 +170,8 @@ def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Ar
     if sizes.far:
         cosine, sine = np.cos(loading.crank), np.sin(loading.crank)
         x, y = loading.shaft[:, FAR].T  # the reaction of the bearing, in the shaft's frame
-        on_hub = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
-        forces = np.concatenate([forces, on_hub[:, np.newaxis]], axis=1)
+        hub_force = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+        forces = np.concatenate([forces, hub_force[:, np.newaxis]], axis=1)
         planes.append(0.5 * sum(sizes.far))
     return Planes(forces, np.array(planes)).reactions_at(inner, outer)
 

@@ -87,8 +87,8 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     outer = 2.0 * cranks.taper_radius
     tapers = RollerRow(TAPERS.rollers, TAPERS.diameter * outer, TAPERS.length * outer, TAPERS.pitch * outer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
-    in_discs = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
-    in_flanges = tuple(_flange_forces(reducer, force) for force in forces)
+    disc_bearing_forces = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
+    flange_bearing_forces = tuple(_flange_forces(reducer, force) for force in forces)
     source_text = "of the design file (bearing.*_capacity_n)"
     yield _Row(
         "crank_needles",
@@ -98,7 +98,7 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
         source_text
         if stated_ratings.dynamic_capacity
         else f"assumed: {needles}, the eccentric as inner ring, the disc as outer ring",
-        in_discs,
+        disc_bearing_forces,
     )
     yield _Row(
         "crank_tapers",
@@ -106,7 +106,7 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
         stated_ratings.shaft_dynamic_capacity or tapers.dynamic,
         stated_ratings.shaft_static_capacity or tapers.static,
         source_text if stated_ratings.shaft_dynamic_capacity else f"assumed: {tapers} of a light series",
-        in_flanges,
+        flange_bearing_forces,
     )
 
 

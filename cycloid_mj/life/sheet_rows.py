@@ -226,17 +226,17 @@ def _input_load_row(reducer: Reducer) -> Quantity:
     )
     far_bearing, near_bearing = (0.5 * sum(ends) for ends in shaft.bearings)
     end = crank_stretches(reducer)["journal"].z0
-    on_near = (end - far_bearing) / (near_bearing - far_bearing)
-    shares = {"shaft_bearing_far": 1.0 - on_near, "shaft_bearing_near": on_near}
+    near_share = (end - far_bearing) / (near_bearing - far_bearing)
+    shares = {"shaft_bearing_far": 1.0 - near_share, "shaft_bearing_near": near_share}
     limits = []
     for bearing in bearings_of(reducer):
         if share := abs(shares.get(bearing.key, 0.0)):
             speed = bearing.speed(reducer, design.drive.speed)
-            for_life = rolling.load_for_life(
+            lasting_force = rolling.load_for_life(
                 bearing.ratings.dynamic, design.service.life, speed, design.bearing.reliability
             )
             nominal_force = float(bearing_forces(reducer, bearing.key, loading).max())
-            spare_force = min(for_life / design.bearing.service_factor, bearing.ratings.static) - nominal_force
+            spare_force = min(lasting_force / design.bearing.service_factor, bearing.ratings.static) - nominal_force
             limits.append(max(spare_force, 0.0) / share)
     return Quantity(
         "input_radial_load",

@@ -131,16 +131,16 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
     `kind` is the kind of pair, `pressure` its largest Hertz pressure over the duty [Pa], which is reported.
     """
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
-    damage, least_damage, hourly, on_pins = 0.0, 0.0, 0.0, 0.0
+    damage, least_damage, hourly, pin_cycles = 0.0, 0.0, 0.0, 0.0
     for loading in loadings:
         loads = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
         hourly += loads
-        on_pins += _turns_per_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
+        pin_cycles += _turns_per_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
         damage += loads / pitting_cycles(loading.pressures[kind], allowed)
         least_damage += loads / upper_pitting_cycles(loading.pressures[kind], allowed)
     life = 1.0 / damage
     note = (
-        f"{hourly:.0f} loads per hour on each lobe and hole (one per turn of crank against disc), {on_pins:.0f} "
+        f"{hourly:.0f} loads per hour on each lobe and hole (one per turn of crank against disc), {pin_cycles:.0f} "
         f"on each tooth of the ring; {source}"
     )
     if damage > least_damage:

@@ -234,24 +234,24 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
             f"{reducer.design.name}: drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a "
             "speed other than 0, such as 1640 rpm"
         )
-    steady = _solve_steady_state(reducer, points, settings)
-    temperatures, heat = steady.temperatures, heat_by_node(reducer, steady.losses)
+    steady_state = _solve_steady_state(reducer, points, settings)
+    temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
     warm = _at(reducer.design, temperatures)
     by_torque, limited_by = _largest_duty_factor(
-        reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady, settings
+        reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady_state, settings
     )
     by_speed, _ = _largest_duty_factor(
-        reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady, settings
+        reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
     )
     ambient = reducer.design.service.ambient_temperature
-    times = np.linspace(0.0, 4.0 * steady.network.time_constant, settings.samples)
+    times = np.linspace(0.0, 4.0 * steady_state.network.time_constant, settings.samples)
     return ThermalState(
         design=reducer.design.name,
         condition=f"{duty.words}, ambient {ambient:g} °C",
         temperatures=temperatures,
-        losses=steady.losses,
+        losses=steady_state.losses,
         heat=heat,
-        network=steady.network,
+        network=steady_state.network,
         difference=temperatures["disc"] - temperatures["ring"],
         jam_difference=jam_difference(reducer.design),
         clearances=warm_clearances(warm),
@@ -260,9 +260,9 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         speed=by_speed * max(point.speed for point in points),
         limited_by=limited_by,
         times=times,
-        warm_up={part: ambient + rise for part, rise in steady.network.warm_up(heat, times).items()},
-        converged=steady.converged,
-        assumptions=tuple(_assumptions(steady)),
+        warm_up={part: ambient + rise for part, rise in steady_state.network.warm_up(heat, times).items()},
+        converged=steady_state.converged,
+        assumptions=tuple(_assumptions(steady_state)),
     )
 
 
@@ -328,7 +328,10 @@ def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Ite
 
 
 def _largest_duty_factor(
-    reducer: Reducer, scale_duty: Callable[[float], Sequence[DutyPoint]], steady: _Steady, settings: ThermalSettings
+    reducer: Reducer,
+    scale_duty: Callable[[float], Sequence[DutyPoint]],
+    steady_state: _Steady,
+    settings: ThermalSettings,
 ) -> tuple[float, str]:
     """Return the largest factor on a duty that keeps all thermal limits, and the limit that is then reached.
 
@@ -336,7 +339,7 @@ def _largest_duty_factor(
     `ThermalSettings.solved` times the duty, where statics would be extrapolated, the estimate is not corrected.
     `scale_duty` returns the points of the duty times a factor.
     """
-    duty_factor, limit_text = _largest_loss_factor(reducer, steady, settings)
+    duty_factor, limit_text = _largest_loss_factor(reducer, steady_state, settings)
     for _ in range(settings.corrections):
         if not 0.0 < duty_factor < settings.solved:
             break
@@ -352,7 +355,7 @@ def _largest_duty_factor(
     return duty_factor, limit_text
 
 
-def _largest_loss_factor(reducer: Reducer, steady: _Steady, settings: ThermalSettings) -> tuple[float, str]:
+def _largest_loss_factor(reducer: Reducer, steady_state: _Steady, settings: ThermalSettings) -> tuple[float, str]:
     """Return the factor on the losses of a steady state at which the first limit is reached, and that limit in words.
 
     Temperature rises are in proportion to the losses; the root is found by Brent's method.
@@ -360,7 +363,7 @@ def _largest_loss_factor(reducer: Reducer, steady: _Steady, settings: ThermalSet
     from scipy.optimize import brentq
 
     ambient = reducer.design.service.ambient_temperature
-    rises = steady.network.rises(heat_by_node(reducer, steady.losses))
+    rises = steady_state.network.rises(heat_by_node(reducer, steady_state.losses))
 
     def tightest_margin(loss_factor: float) -> tuple[float, str]:
         """Return the smallest margin and its limit in words, for temperature rises times a factor."""

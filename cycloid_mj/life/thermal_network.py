@@ -160,11 +160,11 @@ class Network:
 
         capacity = np.array(list(self.capacities.values()))
         decay = expm(-(self.matrix / capacity[:, np.newaxis]) * (times[1] - times[0]))
-        steady = np.linalg.solve(self.matrix, self._vector(powers))
-        remaining, rises = steady, [np.zeros_like(steady)]
+        steady_rise = np.linalg.solve(self.matrix, self._vector(powers))
+        remaining, rises = steady_rise, [np.zeros_like(steady_rise)]
         for _ in times[1:]:
             remaining = decay @ remaining
-            rises.append(steady - remaining)
+            rises.append(steady_rise - remaining)
         return dict(zip(self.capacities, np.array(rises).T, strict=True))
 
     def _vector(self, powers: Mapping[str, float]) -> Array:
@@ -226,11 +226,11 @@ def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductan
         yield Conductance("crank", "disc", value, "lubricant in the gap of the plain cam, k A/clearance")
         return
     rollers = design.contact.cam_rollers
-    per_cam = _roller_conductance(
+    cam_conductance = _roller_conductance(
         rollers, reducer.contacts.roller_radius, design.gear.face_width, force, design.partners("cam")
     )
     source = f"{rollers} rollers of each cam, a third of them loaded"
-    yield Conductance("crank", "disc", design.gear.discs * per_cam, source)
+    yield Conductance("crank", "disc", design.gear.discs * cam_conductance, source)
 
 
 def _roller_conductance(
@@ -242,8 +242,8 @@ def _roller_conductance(
     the materials of rollers and rings.
     """
     loaded_rollers = max(1.0, ASSUMED.loaded_share * rollers)
-    per_roller = line_contact_conductance(np.array([force / loaded_rollers]), length, radius, partners)
-    return 0.5 * loaded_rollers * float(per_roller[0])
+    contact_conductance = line_contact_conductance(np.array([force / loaded_rollers]), length, radius, partners)
+    return 0.5 * loaded_rollers * float(contact_conductance[0])
 
 
 def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:

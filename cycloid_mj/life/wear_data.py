@@ -139,8 +139,8 @@ def worn_depth(dose: Array, coefficient: float, run_in: float) -> Array:
     run_in
         Depth of run-in h_r [m]; 0: none.
     """
-    steady = coefficient * dose
-    return steady + run_in * _run_in_progress(steady, run_in)
+    steady_depth = coefficient * dose
+    return steady_depth + run_in * _run_in_progress(steady_depth, run_in)
 
 
 def wear_rate(dose: Array, coefficient: float, run_in: float) -> Array:

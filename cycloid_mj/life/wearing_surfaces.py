@@ -253,10 +253,10 @@ def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
     is_loaded = power > 0.0
     angles = np.append(table_angles(TABLE), math.pi)
     coordinates = np.interp(sliding.angle[is_loaded], angles, surface.place)
-    in_cells = sum_over_cells(
+    cell_sums = sum_over_cells(
         coordinates, sliding.half_width[is_loaded], power[is_loaded], surface.section, surface.cells
     )
-    forward = in_cells / len(power) / area
+    forward = cell_sums / len(power) / area
     return 0.5 * (forward + forward[::-1])
 
 

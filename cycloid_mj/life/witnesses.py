@@ -85,10 +85,10 @@ def fatigue_rows(quick: bool) -> list[ValidationRow]:
     """
     source = "Shigley 8th ed., Problem {} (Solutions Manual, p. {})"
     diameter = 1.073 * INCH
-    per_moment = 32.0 / (math.pi * diameter**3) * POUND * INCH
+    stress_per_moment = 32.0 / (math.pi * diameter**3) * POUND * INCH
 
     def mises(bending: float, torsion: float) -> float:
-        return per_moment * math.hypot(2.2 * bending, math.sqrt(3.0) * 0.5 * 1.8 * torsion)
+        return stress_per_moment * math.hypot(2.2 * bending, math.sqrt(3.0) * 0.5 * 1.8 * torsion)
 
     fatigue = Fatigue(mises(600.0, 400.0), mises(500.0, 300.0), 30.0 * KPSI, 100.0 * KPSI)
     limit = endurance_limit(1226e6, 22e-3, "machined", reliability=0.5, rotates=True)

@@ -85,8 +85,8 @@ def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]
         curvature = relative_curvature(reducer, kind, reducer.member.against_ring(crank_angle))
         contact = reducer.contacts[kind]
         force = np.hypot(vector[..., 0], vector[..., 1]) * contact.line_share
-        pressure, holds = contact.pressure(force, curvature), contact.hertz_holds(force, curvature)
-        contacts[kind] = ContactPressures(kind, shifted_angle, vector, pressure, holds)
+        pressure, is_hertzian = contact.pressure(force, curvature), contact.hertz_holds(force, curvature)
+        contacts[kind] = ContactPressures(kind, shifted_angle, vector, pressure, is_hertzian)
     return contacts
 
 
@@ -102,5 +102,7 @@ def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array
             for phase in reducer.phases
         ]
         halves = reducer.design.ring.halves
-        return np.concatenate([np.stack(of_disc) for of_disc in tooth_curvatures for _ in range(halves)], axis=1)
+        return np.concatenate(
+            [np.stack(disc_curvatures) for disc_curvatures in tooth_curvatures for _ in range(halves)], axis=1
+        )
     return np.array([reducer.contacts[kind].relative_curvature])

@@ -76,29 +76,29 @@ def efficiency(
         Figures with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
-    steady = steady_design(reducer)
-    rated, speed = steady.design.rated_torque, steady.design.drive.speed
+    steady_reducer = steady_design(reducer)
+    rated, speed = steady_reducer.design.rated_torque, steady_reducer.design.drive.speed
     torques = loads or [share * rated for share in ((1.0,) if quick else MAP.torques)]
     speeds = speeds or [share * speed for share in ((1.0,) if quick else MAP.speeds)]
     periods = STEADY.min_periods(quick)
-    efficiency_map = run_map(steady, torques, speeds, periods, not quick, progress, solver)
+    efficiency_map = run_map(steady_reducer, torques, speeds, periods, not quick, progress, solver)
     point = efficiency_map.rated
-    rated_point = _rated_quantities(steady, efficiency_map)
+    rated_point = _rated_quantities(steady_reducer, efficiency_map)
     published = [
         replace(item, friction=interpolate_friction(efficiency_map.by_friction, item.rate)) for item in published
     ]
     return Measurement(
         measure="efficiency",
-        design=steady.design,
+        design=steady_reducer.design,
         condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=by_key(rated_point, _losses(point), _drag_quantities(steady, efficiency_map)),
+        quantities=by_key(rated_point, _losses(point), _drag_quantities(steady_reducer, efficiency_map)),
         curves=_curves(efficiency_map),
         tables=(
             loss_breakdown.table(point.powers, published, efficiency_map.error),
             spread.table(f"efficiency at {rated:g} N m", point.powers.efficiency, efficiency_map.by_input),
             *_tables(efficiency_map),
         ),
-        assumptions=_assumptions(steady, averaging_periods(steady, periods)),
+        assumptions=_assumptions(steady_reducer, averaging_periods(steady_reducer, periods)),
         details=_details(efficiency_map, published),
         runs={"rated": point.run, "backward": efficiency_map.backward.run, "from-rest": efficiency_map.rest.run},
     )
@@ -178,7 +178,7 @@ def _losses(rated: OperatingPoint) -> list[Quantity]:
 def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     """Return no-load torque and back-driving torques [N m], and the efficiency of back-driving [%]."""
     design = reducer.design
-    ratio, from_rest = design.reduction, efficiency_map.rest
+    ratio, start_from_rest = design.reduction, efficiency_map.rest
     forward_efficiency = efficiency_map.rated.powers.efficiency
     back_driven = efficiency_map.backward
     backward, shift = (0.0, 0.0) if back_driven.powers.note else (back_driven.powers.efficiency, back_driven.shift)
@@ -200,7 +200,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
         )
     static_names = "back_driving_torque_static", "back-driving torque from rest, crank free"
     static_torque, static_torque_error = (
-        (from_rest.torque, from_rest.error) if from_rest.exceeds_error else (math.nan, None)
+        (start_from_rest.torque, start_from_rest.error) if start_from_rest.exceeds_error else (math.nan, None)
     )
     moving_names = "back_driving_torque_moving", "back-driving torque at speed, crank free"
     return [
@@ -213,7 +213,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
             note=contacts,
         ),
         Quantity(*moving_names, moving_torque, "N m", moving_torque_error, note=moving_torque_note),
-        Quantity(*static_names, static_torque, "N m", static_torque_error, note=from_rest.note),
+        Quantity(*static_names, static_torque, "N m", static_torque_error, note=start_from_rest.note),
         Quantity(
             "back_driving_torque_rated",
             f"output torque that drives against {design.drive.torque:g} N m on the crank",

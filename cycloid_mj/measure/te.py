@@ -66,11 +66,13 @@ def te(
     require_motion(reducer)
     torques = load_cases(reducer, load, drag)
     speed = abs(reducer.design.drive.speed)
-    paces = {"speed": speed} if quick else {"slow": TRACE.slow_share * speed if slow is None else slow, "speed": speed}
+    speed_by_pace = (
+        {"speed": speed} if quick else {"slow": TRACE.slow_share * speed if slow is None else slow, "speed": speed}
+    )
     directions = {"forward": 1.0, "reverse": -1.0}
     cases = [
-        TraceCondition(item, direction, pace, torques[item], directions[direction] * paces[pace])
-        for pace, item, direction in product(paces, torques, directions)
+        TraceCondition(item, direction, pace_name, torques[item], directions[direction] * speed_by_pace[pace_name])
+        for pace_name, item, direction in product(speed_by_pace, torques, directions)
     ]
     reducer = reducer.working_at(torques["loaded"])
     runs = _run_traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
@@ -142,10 +144,10 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
     design = reducer.design
     lobes = design.lobes
     ring, holes = base_orders(reducer)
-    multiples, other_part = (holes, "ring") if ring == 1 else (ring, "holes")
+    multiples, other_cause = (holes, "ring") if ring == 1 else (ring, "holes")
     separation_sentence = (
         f"orders are cycles in a crank turn; fewer than {lobes} turns cannot separate whole orders from multiples of "
-        f"{multiples} in one signal: the disc's error is evaluated in whole orders (of the {other_part}), that of the "
+        f"{multiples} in one signal: the disc's error is evaluated in whole orders (of the {other_cause}), that of the "
         "output relative to the disc in multiples"
     )
     return (

@@ -49,7 +49,7 @@ def quantities(
     levels = [
         Quantity(
             key=f"{shaft}_{name}_{condition.key}",
-            name=f"{words} of the {shaft}, {condition.words}",
+            name=f"{level_name} of the {shaft}, {condition.words}",
             value=_LEVELS[name][1](getattr(trace, shaft)),
             unit="arcsec",
             error=_step_error(traces, finer_traces, condition, shaft, name),
@@ -58,7 +58,7 @@ def quantities(
         )
         for condition, trace in traces.items()
         for shaft in ("gear", "output")
-        for name, (words, _) in _LEVELS.items()
+        for name, (level_name, _) in _LEVELS.items()
     ]
     return [
         *levels,
@@ -100,14 +100,14 @@ def _panel_curves(traces: Traces, statics: Statics, pace: str, shaft: str, load:
         for condition in traces
         if condition.pace == pace and load in ("", condition.load)
     }
-    for condition, words in labels.items():
+    for condition, label in labels.items():
         static_curves = statics[condition]
         error = _remove_mean(getattr(static_curves, shaft), with_mean)
-        yield Curve(panel, STATICS, np.degrees(static_curves.crank), error, _CRANK, _ERROR, "theory", words)
-    for condition, words in labels.items():
+        yield Curve(panel, STATICS, np.degrees(static_curves.crank), error, _CRANK, _ERROR, "theory", label)
+    for condition, label in labels.items():
         trace = traces[condition]
         error = _remove_mean(getattr(trace, shaft), with_mean)
-        yield Curve(panel, words, np.degrees(trace.crank), error, _CRANK, _ERROR)
+        yield Curve(panel, label, np.degrees(trace.crank), error, _CRANK, _ERROR)
 
 
 def _remove_mean(error: Array, with_mean: bool) -> Array:
@@ -161,7 +161,7 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
             "wind_up": ("unloaded minus loaded, forward: elastic wind-up", forward_unloaded, forward_loaded),
         }
     for shaft in ("gear", "output"):
-        for key, (words, minuend, subtrahend) in pairs.items():
+        for key, (shift_name, minuend, subtrahend) in pairs.items():
             value, reference = (
                 float(
                     np.mean(getattr(source[by_load_and_direction[minuend]], shaft))
@@ -174,7 +174,7 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
                 if finer
                 else None
             )
-            name = f"mean of the {shaft}, {words}"
+            name = f"mean of the {shaft}, {shift_name}"
             yield Quantity(f"{shaft}_{key}", name, value, "arcsec", error, reference, STATICS)
 
 

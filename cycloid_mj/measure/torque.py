@@ -73,38 +73,45 @@ def torque(
         Figures with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
-    steady = steady_design(reducer).working_at(reducer.design.rated_torque)
-    main = averaging_periods(steady, STEADY.min_periods(quick))
-    rows, assumed = sensitivity.friction_variants(reducer, quick), spread.assumed_inputs(steady)
-    tested_drives = _tested_drives(steady, rows, assumed, main, None if quick else halve_time_step(steady, solver))
+    steady_reducer = steady_design(reducer).working_at(reducer.design.rated_torque)
+    periods = averaging_periods(steady_reducer, STEADY.min_periods(quick))
+    rows, assumed = sensitivity.friction_variants(reducer, quick), spread.assumed_inputs(steady_reducer)
+    tested_drives = _tested_drives(
+        steady_reducer, rows, assumed, periods, None if quick else halve_time_step(steady_reducer, solver)
+    )
     tasks = {key: partial(_quiet_rated_test, item, count, solver) for key, (item, count) in tested_drives.items()}
     last = 1 + len(published)
     tests = all_in_threads(tasks, lambda done, task_count: progress(done, task_count + last))
     own_test, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
     by_row, by_input = {row: rates[row] for row in rows}, spread.input_effects(assumed, rates)
-    design_at_output_torque = steady.but(load={"torque": own_test.output})
+    design_at_output_torque = steady_reducer.but(load={"torque": own_test.output})
     with suppress_warnings(tuple(creep_warning(design_at_output_torque))):
-        at_held_crank = constant_speed_efficiency(steady, own_test.output, main, solver)
-    explanation = explain_published(published, steady, by_row, None if quick else rate_error(own_test, finer), solver)
-    by_name = _name_runs(steady, tested_drives, rows, assumed, explanation) | {"crank held": design_at_output_torque}
+        held_crank_efficiency = constant_speed_efficiency(steady_reducer, own_test.output, periods, solver)
+    explanation = explain_published(
+        published, steady_reducer, by_row, None if quick else rate_error(own_test, finer), solver
+    )
+    by_name = _name_runs(steady_reducer, tested_drives, rows, assumed, explanation) | {
+        "crank held": design_at_output_torque
+    }
     warn(reducer.design.name, joint_creep_warning(by_name))
     progress(len(tasks) + last, len(tasks) + last)
     return Measurement(
         measure="torque",
-        design=steady.design,
-        condition=f"{_describe_drive(steady)}, {SOLVERS[solver]}",
+        design=steady_reducer.design,
+        condition=f"{_describe_drive(steady_reducer)}, {SOLVERS[solver]}",
         quantities=by_key(
-            _quantities(steady, own_test, finer, at_held_crank, by_input), friction_quantities(explanation)
+            _quantities(steady_reducer, own_test, finer, held_crank_efficiency, by_input),
+            friction_quantities(explanation),
         ),
-        curves=(*_curves(steady, own_test), *sensitivity.curves(by_row, explanation)),
+        curves=(*_curves(steady_reducer, own_test), *sensitivity.curves(by_row, explanation)),
         tables=(
             loss_breakdown.table(own_test.powers, explanation, rate_error(own_test, finer)),
             *tables(own_test.output, explanation),
             spread.table("output rate", rates["own"], by_input),
-            sensitivity.table(steady, by_row),
+            sensitivity.table(steady_reducer, by_row),
         ),
-        assumptions=_assumptions(steady, main),
+        assumptions=_assumptions(steady_reducer, periods),
         details=loss_breakdown.as_json(own_test.powers, explanation)
         | spread.as_json(own_test.powers.efficiency, by_input),
         runs={"braked": own_test.run},
@@ -118,7 +125,7 @@ def _describe_drive(reducer: Reducer) -> str:
 
 
 def _name_runs(
-    steady: Reducer,
+    steady_reducer: Reducer,
     tested_drives: Mapping[Hashable, tuple[Reducer, int]],
     variants: Sequence[FrictionVariant],
     varied_inputs: Sequence[Input],
@@ -130,11 +137,13 @@ def _name_runs(
     exempt = spread.creep_variants(varied_inputs)
     by_name = {names[key]: _at_rated_torque(drive) for key, (drive, _) in tested_drives.items() if key not in exempt}
     frictions = [item.friction for item in published if item.error is not None]
-    return by_name | {sensitivity.common_name(value): _with_common_friction(steady, value) for value in frictions}
+    return by_name | {
+        sensitivity.common_name(value): _with_common_friction(steady_reducer, value) for value in frictions
+    }
 
 
 def _tested_drives(
-    steady: Reducer,
+    steady_reducer: Reducer,
     variants: Sequence[FrictionVariant],
     varied_inputs: Sequence[Input],
     periods: int,
@@ -145,13 +154,13 @@ def _tested_drives(
     The keys are "own" (the design), "halved" (with `half_step`, if it is given), each friction variant and the designs
     at both ends of each input; all but the first two have massless pins.
     """
-    tested_drives: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, periods)}
+    tested_drives: dict[Hashable, tuple[Reducer, int]] = {"own": (steady_reducer, periods)}
     if half_step is not None:
         tested_drives["halved"] = (half_step, periods)
     for variant in variants:
         drive = Reducer(variant.design)
         tested_drives[variant] = (massless(drive), averaging_periods(drive, sensitivity.FRICTION_TABLE.periods))
-    input_periods = averaging_periods(steady, spread.INPUTS.periods)
+    input_periods = averaging_periods(steady_reducer, spread.INPUTS.periods)
     ends = [end for item in varied_inputs for end in item.ends]
     return tested_drives | {end: (massless(Reducer(end)), input_periods) for end in ends}
 
@@ -228,7 +237,7 @@ def _quantities(
     reducer: Reducer,
     test: BrakedRun,
     half_step: BrakedRun | None,
-    at_held_crank: float,
+    held_crank_efficiency: float,
     by_input: Sequence[InputEffect],
 ) -> list[Quantity]:
     """Return the figures of the rated test: torques, output rate, ripple, efficiency and energy balance."""
@@ -244,7 +253,7 @@ def _quantities(
     rms_error = max(abs(float(np.std(other)) - ripple_rms) for other in other_torques)
     torque_reference, rate = (reference.efficiency * rated_torque, reference.source), 1e2 * test.output / rated_torque
     inputs = spread.spread_text(powers.efficiency, by_input)
-    at_speed, rate_by_powers = "efficiency at constant crank speed under this load", 1e2 * powers.efficiency
+    condition_text, rate_by_powers = "efficiency at constant crank speed under this load", 1e2 * powers.efficiency
     return [
         Quantity("output_torque", "output torque", test.output, "N m", torque_error, *torque_reference, AS_BUILT),
         Quantity(
@@ -259,7 +268,15 @@ def _quantities(
         Quantity("ripple_rms", "ripple of the output torque, rms", ripple_rms, "N m", rms_error),
         Quantity("input_torque", "mean input torque", test.input, "N m", None, reducer.design.drive.torque, "as given"),
         Quantity("efficiency", "efficiency by powers", rate_by_powers, "%", 1e2 * error),
-        Quantity("efficiency_crank_held", at_speed, 1e2 * at_held_crank, "%", None, rate_by_powers, "braked run"),
+        Quantity(
+            "efficiency_crank_held",
+            condition_text,
+            1e2 * held_crank_efficiency,
+            "%",
+            None,
+            rate_by_powers,
+            "braked run",
+        ),
         Quantity("balance_residual", "residual of the energy balance", 1e2 * powers.residual, "% of input"),
     ]
 
@@ -276,8 +293,8 @@ def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
     orders = tapered_orders(angle, torque, 4.0 * teeth, teeth)
     if orders is not None:
         min_order, max_order = orders.band
-        words = f"order of the crank, accurate to 1 % from {min_order:.3g} to {max_order:.4g}"
-        curves.append(Curve("its ripple by order", "", orders.order, orders.amplitude, words, "amplitude [N m]"))
+        axis_label = f"order of the crank, accurate to 1 % from {min_order:.3g} to {max_order:.4g}"
+        curves.append(Curve("its ripple by order", "", orders.order, orders.amplitude, axis_label, "amplitude [N m]"))
     return tuple(curves)
 
 

@@ -86,18 +86,18 @@ def vibration(
     levels = _run_sweep(reducer, torques, sorted({speed, *swept}, key=abs), turns, not quick, solver, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
     full = levels[: len(levels) - len(checks)]
-    at_speed = [item for item in full if item.speed == speed]
+    runs_at_speed = [item for item in full if item.speed == speed]
     return Measurement(
         measure="vibration",
         design=reducer.design,
         condition=f"{describe_loads(torques)}, spectra at {abs(speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=by_key(
-            _level_quantities(reducer, at_speed, checks), _unbalance_quantities(reducer, at_speed, checks)
+            _level_quantities(reducer, runs_at_speed, checks), _unbalance_quantities(reducer, runs_at_speed, checks)
         ),
-        curves=(*_sweep_curves(reducer, full), *_spectrum_curves(reducer, at_speed)),
-        assumptions=_assumptions(reducer, at_speed[0]),
+        curves=(*_sweep_curves(reducer, full), *_spectrum_curves(reducer, runs_at_speed)),
+        assumptions=_assumptions(reducer, runs_at_speed[0]),
         runs={f"{item.load}_{abs(item.rpm):.0f}rpm": item.run for item in full},
-        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_sweep_row(reducer, item) for item in full]},
+        details={"band_hz": 0.5 * runs_at_speed[0].rate, "sweep": [_sweep_row(reducer, item) for item in full]},
     )
 
 
@@ -154,23 +154,23 @@ def _level_quantities(
             error = None if error is None else max(error, abs(run.rms_of_half(key) - value))
             reference, source = (run.rms("momentum"), "m a of disc and shaft") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
-            words = f"rms {name} below {5e-4 * run.rate:.3g} kHz, {run.load}"
-            yield Quantity(f"{key}_rms_{run.load}", words, value, unit, error, reference, source, note)
+            level_name = f"rms {name} below {5e-4 * run.rate:.3g} kHz, {run.load}"
+            yield Quantity(f"{key}_rms_{run.load}", level_name, value, unit, error, reference, source, note)
         for key in _spectrum_keys(reducer):
             name, _ = _ALL[key]
-            words = f"share of the power of the {name} above {5e-4 * run.rate:.3g} kHz, {run.load}"
+            level_name = f"share of the power of the {name} above {5e-4 * run.rate:.3g} kHz, {run.load}"
             error = _step_change(run, half_step_run, methodcaller("above", key))
             error = None if error is None else 1e2 * error
             note = f"sampled at {1e-3 * run.sampled_rate:.4g} kHz; the figures include the part below"
-            yield Quantity(f"{key}_above_band_{run.load}", words, 1e2 * run.above(key), "%", error, note=note)
-        words, error = (
+            yield Quantity(f"{key}_above_band_{run.load}", level_name, 1e2 * run.above(key), "%", error, note=note)
+        level_name, error = (
             f"full acceleration of the disc's centre, {run.load}",
             _step_change(run, half_step_run, attrgetter("orbit")),
         )
-        yield Quantity(f"orbit_{run.load}", words, run.orbit, "m/s2", error, orbit_acceleration, "c omega^2")
-        words, error = f"mean force on the housing, {run.load}", _step_change(run, half_step_run, _mean_force)
+        yield Quantity(f"orbit_{run.load}", level_name, run.orbit, "m/s2", error, orbit_acceleration, "c omega^2")
+        level_name, error = f"mean force on the housing, {run.load}", _step_change(run, half_step_run, _mean_force)
         yield Quantity(
-            f"mean_force_{run.load}", words, _mean_force(run), "N", error, weight, "weight of the moving parts"
+            f"mean_force_{run.load}", level_name, _mean_force(run), "N", error, weight, "weight of the moving parts"
         )
 
 
@@ -241,9 +241,9 @@ def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator
             if spectra:
                 amplitude = np.sqrt(np.sum([spectrum.amplitude**2 for spectrum in spectra], axis=0))
                 low, high = (order * turns_per_second for order in spectra[0].band)
-                words = f"{_HZ}, accurate to 1 % from {low:.0f} to {high:.0f} Hz"
+                axis_label = f"{_HZ}, accurate to 1 % from {low:.0f} to {high:.0f} Hz"
                 frequency, panel = spectra[0].order * turns_per_second, f"spectrum of the {name}"
-                yield Curve(panel, run.load, frequency, amplitude, words, f"amplitude [{unit}]")
+                yield Curve(panel, run.load, frequency, amplitude, axis_label, f"amplitude [{unit}]")
 
 
 def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:

@@ -99,9 +99,9 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
     while pieces * spans <= FIT.max_spans:
         nodes = _nodes(flank, low, high, pieces * spans)
         stretches = [nodes[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
-        fits = [_interpolate(flank, stretch) for stretch in stretches]
-        if max(_deviation(flank, *fit) for fit in zip(fits, stretches, strict=True)) <= SPLINE_ERROR:
-            return tuple(Spline(fit.t, fit.c) for fit in fits)
+        splines = [_interpolate(flank, stretch) for stretch in stretches]
+        if max(_deviation(flank, *fit) for fit in zip(splines, stretches, strict=True)) <= SPLINE_ERROR:
+            return tuple(Spline(fit.t, fit.c) for fit in splines)
         spans *= 2
     raise DesignError(
         f"a spline of {FIT.max_spans} spans deviates from the flank by more than the {SPLINE_ERROR:g} m allowed: "

@@ -156,10 +156,10 @@ def _require_room(reducer: Reducer) -> None:
     gear, output, clearance = design.gear, design.output, design.clearance
     orbit = (output.pin_radius + gear.eccentricity) * (1 - RELATIVE_ROUNDING)
     half_pitch = output.pin_circle_radius * math.sin(math.pi / output.pins)
-    to_bore = output.pin_circle_radius - output.hole_radius - clearance.output
+    bore_wall = output.pin_circle_radius - output.hole_radius - clearance.output
     valley = reducer.gear_profile.pin_circle_radius - gear.eccentricity - reducer.profile_offset
-    to_valley = valley - output.hole_radius - clearance.output
+    valley_wall = valley - output.hole_radius - clearance.output
     require_above("output.hole_radius", output.hole_radius, orbit, "the output pins cannot orbit in the holes")
     require_below("output.hole_radius", output.hole_radius, half_pitch - clearance.output, "neighbouring holes meet")
-    require_below("gear.bore_radius", gear.bore_radius, to_bore - clearance.cam, "the bore meets the output holes")
-    require_below("output.pin_circle_radius", output.pin_circle_radius, to_valley, "the holes meet the valleys")
+    require_below("gear.bore_radius", gear.bore_radius, bore_wall - clearance.cam, "the bore meets the output holes")
+    require_below("output.pin_circle_radius", output.pin_circle_radius, valley_wall, "the holes meet the valleys")

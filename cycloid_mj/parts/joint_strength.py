@@ -86,9 +86,9 @@ class Thread:
 
         `shear` is the shear strength of the nut's material [Pa]; 0.8 of a pitch does not carry.
         """
-        per_pitch = 0.5 * self.pitch + (self.diameter - self.pitch_diameter) / math.sqrt(3.0)
+        width_per_pitch = 0.5 * self.pitch + (self.diameter - self.pitch_diameter) / math.sqrt(3.0)
         turns = max(engaged_length / self.pitch - 0.8, 0.0)
-        return shear * math.pi * self.diameter * turns * per_pitch
+        return shear * math.pi * self.diameter * turns * width_per_pitch
 
 
 def head_pressure(preload: float, bearing: float, hole: float) -> float:

@@ -106,8 +106,8 @@ def _sums(values: Array) -> Array:
             values[:, 2 * half_count :],
         )
         total = first_half + second_half
-        of_b = total - first_half
-        left_out += np.sum((first_half - (total - of_b)) + (second_half - of_b), axis=1)
+        rounded_second = total - first_half
+        left_out += np.sum((first_half - (total - rounded_second)) + (second_half - rounded_second), axis=1)
         values = np.concatenate([total, odd_column], axis=1)
     return values[:, 0] + left_out
 

@@ -147,13 +147,13 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
         )
     motion = samples.motion
     columns = {name: values[samples.rows] for name, values in motion.run.columns.items()}
-    reducer, in_ring = Reducer(view_from_ring(motion.design)), view_columns_from_ring(motion.reducer, columns)
-    poses = magnify_gaps(reducer, measure_gaps(reducer, in_ring, motion.disc), samples.magnification)
+    reducer, ring_columns = Reducer(view_from_ring(motion.design)), view_columns_from_ring(motion.reducer, columns)
+    poses = magnify_gaps(reducer, measure_gaps(reducer, ring_columns, motion.disc), samples.magnification)
     script = Script(
         reducer=motion.reducer,
         drawn=poses,
-        acting=contact_forces(reducer, in_ring, poses).of_disc(motion.disc),
-        ideal=ideal_forces(reducer, in_ring, motion.disc),
+        acting=contact_forces(reducer, ring_columns, poses).of_disc(motion.disc),
+        ideal=ideal_forces(reducer, ring_columns, motion.disc),
     )
     return _render_frames(script, create_stage(script, width), columns["crank_angle"], motion.time[samples.rows])
 

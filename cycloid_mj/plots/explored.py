@@ -146,9 +146,9 @@ def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
     axes.set_xlabel(_title(sweep, key))
     if key in sweep.frame.numbers:
         return sweep.frame.numbers[key]
-    words = list(dict.fromkeys(map(str, sweep[key].tolist())))
-    axes.set_xticks(range(len(words)), words)
-    return np.array([words.index(str(value)) for value in sweep[key].tolist()], dtype=float)
+    choices = list(dict.fromkeys(map(str, sweep[key].tolist())))
+    axes.set_xticks(range(len(choices)), choices)
+    return np.array([choices.index(str(value)) for value in sweep[key].tolist()], dtype=float)
 
 
 def _mark_failures(axes: Axes, sweep: Sweep, key: str) -> None:

@@ -99,8 +99,8 @@ def _draw_histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimi
         else (math.nan, math.nan)
     )
     if not high - low > CONSTANT_RTOL * max(abs(low), abs(high)):
-        words = f"constant: {low:.4g}" if values.size else "no value"
-        axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes)
+        caption = f"constant: {low:.4g}" if values.size else "no value"
+        axes.text(0.5, 0.5, caption, ha="center", va="center", transform=axes.transAxes)
         axes.set_xticks([])
         return
     axes.hist(

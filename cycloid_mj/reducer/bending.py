@@ -47,10 +47,10 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
     if length is None:
         return flexibility
     end = np.array([length])
-    by_end = np.stack([free(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
+    coupling = np.stack([free(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
     end_rotation = length**2 / (2.0 * bending)
-    of_end = np.array([[free(end, end)[0, 0], end_rotation], [end_rotation, length / bending]])
-    return np.asarray(flexibility - by_end @ np.linalg.solve(of_end, by_end.T))
+    end_flexibility = np.array([[free(end, end)[0, 0], end_rotation], [end_rotation, length / bending]])
+    return np.asarray(flexibility - coupling @ np.linalg.solve(end_flexibility, coupling.T))
 
 
 def round_beam(material: Material, radius: float) -> tuple[float, float]:

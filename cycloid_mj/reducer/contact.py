@@ -304,8 +304,8 @@ class Contact:
             return ideal_loads.conformal_stiffness(self.force, face, self.modulus, clearance)
         law = self.curvature_law
         if kind == "cam":
-            on_cam = self._cam_roller_stiffness() or law.stiffness
-            return law.stiffness / (1.0 + law.stiffness / on_cam) * (design.contact.cam_rollers / STRIBECK)
+            cam_stiffness = self._cam_roller_stiffness() or law.stiffness
+            return law.stiffness / (1.0 + law.stiffness / cam_stiffness) * (design.contact.cam_rollers / STRIBECK)
         if kind in ("pin_gear", "tooth"):
             return law.stiffness
         return law.stiffness * law.factor(self.relative_curvature)
@@ -334,8 +334,8 @@ class Contact:
                 "range of the line-contact model. Reduce it, or increase gear.face_width_mm or the elastic modulus "
                 "of the material"
             )
-        of_teeth = getattr(design.stiffness, self.kind) if self.kind == design.tooth_pair else 0.0
-        stated_stiffness = of_teeth or design.contact.stiffness
+        tooth_stiffness = getattr(design.stiffness, self.kind) if self.kind == design.tooth_pair else 0.0
+        stated_stiffness = tooth_stiffness or design.contact.stiffness
         stiffness = stated_stiffness or float(
             ideal_loads.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth)
         )

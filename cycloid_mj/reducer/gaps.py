@@ -154,14 +154,14 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     """
     design = reducer.design
     gear, errors, change = reducer.tooth_profile, reducer.deviations, design.modification
-    push, arm = lines.normals, profile.moment_arm(gear, lines.B)
+    disc_normal, arm = lines.normals, profile.moment_arm(gear, lines.B)
     radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
     preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * _quarter_turned(radial)
     shift = errors.pin_place[lines.lobe] + preload_offset - change.pin_circle * radial
     nominal_gap = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     flank_rotation = change.rotation * np.sign(arm)
-    side = _quarter_turned(push)
+    side = _quarter_turned(disc_normal)
     sliding_arm = np.sum(side * _quarter_turned(lines.points - centre), axis=-1)
     lever = sliding_arm - gear.pin_radius
     curvature_before, bend, curvature_after = (
@@ -175,8 +175,11 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
         disc=np.full(lines.lobe.size, disc),
         room=np.broadcast_to(nominal_gap, arm.shape),
         play=np.broadcast_to(play, arm.shape),
-        distance=flank_rotation * arm - np.sum(shift * push, axis=-1) + profile_error(errors.waves, lines.t) + worn,
-        slope=_by_unknown(reducer, disc, push, arm, np.zeros(arm.shape)),
+        distance=flank_rotation * arm
+        - np.sum(shift * disc_normal, axis=-1)
+        + profile_error(errors.waves, lines.t)
+        + worn,
+        slope=_by_unknown(reducer, disc, disc_normal, arm, np.zeros(arm.shape)),
         shift=np.sum(shift * side, axis=-1) - flank_rotation * lever,
         shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
         bend=bend,
@@ -197,12 +200,15 @@ def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
     gear, errors, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
     output_angle = crank[..., np.newaxis] / gear.lobes
     disc_centre = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
-    push = -disc_centre / gear.eccentricity
+    push_direction = -disc_centre / gear.eccentricity
     arm_vector = (
         profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + output_angle) * output.pin_circle_radius
     )
-    side, hole = _quarter_turned(push), _rotate(errors.hole_place[disc], -output_angle)
-    arm, lever = np.sum(arm_vector * -_quarter_turned(push), axis=-1), np.sum(arm_vector * push, axis=-1)
+    side, hole = _quarter_turned(push_direction), _rotate(errors.hole_place[disc], -output_angle)
+    arm, lever = (
+        np.sum(arm_vector * -_quarter_turned(push_direction), axis=-1),
+        np.sum(arm_vector * push_direction, axis=-1),
+    )
     nominal_gap = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     worn = reducer.worn.of_output(np.arctan2(arm, lever)) if reducer.worn else 0.0
     return Gaps(
@@ -211,8 +217,8 @@ def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
         disc=np.full(output.pins, disc),
         room=np.full(arm.shape, nominal_gap),
         play=np.zeros(arm.shape),
-        distance=np.sum(hole * push, axis=-1) + worn,
-        slope=_by_unknown(reducer, disc, push, arm, -arm),
+        distance=np.sum(hole * push_direction, axis=-1) + worn,
+        slope=_by_unknown(reducer, disc, push_direction, arm, -arm),
         shift=-np.sum(hole * side, axis=-1),
         shift_slope=_by_unknown(reducer, disc, -side, -lever, lever),
         bend=np.full(arm.shape, -1.0 / gear.eccentricity),

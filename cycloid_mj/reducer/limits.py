@@ -154,10 +154,10 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     ]
     slope: Any = block_diag([csc_array(-slope) for slope, _ in limits for _ in range(2)], format="csc")
     widths = np.concatenate([widths for _, widths in limits for _ in range(2)])
-    goal = np.zeros((len(cranks), 2, count))
-    goal[:, :, -1] = 1.0, -1.0
+    objective = np.zeros((len(cranks), 2, count))
+    objective[:, :, -1] = 1.0, -1.0
     # to look for limits that say nothing takes longer than to solve with them
-    solution = linprog(goal.ravel(), slope, widths / FIT.scale, bounds=(None, None), options={"presolve": False})
+    solution = linprog(objective.ravel(), slope, widths / FIT.scale, bounds=(None, None), options={"presolve": False})
     if solution.x is None:
         if len(cranks) > 1:
             return np.concatenate([_solve_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
@@ -171,7 +171,7 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
             f"the disc jams {location}, because the manufacturing errors exceed the clearances: increase clearance.* "
             "or reduce errors.*"
         )
-    rotations = np.asarray(solution.x).reshape(goal.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
+    rotations = np.asarray(solution.x).reshape(objective.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
     return np.sort(reducer.member.sense * reducer.share * rotations, axis=1)
 
 

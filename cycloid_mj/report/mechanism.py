@@ -33,12 +33,15 @@ def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
 
     `samples` has the samples of a run that are shown, with forces.
     """
-    from_ring, in_ring = Reducer(view_from_ring(reducer.design)), view_columns_from_ring(reducer, samples.columns)
-    widest = widest_gap(from_ring, measure_gaps(from_ring, in_ring))
+    ring_reducer, ring_columns = (
+        Reducer(view_from_ring(reducer.design)),
+        view_columns_from_ring(reducer, samples.columns),
+    )
+    widest = widest_gap(ring_reducer, measure_gaps(ring_reducer, ring_columns))
     return _outlines_json(reducer) | {
-        "usual": fitting_magnification(from_ring, widest, MAGNIFICATIONS),
+        "usual": fitting_magnification(ring_reducer, widest, MAGNIFICATIONS),
         "widest": 1e3 * widest,
-        "frames": _frames_json(from_ring, in_ring, samples.time),
+        "frames": _frames_json(ring_reducer, ring_columns, samples.time),
     }
 
 

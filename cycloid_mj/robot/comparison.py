@@ -94,9 +94,16 @@ class ModelComparison:
 
     def table(self) -> Table:
         """Tabulate the quantities of joint and full model, their differences, and whether these are within bounds."""
-        words = {True: "ok", False: "exceeds bound"}
+        verdict_texts = {True: "ok", False: "exceeds bound"}
         rows = tuple(
-            (row.name, row.value, row.reference or 0.0, row.unit, self._difference(row), words[self.is_within(row)])
+            (
+                row.name,
+                row.value,
+                row.reference or 0.0,
+                row.unit,
+                self._difference(row),
+                verdict_texts[self.is_within(row)],
+            )
             for row in self.rows
         )
         return Table(
@@ -126,8 +133,8 @@ def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelCom
     play = solve_play(reducer, COMPARISON.angles_factor * POSES)
     loop_rows, loop_curves = _compare_loop(reduced.at("backlash"), play)
     # at steps of a large part of a crank turn, the transmission error would be noise
-    without_ripple = replace(reduced.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
-    efficiency_rows, efficiency_curves = _compare_efficiencies(reducer, without_ripple)
+    joint_without_ripple = replace(reduced.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
+    efficiency_rows, efficiency_curves = _compare_efficiencies(reducer, joint_without_ripple)
     transmission = [
         _compare_transmission_error(reducer, reduced.at("full"), name, sign) for name, sign in DIRECTIONS.items()
     ]
@@ -349,21 +356,21 @@ def _transmission_error_curves(
     panel = f"transmission error under {design.rated_torque:.4g} N m, {name}"
     axes = "crank angle [deg]", "output's error about its mean [arcsec]"
     crank_degrees = np.degrees(2.0 * np.pi * np.arange(errors.size) / errors.size * design.reduction)
-    in_first_turn, recorded_in_first_turn = crank_degrees <= 360.0, angle <= 2.0 * np.pi
+    is_in_first_turn, is_recorded_in_first_turn = crank_degrees <= 360.0, angle <= 2.0 * np.pi
     return (
         Curve(
             panel,
             "full model",
-            crank_degrees[in_first_turn],
-            ARCSECONDS * (errors - errors.mean())[in_first_turn],
+            crank_degrees[is_in_first_turn],
+            ARCSECONDS * (errors - errors.mean())[is_in_first_turn],
             *axes,
             "theory",
         ),
         Curve(
             panel,
             "joint",
-            np.degrees(angle[recorded_in_first_turn]),
-            ARCSECONDS * (deviation - deviation.mean())[recorded_in_first_turn],
+            np.degrees(angle[is_recorded_in_first_turn]),
+            ARCSECONDS * (deviation - deviation.mean())[is_recorded_in_first_turn],
             *axes,
         ),
     )

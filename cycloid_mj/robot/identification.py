@@ -196,11 +196,11 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
     `poses` is the number of crank angles.
     """
     rated_torque = reducer.design.rated_torque
-    at_rest = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(at_rest, turn_evenly(reducer, poses), friction=False)
+    resting_reducer = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(resting_reducer, turn_evenly(reducer, poses), friction=False)
 
     def mean_output_angle(share: float) -> float:
-        return float(loads(at_rest, springs, share * rated_torque).output_turn.mean())
+        return float(loads(resting_reducer, springs, share * rated_torque).output_turn.mean())
 
     low, high = (
         2.0 * mean_output_angle(sign * GRID.small) - mean_output_angle(2.0 * sign * GRID.small) for sign in (-1.0, 1.0)
@@ -230,15 +230,15 @@ def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> Fric
     speed, rated_torque = reducer.design.drive.speed, reducer.design.rated_torque
     rows_by_sign: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
     for share in GRID.speeds:
-        at_speed = reducer.but(drive={"speed": share * speed})
-        no_load = _compute_no_load_torque(at_speed)
+        reducer_at_speed = reducer.but(drive={"speed": share * speed})
+        no_load = _compute_no_load_torque(reducer_at_speed)
         on_step()
         for sign, rows in rows_by_sign.items():
             rows.append(
                 (
                     no_load,
                     *(
-                        _compute_friction_torque(at_speed, sign * share_of_torque * rated_torque, on_step)
+                        _compute_friction_torque(reducer_at_speed, sign * share_of_torque * rated_torque, on_step)
                         for share_of_torque in GRID.torques
                     ),
                 )
@@ -301,7 +301,8 @@ def _compute_damping(reducer: Reducer) -> float:
         windup.compliance_by_spring(reducer) for windup in solve_windups(reducer, turn_evenly(reducer), rated_torque)
     ]
     mean_compliance = {
-        spring: float(np.mean([at_angle[spring] for at_angle in compliances])) for spring in compliances[0]
+        spring: float(np.mean([compliance_by_spring[spring] for compliance_by_spring in compliances]))
+        for spring in compliances[0]
     }
     mean_compliance["twist"] = wind_up(reducer)
     tooth_contacts = [

@@ -130,8 +130,8 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
         hmax=1.0 / (IMPACT.samples_per_cycle * frequency),
         mxstep=IMPACT.max_steps,
     )
-    in_lower_stop = np.flatnonzero(states[:, 0] <= reduced.stops[0])
-    crossing_time = float(times[in_lower_stop[0]]) if in_lower_stop.size else math.inf
+    lower_stop_rows = np.flatnonzero(states[:, 0] <= reduced.stops[0])
+    crossing_time = float(times[lower_stop_rows[0]]) if lower_stop_rows.size else math.inf
     return crossing_time, reduced.stops[0] - float(states[:, 0].min())
 
 

@@ -62,8 +62,8 @@ def frame_rate(reducer: Reducer) -> float:
     """
     design = reducer.design
     by_angle = FRAME.frames_per_turn * abs(design.drive.speed) / (2.0 * math.pi)
-    at_most = FRAME.max_frames / (design.drive.ramp + design.drive.hold)
-    return min(max(design.settings.scene_rate, min(by_angle, at_most)), FRAME.max_rate)
+    max_rate = FRAME.max_frames / (design.drive.ramp + design.drive.hold)
+    return min(max(design.settings.scene_rate, min(by_angle, max_rate)), FRAME.max_rate)
 
 
 @dataclass(frozen=True)

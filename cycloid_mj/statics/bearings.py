@@ -84,9 +84,9 @@ def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) 
         reactions = (forces[..., np.newaxis] * directions).reshape(len(forces), contact_loads.discs, -1, 2)
         return np.asarray(-reactions.sum(axis=2))
 
-    on_discs = springs.directions
-    output = sum_by_disc(contact_loads.output, on_discs[:, springs.teeth :])
-    ring = sum_by_disc(contact_loads.teeth, on_discs[:, : springs.teeth])
+    force_directions = springs.directions
+    output = sum_by_disc(contact_loads.output, force_directions[:, springs.teeth :])
+    ring = sum_by_disc(contact_loads.teeth, force_directions[:, : springs.teeth])
     return compute_spatial_reactions(reducer, -contact_loads.cam, output, ring)
 
 
@@ -94,11 +94,13 @@ def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, rin
     """Compute the bearing reactions to forces of each disc on shaft, output and ring [N], shape (m, D, 2) each."""
     design = reducer.design
     gear = design.gear
-    on_shaft, on_output, on_ring = (Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring))
+    shaft_planes, output_planes, ring_planes = (
+        Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring)
+    )
     far_bearing, near_bearing = (0.5 * sum(seat) for seat in bearing_seats(reducer))
-    shaft_reactions = on_shaft.reactions_at(far_bearing, near_bearing)
+    shaft_reactions = shaft_planes.reactions_at(far_bearing, near_bearing)
     output_reactions: tuple[Array | None, Array | None] = (None, None)
     if design.output.support == "both_ends":
         disc_position = 0.5 * gear.stack_width + AXIAL_GAP + 0.5 * design.output.disc_thickness
-        output_reactions = on_output.reactions_at(-disc_position, disc_position)
-    return Reactions(on_shaft, on_output, on_ring, *shaft_reactions, *output_reactions)
+        output_reactions = output_planes.reactions_at(-disc_position, disc_position)
+    return Reactions(shaft_planes, output_planes, ring_planes, *shaft_reactions, *output_reactions)

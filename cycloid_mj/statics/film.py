@@ -141,8 +141,10 @@ class FilmSurfaces:
             return None
         law, length = film_law(self.reducer, design.tooth_pair, self.inputs), design.line_length(design.tooth_pair)
         play = self.inputs.play * design.pin_play
-        in_seat = journal_friction(law, force, seat.entrainment, seat.sliding, _seat_radius(self.reducer), play, length)
-        return in_seat.scaled(self.seat_scale)
+        seat_film = journal_friction(
+            law, force, seat.entrainment, seat.sliding, _seat_radius(self.reducer), play, length
+        )
+        return seat_film.scaled(self.seat_scale)
 
     def smaller_friction(self, force: Array) -> tuple[MixedFriction, Mask]:
         """Compute the smaller friction of flank and seat, and whether it is the seat's, so that pins roll."""
@@ -378,8 +380,8 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
             lubricant_temperature(reducer, "cam")
         )
         factor = inputs.idle_friction * ASSUMED.roller_idle_factor * design.gear.discs
-        per_crank = cam_speed / abs(design.drive.speed) if design.drive.speed else 1.0
-        crank += per_crank * idle_torque(factor, cam_mean_diameter(reducer), cam_speed, viscosity)
+        speed_ratio = cam_speed / abs(design.drive.speed) if design.drive.speed else 1.0
+        crank += speed_ratio * idle_torque(factor, cam_mean_diameter(reducer), cam_speed, viscosity)
     return crank, output
 
 
@@ -391,8 +393,8 @@ def seal_torques(reducer: Reducer) -> tuple[float, float]:
     from cycloid_mj.parts.export.casing import casing
     from cycloid_mj.parts.export.drive import has_casing
 
-    on_hub = seal_torque(casing(reducer).hub.bore) if has_casing(reducer) else 0.0
-    return seal_torque(2.0 * reducer.design.shaft.radius), on_hub
+    hub_torque = seal_torque(casing(reducer).hub.bore) if has_casing(reducer) else 0.0
+    return seal_torque(2.0 * reducer.design.shaft.radius), hub_torque
 
 
 def _seat_radius(reducer: Reducer) -> float:

@@ -113,14 +113,14 @@ def follow_torque_path(
     RunError
         A step has no equilibrium, for example because friction jams the reducer.
     """
-    at_rest = reducer.but(drive={"speed": 0.0})
+    resting_reducer = reducer.but(drive={"speed": 0.0})
     if locked_shaft == "output":
-        at_rest = at_rest.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(at_rest, [crank], friction=False)
+        resting_reducer = resting_reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(resting_reducer, [crank], friction=False)
     radius = springs.contacts.radius
     path = np.repeat(springs.load(0.0), len(torque), axis=0)
     path[:, -1] = torque / radius
-    rubbing = build_friction_elements(at_rest, springs.contacts, crank, losses, locked_shaft)
+    rubbing = build_friction_elements(resting_reducer, springs.contacts, crank, losses, locked_shaft)
     max_rows = len(path) * (1 if math.isinf(max_rotation) else _SETTINGS.max_rows)
     displacements, positions = np.zeros((max_rows, path.shape[1])), np.zeros(max_rows)
     with announce_compilation():

@@ -202,9 +202,9 @@ def solve_samples(
     common_profile = measured_deviations(reducer.design).waves
     own_waves = np.array(samples.waves)
     own_waves[:, : len(common_profile)] -= common_profile
-    without_common = replace(samples, waves=own_waves)
+    individual_samples = replace(samples, waves=own_waves)
     rows = _solve_rows(
-        ideal_reducer, springs, without_common, common_profile, reducer.share * np.array(torques), threads
+        ideal_reducer, springs, individual_samples, common_profile, reducer.share * np.array(torques), threads
     )
     rows[~(rows[..., -1] <= RESIDUAL_RTOL)] = np.nan
     solved_batches, output_share, twist = [], reducer.share, wind_up(reducer)

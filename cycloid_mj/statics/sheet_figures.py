@@ -132,10 +132,10 @@ def _motion_rows() -> Iterator[SheetFigure]:
     yield SheetFigure(
         "stiffness_contacts", "N m/arcmin", "torsional stiffness of the contacts only",
         f"{definition} with rigid parts, {_IDEAL}.", "stiffness_contacts_nm_per_arcmin", _has_springs)
-    for part, words in COMPLIANT.items():
+    for part, part_text in COMPLIANT.items():
         yield SheetFigure(
-            f"compliance_{part}", "arcmin/(N m)", f"compliance of {words}, in series",
-            f"Turn of the output per torque by the compliance of {words} only, {_IDEAL}.",
+            f"compliance_{part}", "arcmin/(N m)", f"compliance of {part_text}, in series",
+            f"Turn of the output per torque by the compliance of {part_text} only, {_IDEAL}.",
             f"compliance_{part}_arcmin_per_nm",
             (lambda _: True) if part in ("output", "cam", "mesh") else _has_springs)
 
@@ -173,13 +173,13 @@ def _load_rows() -> Iterator[SheetFigure]:
         name = f"share of disc {number} in the torque"
         yield SheetFigure(
             f"disc_{number}_share", "1", name, f"Mean {name} on the output {_LOADED}.", exists=_has_disc(number))
-    for kind, words in CONTACTS.items():
+    for kind, pair in CONTACTS.items():
         for end, unit, name, definition in (
-            ("peak_force", "N", "largest force", f"Largest normal force, {words}, {_LOADED}."),
-            ("mean_force", "N", "mean force of the loaded contacts", f"Mean normal force, {words}, {_LOADED}."),
-            ("carrying", "1", "loaded contacts, mean number", f"Number of loaded contacts, {words}, {_LOADED}: mean."),
-            ("pressure", "MPa", "largest Hertz pressure", f"Largest Hertz pressure, {words}, {_LOADED}."),
-            ("margin", "1", "margin against first yield", f"Pressure of first yield over the largest, {words}."),
+            ("peak_force", "N", "largest force", f"Largest normal force, {pair}, {_LOADED}."),
+            ("mean_force", "N", "mean force of the loaded contacts", f"Mean normal force, {pair}, {_LOADED}."),
+            ("carrying", "1", "loaded contacts, mean number", f"Number of loaded contacts, {pair}, {_LOADED}: mean."),
+            ("pressure", "MPa", "largest Hertz pressure", f"Largest Hertz pressure, {pair}, {_LOADED}."),
+            ("margin", "1", "margin against first yield", f"Pressure of first yield over the largest, {pair}."),
         ):
             yield SheetFigure(f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind),
                               layouts=BOTH if kind in ("pin_gear", "tooth") else ("central",))
@@ -189,10 +189,10 @@ def _load_rows() -> Iterator[SheetFigure]:
         yield SheetFigure(
             f"{member}_{end}", unit, f"{name} of the discs on the {member}, largest",
             f"Largest {name} of all discs together on the {member} {_LOADED}.", exists=_has_several_discs)
-    for key, words in BEARINGS.items():
+    for key, pair in BEARINGS.items():
         yield SheetFigure(
-            f"{key}_force", "N", f"{words}: largest force",
-            f"Largest force of the {words} from the discs' forces {_LOADED}.",
+            f"{key}_force", "N", f"{pair}: largest force",
+            f"Largest force of the {pair} from the discs' forces {_LOADED}.",
             exists=_has_two_output_discs if key.startswith("output") else _has_several_discs)
     yield SheetFigure(
         "capacity", "N m", "capacity: torque at which a contact first yields, below its surface",
@@ -207,12 +207,12 @@ def _rv_load_rows() -> Iterator[SheetFigure]:
     ideal_condition = "ideal sharing by rigid parts without clearance and errors, over a turn of the carrier"
     balanced_condition = "by the balance of all springs with clearances and errors, over a turn of the carrier"
     for key, name, condition in (("ideal", "", ideal_condition), ("balanced", "balanced_", balanced_condition)):
-        words = "ideal sharing" if key == "ideal" else "springs and clearances"
+        method_text = "ideal sharing" if key == "ideal" else "springs and clearances"
         yield SheetFigure(
-            f"crank_bearing_{name}force", "N", f"largest force of a crank on a disc, {words}",
+            f"crank_bearing_{name}force", "N", f"largest force of a crank on a disc, {method_text}",
             f"Largest force of a crank on its bearing in a disc under the load: {condition}.", layouts=RV)
         yield SheetFigure(
-            f"crank_bearing_{name}mean_force", "N", f"10/3-power mean force of a crank on a disc, {words}",
+            f"crank_bearing_{name}mean_force", "N", f"10/3-power mean force of a crank on a disc, {method_text}",
             f"Mean of that force for the life of roller bearings, (mean F^(10/3))^(3/10): {condition}.", layouts=RV)
     yield SheetFigure(
         "planet_mesh_force", "N", "largest force of a planet on the sun",
@@ -242,10 +242,10 @@ def _loss_rows() -> Iterator[SheetFigure]:
         ("seals_power", "drag of seals and lubricant"), ("input_power", "input power"), ("output_power", "output power")
     ):
         yield SheetFigure(key, "W", name, f"{name[0].upper()}{name[1:]} {_AT_SPEED}: mean over a turn.", layouts=BOTH)
-    for key, words in (("crank_bearing", "bearings of the cranks in discs and carrier"), ("planet", "planet meshes")):
+    for key, part in (("crank_bearing", "bearings of the cranks in discs and carrier"), ("planet", "planet meshes")):
         yield SheetFigure(
-            f"{key}_friction_power", "W", f"friction of the {words}",
-            f"Mean power lost to friction, {words}, {_AT_SPEED}.", layouts=RV)
+            f"{key}_friction_power", "W", f"friction of the {part}",
+            f"Mean power lost to friction, {part}, {_AT_SPEED}.", layouts=RV)
     yield SheetFigure(
         "back_driving_torque_rated", "N m", "output torque that drives the crank against its share of the load",
         "Torque on the output that drives the crank against its share of the load; none if self-locking.")

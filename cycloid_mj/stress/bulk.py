@@ -70,12 +70,12 @@ def measure_distances(grid: Grid, case: LoadCase) -> Distances:
     if grid.section is not None:
         heights = points[grid.section.nodes.max(axis=1), 2]
         axial_distance = np.maximum(0.0, np.maximum(heights.min() - points[:, 2], points[:, 2] - heights.max()))
-    at_corner = np.zeros(len(points), bool)
+    is_at_corner = np.zeros(len(points), bool)
     if len(grid.keep_off):
-        at_corner = np.asarray(cKDTree(grid.keep_off).query(points)[0]) < grid.corner_distance
+        is_at_corner = np.asarray(cKDTree(grid.keep_off).query(points)[0]) < grid.corner_distance
     order = np.argsort(case.angle, kind="stable")
     ends = np.searchsorted(case.angle[order], np.arange(case.angles + 1))
-    return Distances(points, axial_distance, case.points[order, :2], ends, at_corner, grid.mesh.nvertices)
+    return Distances(points, axial_distance, case.points[order, :2], ends, is_at_corner, grid.mesh.nvertices)
 
 
 def search_distances(distances: Distances, start: float) -> Array:
@@ -85,11 +85,11 @@ def search_distances(distances: Distances, start: float) -> Array:
     farthest distance is below `start`, it is the last.
     """
     steps = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
-    with_nodes = steps[steps <= distances.farthest()]
+    reached_distances = steps[steps <= distances.farthest()]
     return (
-        with_nodes
-        if len(with_nodes) > DISTANCES_PER_OCTAVE
-        else np.append(with_nodes, distances.farthest() * (1.0 - 1e-9))
+        reached_distances
+        if len(reached_distances) > DISTANCES_PER_OCTAVE
+        else np.append(reached_distances, distances.farthest() * (1.0 - 1e-9))
     )
 
 

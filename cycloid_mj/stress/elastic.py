@@ -295,8 +295,10 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     scaled_motions = motions / np.linalg.norm(motions, axis=0)
     support_matrix = scaled_motions[fixed].T @ scaled_motions[fixed]
     if springs is not None:
-        stiff = scaled_motions.T @ (springs @ scaled_motions)
-        support_matrix = support_matrix + stiff / max(float(np.abs(stiff).max()), np.finfo(float).tiny)
+        support_stiffness = scaled_motions.T @ (springs @ scaled_motions)
+        support_matrix = support_matrix + support_stiffness / max(
+            float(np.abs(support_stiffness).max()), np.finfo(float).tiny
+        )
     values = np.linalg.eigvalsh(support_matrix) if len(support_matrix) else np.zeros(1)
     if not values[0] > 1e-12 * max(values[-1], np.finfo(float).tiny):
         raise CycloidError(

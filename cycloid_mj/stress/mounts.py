@@ -181,12 +181,12 @@ def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
     bearings allow the crank to tilt.
     """
     material, span = reducer.design.material_of("housing"), crank.to_hub + crank.to_housing
-    on_hub, on_housing = crank.to_housing / span, crank.to_hub / span
-    seats = 2.0 * on_hub**2 / crank.hub_seat + 2.0 * on_housing**2 / crank.housing_seat + 1.0 / crank.cam_seat
+    hub_share, housing_share = crank.to_housing / span, crank.to_hub / span
+    seats = 2.0 * hub_share**2 / crank.hub_seat + 2.0 * housing_share**2 / crank.housing_seat + 1.0 / crank.cam_seat
     lever = crank.to_housing - crank.cam_seat / 2.0
     bending, shearing = round_beam(material, crank.post_diameter / 2.0)
     post = (lever**3 - (lever - crank.post) ** 3) / (3.0 * bending) + crank.post / shearing
-    return seats / material.youngs_modulus + on_housing**2 * post
+    return seats / material.youngs_modulus + housing_share**2 * post
 
 
 def _beam_element(reducer: Reducer, length: float) -> Array:

@@ -108,9 +108,11 @@ def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
     `arc` is the arc length at each point, then of the whole outline, (n + 1,) [m]; `growth` is per length [1].
     """
     repeated_lengths, repeated_arc = np.tile(edge_length, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
-    from_before = np.minimum.accumulate(repeated_lengths - growth * repeated_arc) + growth * repeated_arc
-    from_after = np.minimum.accumulate((repeated_lengths + growth * repeated_arc)[::-1])[::-1] - growth * repeated_arc
-    return np.minimum(from_before[len(edge_length) :], from_after[: len(edge_length)])
+    forward_limit = np.minimum.accumulate(repeated_lengths - growth * repeated_arc) + growth * repeated_arc
+    backward_limit = (
+        np.minimum.accumulate((repeated_lengths + growth * repeated_arc)[::-1])[::-1] - growth * repeated_arc
+    )
+    return np.minimum(forward_limit[len(edge_length) :], backward_limit[: len(edge_length)])
 
 
 def _along(points: Array, arc: Array, at: Array) -> Array:

@@ -78,7 +78,7 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     seats = bearing_seats(reducer, crank_stretches(reducer))
     far_seat, near_seat = (0.5 * sum(seat) for seat in seats)
     planes = np.array(reducer.design.gear.disc_planes)
-    on_near = (planes - far_seat) / (near_seat - far_seat)
+    near_share = (planes - far_seat) / (near_seat - far_seat)
     compliance = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - begin)) for begin, end in seats]
-    seat_forces = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - on_near, on_near)]
+    seat_forces = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - near_share, near_share)]
     return np.asarray(sum(item * np.sum(force**2, axis=1) for item, force in zip(compliance, seat_forces, strict=True)))

@@ -97,9 +97,9 @@ def stresses(operators: Recovery, displacements: Array, material: Material) -> A
 
     In single precision, right to some 1e-6 of the largest nearby, in half of the time.
     """
-    at_points = _point_stresses(operators, displacements, material, np.float32)
-    nodal = operators.fit @ at_points.reshape(len(at_points), -1)
-    return np.ascontiguousarray(np.moveaxis(nodal.reshape(len(nodal), *at_points.shape[1:]), 1, 0))
+    point_stresses = _point_stresses(operators, displacements, material, np.float32)
+    nodal = operators.fit @ point_stresses.reshape(len(point_stresses), -1)
+    return np.ascontiguousarray(np.moveaxis(nodal.reshape(len(nodal), *point_stresses.shape[1:]), 1, 0))
 
 
 def von_mises(stress: Array) -> Array:
@@ -181,14 +181,14 @@ def _evaluation_operator(grid: Grid, scale: Array) -> Any:
 def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
     """Return the padded quadrature points (v, w) of the elements around each vertex, and which are no padding."""
     corners = grid.mesh.t.T
-    per_cell = count // len(corners)
+    points_per_cell = count // len(corners)
     order = np.argsort(corners.ravel(), kind="stable")
     valence = np.bincount(corners.ravel(), minlength=grid.mesh.nvertices)
     slot = np.arange(corners.size) - np.repeat(np.cumsum(valence) - valence, valence)
     cells = np.full((grid.mesh.nvertices, valence.max()), -1, np.int64)
     cells[corners.ravel()[order], slot] = order // corners.shape[1]
-    table = (per_cell * cells[..., np.newaxis] + np.arange(per_cell)).reshape(len(cells), -1)
-    is_used = np.repeat(cells >= 0, per_cell, axis=1)
+    table = (points_per_cell * cells[..., np.newaxis] + np.arange(points_per_cell)).reshape(len(cells), -1)
+    is_used = np.repeat(cells >= 0, points_per_cell, axis=1)
     return np.where(is_used, table, 0), is_used
 
 

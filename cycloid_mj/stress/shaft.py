@@ -135,10 +135,10 @@ def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) 
     forces, displacements = np.zeros_like(loaded_displacements), loaded_displacements
     is_open: Mask = np.zeros(len(loaded_displacements), bool)
     for _ in range(60):  # about five are usual
-        in_tension = displacements < 0.0
-        if np.array_equal(in_tension, is_open):
+        is_in_tension = displacements < 0.0
+        if np.array_equal(is_in_tension, is_open):
             return forces
-        is_open = in_tension
+        is_open = is_in_tension
         open_pads = np.flatnonzero(is_open)
         forces = np.zeros_like(loaded_displacements)
         forces[open_pads] = np.linalg.solve(

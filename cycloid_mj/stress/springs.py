@@ -108,19 +108,23 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     parts = wind_up_by_part(reducer, mounts)
     moduli = mounts.material.modulus if mounts and mounts.material else ()
     limits = tuple(wind_up_by_part(with_modulus(reducer, modulus), mounts) for modulus in moduli)
-    without_springs = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
+    reducer_without_springs = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
     compliances = [
-        sum(item.series(without_springs).values())
-        for item in solve_windups(without_springs, turn_evenly(without_springs), without_springs.design.rated_torque)
+        sum(item.series(reducer_without_springs).values())
+        for item in solve_windups(
+            reducer_without_springs, turn_evenly(reducer_without_springs), reducer_without_springs.design.rated_torque
+        )
     ]
-    contacts = float(np.mean(compliances)) - wind_up(without_springs)
-    twisting, stiffness = twisting_compliance(without_springs), twisting_stiffness(without_springs)
+    contacts = float(np.mean(compliances)) - wind_up(reducer_without_springs)
+    twisting, stiffness = twisting_compliance(reducer_without_springs), twisting_stiffness(reducer_without_springs)
     compliance = {"carrier": twisting["carrier"], "shaft": twisting["shaft"], "housing": 0.0}
     for part, item in parts.items():
         compliance[SPRING_OF_PART[_kind(part)]] += item
     compliance["carrier"] = max(compliance["carrier"] - contacts, twisting["carrier"])
     springs = {part: stiffness[part] * twisting[part] / compliance[part] for part in TWISTING}
-    design = without_springs.design.but(name=f"{without_springs.design.name}-springs"[:64], springs=springs)
+    design = reducer_without_springs.design.but(
+        name=f"{reducer_without_springs.design.name}-springs"[:64], springs=springs
+    )
     return PartSprings(design, parts, contacts, limits)
 
 

@@ -65,9 +65,9 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     `states` are the stress components at each instant (c, components, n) [Pa], NaN outside the bulk. A range is the
     largest von Mises stress of the difference of two instants. A node that is never in the bulk has none.
     """
-    in_bulk = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
-    bound = rank_by_range(states[:, :, in_bulk])
-    candidates = in_bulk[np.argsort(bound)[-1500:]]  # the others cannot be critical
+    bulk_nodes = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
+    bound = rank_by_range(states[:, :, bulk_nodes])
+    candidates = bulk_nodes[np.argsort(bound)[-1500:]]  # the others cannot be critical
     histories = states[:, :, candidates].astype(np.float64)
     largest_range, first_angle, second_angle = (
         np.zeros(len(candidates)),

@@ -306,9 +306,11 @@ def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
     angle = (angle + np.pi) % (2.0 * np.pi) - np.pi
     radius = ring.pin_radius + design.clearance.pin_socket
     half_angle = arc_half_angle(design, radius)
-    to_wall = radius * unit(pin_angles + np.clip(angle, -half_angle, half_angle)) - shift
-    distance_to_wall = np.linalg.norm(to_wall, axis=1)
-    outward = np.where((np.abs(angle) > half_angle)[:, np.newaxis], to_wall / distance_to_wall[:, np.newaxis], outward)
+    wall_offset = radius * unit(pin_angles + np.clip(angle, -half_angle, half_angle)) - shift
+    distance_to_wall = np.linalg.norm(wall_offset, axis=1)
+    outward = np.where(
+        (np.abs(angle) > half_angle)[:, np.newaxis], wall_offset / distance_to_wall[:, np.newaxis], outward
+    )
     return np.where(np.abs(angle) > half_angle, distance_to_wall - ring.pin_radius, design.pin_play - distance), outward
 
 

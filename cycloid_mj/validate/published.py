@@ -192,12 +192,15 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
     case = WANG[0]
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
     ideal, ideal_design = wang_run(case, True, quick)
-    as_built, as_built_design = wang_run(case, False, quick)
+    built_efficiency, built_design = wang_run(case, False, quick)
     closed_form = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], case.mesh_friction)))
-    ideal_efficiency, real_efficiency = 100.0 * mean_powers(ideal).efficiency, 100.0 * mean_powers(as_built).efficiency
+    ideal_efficiency, real_efficiency = (
+        100.0 * mean_powers(ideal).efficiency,
+        100.0 * mean_powers(built_efficiency).efficiency,
+    )
     expected_power, simulated_power = (
-        coulomb_friction_power(as_built, Reducer(as_built_design)),
-        float(np.mean(as_built["pin_gear_friction_power"])),
+        coulomb_friction_power(built_efficiency, Reducer(built_design)),
+        float(np.mean(built_efficiency["pin_gear_friction_power"])),
     )
     return [
         *rows,

@@ -118,8 +118,8 @@ def _place_cam_bearings(
 
     `gear` is the name of the disc, `centre` [m] its centre and `angle` [rad] its rotation about z.
     """
-    in_stock, (x, y, z) = cam_bearing(reducer), centre
-    width, count = (in_stock[0].width, in_stock[1]) if in_stock else (0.0, 1)
+    stock_bearing, (x, y, z) = cam_bearing(reducer), centre
+    width, count = (stock_bearing[0].width, stock_bearing[1]) if stock_bearing else (0.0, 1)
     name = gear.replace(names.GEAR, CAM_BEARING)
     for number in range(count):
         bearing_name = f"{name}_{number + 1}" if count > 1 else name
@@ -173,11 +173,11 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
         A part cannot be manufactured or does not fit, or the ring is in two halves.
     """
     require_one_ring(reducer, "assembly")
-    gear, seat, in_stock = reducer.design.gear, cam_seat(reducer), cam_bearing(reducer)
+    gear, seat, stock_bearing = reducer.design.gear, cam_seat(reducer), cam_bearing(reducer)
     if seat == gear.bore_radius:
         return separate_parts(reducer, 0.0, sizes)
     parts = separate_parts(reducer, cam_radius(reducer), sizes)
-    width = in_stock[0].width if in_stock else gear.face_width
+    width = stock_bearing[0].width if stock_bearing else gear.face_width
     parts[CAM_BEARING] = Part(CAM_BEARING, cut_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
     return parts
 

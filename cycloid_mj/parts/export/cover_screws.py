@@ -59,16 +59,18 @@ def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
             circle = design.bolt_circle_radius
             outside_margin = max(hole + wall, head + head_wall)
-            fits = circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside_margin
+            does_fit = (
+                circle - design.ring_root_radius >= hole + wall and housing.outer_radius - circle >= outside_margin
+            )
         else:
             circle, angles = housing.outer_radius - max(hole, head) - head_wall, _land_angles(ring.teeth)
             pin_and_screw = unit(np.array([0.0, math.pi / ring.teeth])) * np.array([[ring.pin_circle_radius], [circle]])
-            fits = (
+            does_fit = (
                 ring.kind == "pin"
                 and math.dist(*pin_and_screw.tolist()) >= ring.pin_radius + design.socket_play + hole + wall
                 and circle - hole - wall >= wall_radius(design)
             )
-        if fits and stock.bolt_length(bolt.thread, _min_cover_screw_length(bolt, wall, design.gear.stack_width)):
+        if does_fit and stock.bolt_length(bolt.thread, _min_cover_screw_length(bolt, wall, design.gear.stack_width)):
             return _screws_of_length(bolt, circle, angles, wall, design.gear.stack_width)
     bolt = thickest_bolt(RULES.thread_share * housing.outer_radius, inserted=is_plastic(reducer))
     circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)) + wall
@@ -113,7 +115,7 @@ def choose_dowels(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.
         design.housing.outer_radius - design.ring_root_radius - 2.0 * wall if screws.outside else screws.bolt.thread
     )
     sizes = [size for size in reversed(stock.dowel_diameters()) if size <= min(screws.bolt.thread, max_diameter)]
-    pins = [in_stock[0] for size in sizes if (in_stock := stock.pins(size, 2.0 * size))]
+    pins = [stock_pins[0] for size in sizes if (stock_pins := stock.pins(size, 2.0 * size))]
     pin = next((candidate for candidate in pins if candidate.length <= design.gear.stack_width - wall), None)
     if not pin:
         return None, (), 0.0

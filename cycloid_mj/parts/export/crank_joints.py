@@ -88,8 +88,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     walls = (offsets + np.sqrt(offsets**2 + outer**2 - eccentricity**2)).min(axis=1)
     best, bore = int(np.argmax(walls)), motor_bore(reducer, sizes)
     core = bore[0] if bore and bore[2] > low else 0.0
-    fits = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + RULES.min_wall
-    if not (fits and radius - key.in_shaft >= core + RULES.min_wall):
+    does_fit = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + RULES.min_wall
+    if not (does_fit and radius - key.in_shaft >= core + RULES.min_wall):
         return None
     midpoint = 0.5 * (low + high)
     return CamKey(key, float(angles[best]), midpoint - 0.5 * key.length, midpoint + 0.5 * key.length)

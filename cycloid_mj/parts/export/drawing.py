@@ -157,8 +157,8 @@ def _tolerance_zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius
 
     `radius` [m] is that of the surface of the part `name`; `inner` for a bore.
     """
-    on_crank = name == names.SHAFT or names.family(name) == names.CAM
-    if not inner and on_crank and abs(radius - cam_radius(reducer)) < SAME_LENGTH:
+    is_on_crank = name == names.SHAFT or names.family(name) == names.CAM
+    if not inner and is_on_crank and abs(radius - cam_radius(reducer)) < SAME_LENGTH:
         return "h5"
     for joint in joints:
         seats = {
@@ -317,9 +317,9 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
             dimension_mark.render()
         top = bottom - (len(drawing.lengths) + 2.0) * step
         for number, text in enumerate((*drawing.title, *drawing.notes)):
-            words = text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
+            dxf_text = text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
             insert = {"layer": "text", "height": height, "insert": (low, top - 1.6 * number * height)}
-            space.add_text(words, dxfattribs=insert)
+            space.add_text(dxf_text, dxfattribs=insert)
         content = io.StringIO()
         document.write(content)
     return content.getvalue().encode()

@@ -29,8 +29,8 @@ def drive_mass(reducer: Reducer) -> float:
     DesignError
         A part does not fit.
     """
-    with_one_ring = reducer.but(ring={"halves": 1, "preload": 0.0}) if reducer.design.ring.halves > 1 else reducer
-    return assembly_mass(with_one_ring, casing(with_one_ring))
+    undivided_reducer = reducer.but(ring={"halves": 1, "preload": 0.0}) if reducer.design.ring.halves > 1 else reducer
+    return assembly_mass(undivided_reducer, casing(undivided_reducer))
 
 
 def assembly_mass(reducer: Reducer, sizes: Casing) -> float:

@@ -84,9 +84,9 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
         full_spans = _join_stretches(list(heights[name]))
         for low, high in _join_stretches(ends):
             prefix = thread or (name if has_stretch_names else "")
-            at_height = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
+            height_text = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
             plain = not thread and (len(heights[name]) == 1 or (has_stretch_names and (low, high) in full_spans))
-            layers.setdefault(name if plain else f"{prefix} {at_height}".strip(), []).append(loop)
+            layers.setdefault(name if plain else f"{prefix} {height_text}".strip(), []).append(loop)
     return list(layers.items())
 
 

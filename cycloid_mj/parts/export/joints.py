@@ -230,12 +230,12 @@ def _motor_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
         inserts = tuple(_inserts(reducer, MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
         threads = (_tapped_holes(reducer, MOTOR_COVER, centres, motor.thread, depth),)
         return Joint(name, JointKind.SCREWED, parts, ((MOTOR_COVER, thread),), inserts, threads=threads)
-    under_head = face + motor_grip(motor, sizes.wall)
+    head_face = face + motor_grip(motor, sizes.wall)
     holes: tuple[Hole, ...] = (
-        (centres, 0.5 * stock.bolt_hole(motor.thread), face, under_head),
-        (centres, counterbore(thickest_bolt(motor.thread)), under_head, sizes.floor),
+        (centres, 0.5 * stock.bolt_hole(motor.thread), face, head_face),
+        (centres, counterbore(thickest_bolt(motor.thread)), head_face, sizes.floor),
     )
-    bought_parts = _screws(MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, under_head)
+    bought_parts = _screws(MOTOR_SCREW, *motor_screw(motor, sizes.wall), names.HOUSING, centres, head_face)
     return Joint(name, JointKind.SCREWED, parts, tuple((MOTOR_COVER, hole) for hole in holes), (bought_parts,))
 
 
@@ -250,17 +250,17 @@ def _ring_seat_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 def _flange_screw_joint(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of flange and hub by screws, which clamp the inner rings of the output's bearings."""
     bolt, top, end = sizes.flange_bolt, sizes.top, sizes.top + sizes.flange_thickness
-    centres, length, under_head = flange_centres(sizes)[::2], flange_screw_length(sizes), end - bolt.head_height
+    centres, length, head_face = flange_centres(sizes)[::2], flange_screw_length(sizes), end - bolt.head_height
     depth = hole_depth(reducer, bolt.thread, length - sizes.flange_thickness + bolt.head_height)
     bore, washer = flange_washer(reducer, bolt)
     holes: tuple[tuple[str, Hole], ...] = (
         (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), top - depth, top)),
-        (FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, under_head - washer)),
-        (FLANGE, (centres, bore, under_head - washer, end)),
+        (FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, head_face - washer)),
+        (FLANGE, (centres, bore, head_face - washer, end)),
     )
     bought_parts = (
-        _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, under_head, FLANGE_CLASS),
-        *(_washers(bolt, centres, under_head) if washer else ()),
+        _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, head_face, FLANGE_CLASS),
+        *(_washers(bolt, centres, head_face) if washer else ()),
         *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
     threads = (_tapped_holes(reducer, names.OUTPUT, centres, bolt.thread, depth),)
@@ -273,11 +273,11 @@ def _hub_bore_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     bolt, top, wall = sizes.flange_bolt, sizes.top, sizes.wall
     bottom = max(sizes.hub_floor, sizes.far[1] + RULES.collar if sizes.far else 0.0) + 2.0 * wall
     hole_radii = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
-    in_hub, in_flange = (sizes.flange_circle - radius - wall for radius in hole_radii)
-    if min(in_flange, top - bottom) > 2.0 * wall:
+    hub_bore, flange_bore = (sizes.flange_circle - radius - wall for radius in hole_radii)
+    if min(flange_bore, top - bottom) > 2.0 * wall:
         holes = (
-            (names.OUTPUT, (AXIS, in_hub, bottom, top)),
-            (FLANGE, (AXIS, in_flange, top, top + sizes.flange_thickness)),
+            (names.OUTPUT, (AXIS, hub_bore, bottom, top)),
+            (FLANGE, (AXIS, flange_bore, top, top + sizes.flange_thickness)),
         )
         yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, FLANGE), holes)
 
@@ -341,10 +341,10 @@ def _screws(
     length: float,
     body: str,
     centres: Array,
-    under_head: float,
+    head_face: float,
     property_class: str = USUAL_CLASS,
 ) -> BoughtPart:
-    """Return equal screws along -z as a bought part, with their heads on the plane z = `under_head` [m].
+    """Return equal screws along -z as a bought part, with their heads on the plane z = `head_face` [m].
 
     `centres` (n, 2) [m] are their axes, `length` [m] that of a screw, `body` the name of the body they move with.
     """
@@ -352,24 +352,24 @@ def _screws(
         item,
         screw_body(bolt, length),
         body,
-        tuple(_point(centre, under_head) for centre in centres),
+        tuple(_point(centre, head_face) for centre in centres),
         (("thread", bolt.thread), ("length", length)),
         f"steel {property_class}",
         f"{bolt.designation} x {1e3 * length:.5g}",
     )
 
 
-def _washers(bolt: stock.Bolt, centres: Array, under_head: float) -> Iterator[BoughtPart]:
+def _washers(bolt: stock.Bolt, centres: Array, head_face: float) -> Iterator[BoughtPart]:
     """Yield the washers under the heads of the flange screws with the axes `centres` (n, 2) [m].
 
-    The heads are on the plane z = `under_head` [m].
+    The heads are on the plane z = `head_face` [m].
     """
     washer = stock.washer_of(bolt.thread)
     yield BoughtPart(
         FLANGE_WASHER,
         tube(0.5 * washer.bore, 0.5 * washer.outside, washer.thickness),
         names.OUTPUT,
-        tuple(_point(centre, under_head - 0.5 * washer.thickness) for centre in centres),
+        tuple(_point(centre, head_face - 0.5 * washer.thickness) for centre in centres),
         (("outside diameter", washer.outside), ("bore", washer.bore), ("length", washer.thickness)),
         "steel, 200 HV",
         washer.designation,

@@ -39,8 +39,8 @@ def place_ring_pins(reducer: Reducer, ring_angle: float, pieces: tuple[int, floa
 
     `pieces` are how many pieces in line form a pin, and the length [m] of each.
     """
-    in_line, length = pieces
-    heights = length * (np.arange(in_line) - 0.5 * (in_line - 1))
+    pins_in_line, length = pieces
+    heights = length * (np.arange(pins_in_line) - 0.5 * (pins_in_line - 1))
     body = names.PIN if reducer.design.seat_pair else names.HOUSING
     centres = [(x, y, z) for z in heights.tolist() for x, y in ring_pin_centres(reducer, ring_angle)]
     for number, origin in enumerate(centres, start=1):

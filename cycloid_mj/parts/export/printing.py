@@ -125,7 +125,7 @@ def manufactured_parts(
     design = reducer.design
     gear, ring, output = design.gear, design.ring, design.output
     cam = _checked_cam_radius(reducer, cam_seat) if cam_seat else 0.0
-    separated_parts, of_mechanism = (
+    separated_parts, mechanism_parts = (
         separate_parts(reducer, cam, sizes, chord_error),
         lay_out_parts(reducer, chord_error),
     )
@@ -141,13 +141,13 @@ def manufactured_parts(
         counts[OUTPUT_PIN] = output.pins
     if sizes:
         added_parts = casing_parts(reducer, sizes).items()
-        counts |= {name: 1 for name, part in added_parts if not part.bought and name not in of_mechanism}
+        counts |= {name: 1 for name, part in added_parts if not part.bought and name not in mechanism_parts}
     drawn_parts = parts(reducer, chord_error)  # kept there, for what stays as it is
 
     def solid(name: str) -> Solid:
         return (
             drawn_parts[name]
-            if separated_parts[name] is of_mechanism.get(name)
+            if separated_parts[name] is mechanism_parts.get(name)
             else separated_parts[name].solid(chord_error)
         )
 

@@ -108,10 +108,10 @@ def _split_pocket(stretch: Stretch, pocket: Pocket) -> Iterator[Stretch]:
     """Yield what an annular pocket leaves of a stretch: the wall outside of it, and the boss inside."""
     outer, inner, *_ = pocket
     circles = [hole for contour in stretch.holes if (hole := circle_of(contour))]
-    in_wall = [hole for hole in circles if math.hypot(*hole.centre) - hole.radius > outer]
-    in_boss = [hole for hole in circles if math.hypot(*hole.centre) + hole.radius < inner]
-    yield replace(stretch, holes=(*_contours(in_wall), CircleContour(outer)))
-    yield replace(stretch, outline=CircleContour(inner), holes=_contours(in_boss))
+    wall_holes = [hole for hole in circles if math.hypot(*hole.centre) - hole.radius > outer]
+    boss_holes = [hole for hole in circles if math.hypot(*hole.centre) + hole.radius < inner]
+    yield replace(stretch, holes=(*_contours(wall_holes), CircleContour(outer)))
+    yield replace(stretch, outline=CircleContour(inner), holes=_contours(boss_holes))
 
 
 def _contours(circles: Iterable[Circle]) -> tuple[CircleContour, ...]:

@@ -166,15 +166,15 @@ def _surrounds_axis(contour: Contour, centre: Array) -> bool:
 
 def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulus]:
     """Yield the annuli of outer ring, rolling elements and inner ring of a bearing; a drawn cup has no inner ring."""
-    on_shaft = bearing.part == SHAFT_BEARING
+    is_on_shaft = bearing.part == SHAFT_BEARING
     ends = bearing.low, bearing.high
-    in_hub = on_shaft and sizes.far is not None and bearing.low > 0.0
-    outer_body = names.OUTPUT if in_hub else names.HOUSING
-    if on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
+    is_in_hub = is_on_shaft and sizes.far is not None and bearing.low > 0.0
+    outer_body = names.OUTPUT if is_in_hub else names.HOUSING
+    if is_on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
         yield Annulus(bearing.part, outer_body, bearing.inner, bearing.outer, *ends)
         return
     inner, outer = shoulder_radius(bearing.inner, bearing.outer), shoulder_radius(bearing.outer, bearing.inner)
-    yield Annulus(bearing.part, names.SHAFT if on_shaft else names.OUTPUT, bearing.inner, inner, *ends)
+    yield Annulus(bearing.part, names.SHAFT if is_on_shaft else names.OUTPUT, bearing.inner, inner, *ends)
     yield Annulus(ROLLING_ELEMENTS, ROLLING_ELEMENTS, inner, outer, *ends)
     yield Annulus(bearing.part, outer_body, outer, bearing.outer, *ends)
 
