@@ -2,8 +2,7 @@
 Training on many drives
 =======================
 
-A policy that is trained on one joint knows only one drive. `reduce --spread` draws many drives of a design, within its
-tolerances and the ranges of friction and stiffness, and writes their joints.
+A policy that is trained on one joint knows one drive. `reduce --spread` writes the joints of many, within tolerances.
 
 Here, each of them moves the elbow of an arm with links and inertias of I2RT's YAM as in MuJoCo Menagerie and mjlab 1.6
 (`yam_elbow.xml`, without gripper). Running the joints needs only `mujoco`, NumPy and the output of `reduce`.
