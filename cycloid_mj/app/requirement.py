@@ -12,10 +12,8 @@ from cycloid_mj.app.verdicts import requirement_verdicts, unmet_without_covers, 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
-from cycloid_mj.design import Material, stock
 from cycloid_mj.life.duration import format_life
-from cycloid_mj.parts.export.casing_rules import RULES
-from cycloid_mj.parts.export.motors import MOTORS, MotorName
+from cycloid_mj.parts.export.motors import MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.drives import size_drive
@@ -81,31 +79,7 @@ def parse_form(form: Any) -> Requirement:
     values.pop("motor", None)
     if "duty_percent" in values:
         values["duty"] = values.pop("duty_percent") / 100.0
-    requirement = required(**values)
-    return requirement.but(changes=choose_crank(requirement, motor))
-
-
-def choose_crank(requirement: Requirement, motor: MotorName) -> tuple[str, ...]:
-    """Return the setting of the thinnest crank in stock that can be bored for a motor's shaft: ``shaft.radius_mm=X``.
-
-    Without it, the search takes the thinnest crank that carries the load, into which no motor shaft fits. The result is
-    empty for a motor without a shaft.
-    """
-    shaft = MOTORS[motor].shaft if motor in MOTORS else 0.0
-    if not shaft:
-        return ()
-    printed = Material(name=requirement.made_of).is_plastic
-    wall = max(RULES.min_printed_wall if printed else RULES.min_wall, 0.5 * RULES.wall_share * requirement.diameter)
-    bores = {round(MILLIMETRES * bearing.bore, 3) for bearing in stock.ball_bearings()}
-    suitable_bores = [
-        bore for bore in bores if bore >= 2.0 * MILLIMETRES * (shaft + 2.0 * wall) and _has_bore_code(bore)
-    ]
-    return (f"shaft.radius_mm={0.5 * min(suitable_bores):.6g}",)
-
-
-def _has_bore_code(bore_mm: float) -> bool:
-    """Return whether bearings of a bore [mm] have a bore code of ISO 15: 00 to 03, or a fifth of the bore."""
-    return bore_mm in (10.0, 12.0, 15.0, 17.0) or (bore_mm >= 20.0 and bore_mm % 5.0 == 0.0)
+    return required(**values, motor=motor)
 
 
 def fill_form(requirement: Requirement) -> dict[str, Any]:

@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 from cyclopts import Parameter
 
@@ -21,8 +21,8 @@ from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import PRESETS, dump, preset_reasons
 
 if TYPE_CHECKING:
+    from cycloid_mj.parts.export.motors import MotorName
     from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
-    from cycloid_mj.sizing.process import Process
     from cycloid_mj.sizing.requirement import Requirement
 
 NewName = Annotated[
@@ -90,7 +90,7 @@ MotorFlag = Annotated[
         metavar="NAME|FILE",
         help="Motor frame (nema17, nema23, nema34) or CSV file of a motor's curve, columns speed_rpm and torque_nm: "
         "the crank turns as fast as the motor delivers the required torque (a frame by its usual power, and no faster "
-        "than the default), instead of --speed-rpm.",
+        "than the default) unless a lower speed is set. The shaft of a frame fits into the crank.",
     ),
 ]
 BacklashFlag = Annotated[
@@ -218,11 +218,12 @@ class SizeFlags:
             diameter_mm=self.diameter_mm,
             torque_nm=self.torque_nm,
             life_h=self.life_h,
-            speed_rpm=_motor_speed(self.motor, self.torque_nm / low, self.process) if self.motor else self.speed_rpm,
-            output_rpm=self.output_rpm,
+            speed_rpm=self._crank_speed(low),
+            output_rpm=None if self.motor else self.output_rpm,
             duty=self.duty or None,
             cooling=self.cooling,
             ambient_c=self.ambient_c,
+            motor=_frame(self.motor),
             changes=changes,
             process=self.process,
             discs=_parse_discs(self.discs),
@@ -233,9 +234,30 @@ class SizeFlags:
             fit=self.fit,
             custom=self.custom,
         )
-        if self.motor and (self.speed_rpm is not None or self.output_rpm is not None):
-            raise UsageError("--motor determines the speed: remove --speed-rpm and --output-rpm, or remove --motor")
         return best_ratio(requirement, low, high) if self.ratio_range else requirement
+
+    def _crank_speed(self, ratio: int) -> float | None:
+        """Return the required speed of the crank [rpm], with a motor at most that of the motor; None if not required.
+
+        Raises
+        ------
+        UsageError
+            The motor is too weak, or too slow.
+        """
+        if not self.motor or not self.torque_nm:
+            return self.speed_rpm
+        from cycloid_mj.sizing.process import PROCESSES
+
+        torque = self.torque_nm / ratio
+        largest = _motor_speed(self.motor, torque)
+        required = self.output_rpm * ratio if self.output_rpm is not None else self.speed_rpm
+        if required is not None and required > largest * (1.0 + 1e-9):
+            raise UsageError(
+                f"--motor {self.motor} delivers {torque:.4g} N m up to {largest:.4g} rpm of the crank, but "
+                f"{required:.4g} rpm are required: reduce --speed-rpm or --output-rpm, or choose another motor"
+            )
+        usual = PROCESSES[self.process].speed_rpm if _frame(self.motor) != "auto" else largest
+        return min(largest, usual) if required is None else required
 
 
 SIZE = SizeFlags()
@@ -418,7 +440,14 @@ def _list_flags(remedy: "FeasibleChange", original: "Requirement", is_range: boo
     return [*words, "--custom"] if remedy.requirement.custom and not original.custom else words
 
 
-def _motor_speed(motor: str, torque: float, process: "Process") -> float:
+def _frame(motor: str) -> "MotorName":
+    """Return the name of a motor frame; auto for a file with a motor's curve, which has no dimensions."""
+    from cycloid_mj.parts.export.motors import MOTORS
+
+    return cast("MotorName", motor) if motor in MOTORS else "auto"
+
+
+def _motor_speed(motor: str, torque: float) -> float:
     """Return the largest speed [rpm] at which a motor delivers a torque [N m].
 
     `motor` is the name of a frame, or a CSV file with the motor's curve, which is interpolated linearly.
@@ -432,7 +461,6 @@ def _motor_speed(motor: str, torque: float, process: "Process") -> float:
 
     from cycloid_mj.base.units import RPM
     from cycloid_mj.parts.export.motors import MOTORS
-    from cycloid_mj.sizing.process import PROCESSES
 
     if (frame := MOTORS.get(motor)) and frame.torque:
         if torque > frame.torque:
@@ -440,7 +468,7 @@ def _motor_speed(motor: str, torque: float, process: "Process") -> float:
                 f"--motor {motor}: the crank needs {torque:.4g} N m, but motors of this frame size typically deliver "
                 f"at most {frame.torque:g} N m. Choose a larger frame, a larger ratio or less torque"
             )
-        return min(PROCESSES[process].speed_rpm, frame.power / torque / RPM)
+        return frame.power / torque / RPM
     try:
         with Path(motor).open(newline="", encoding="utf-8-sig") as file:
             curve = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))

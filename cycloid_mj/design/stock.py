@@ -10,6 +10,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cycloid_mj.base.array import Array
 
 MM, KN = 1e-3, 1e3
 
@@ -381,23 +385,25 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
     return None
 
 
-def stock_pin_length(diameter: float, length: float, max_count: int = 4) -> float:
-    """Find the length nearest to `length` [m] that dowels of a diameter fill uncut, at most `max_count` in line.
+def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> "Array":
+    """Find the lengths nearest to `lengths` [m] that dowels of a diameter fill uncut, at most `max_count` in line.
 
-    Returns `length` where that is further off than by the factor `OFF`, or where there are no such dowels: they are
-    cut.
+    A length stays where they differ from it by more than the factor `OFF`, or without such dowels: they are cut.
     """
+    import numpy as np
+
     size = round(diameter / MM, 6)
-    if size not in _DOWELS:
-        return length
-    shortest, longest = _DOWELS[size]
+    shortest, longest = _DOWELS.get(size, (math.inf, 0))
     usual_lengths = [dowel for dowel in _LENGTHS if shortest <= dowel <= longest]
     counts = range(1, max_count + 1)
-    stack_lengths = [
+    stack_lengths = {
         count * dowel for count in counts for dowel in usual_lengths if -(-count * dowel // longest) == count
-    ]
-    nearest = min(stack_lengths, key=lambda item: abs(math.log(item * MM / length)), default=0.0) * MM
-    return round(nearest, 9) if length / OFF <= nearest <= length * OFF else length
+    }
+    if not stack_lengths:
+        return lengths
+    sold = np.round(MM * np.array(sorted(stack_lengths)), 9)
+    near = sold[np.abs(np.log(sold / lengths[:, np.newaxis])).argmin(axis=1)]
+    return np.where((lengths / OFF <= near) & (near <= lengths * OFF), near, lengths)
 
 
 def bar_diameters() -> tuple[float, ...]:

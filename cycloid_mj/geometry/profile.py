@@ -26,6 +26,9 @@ class CurveSettings:
 
     max_iterations: int = 200
     sagitta_grid: int = 2049
+    sagitta_rtol: float = 1e-6
+    """Error of the farthest point of a chord, relative to its length: the sagitta is stationary there, and the square
+    of this is its relative error."""
     min_chord_error: float = 1e-12
 
 
@@ -412,13 +415,15 @@ def solve_monotone(
     target: npt.ArrayLike,
     low: npt.ArrayLike,
     high: npt.ArrayLike,
+    rtol: float = 0.0,
 ) -> Array:
     """Solve function(x) = target in [low, high], elementwise, by Newton steps kept inside a shrinking bracket.
 
-    `function` must be monotone between `low` and `high`; for a target beyond its range, the nearer end.
+    `function` must be monotone between `low` and `high`; for a target beyond its range, the nearer end. The last step
+    is within rounding, or at most `rtol` of the bracket.
     """
     target, low, high = (np.array(array, float) for array in np.broadcast_arrays(target, low, high))
-    tolerance = 2 * np.finfo(float).eps * np.maximum(np.abs(low), np.abs(high))
+    tolerance = np.maximum(2 * np.finfo(float).eps * np.maximum(np.abs(low), np.abs(high)), rtol * (high - low))
     sign = np.where(function(high) >= function(low), 1.0, -1.0)
     x = (low + high) / 2
     increment = high - low
@@ -464,5 +469,6 @@ def _sagittas(arc: SmoothArc, nodes: Array) -> Array:
     dx, dy = np.diff(points, axis=0).T
     midpoints = (angles[:-1] + angles[1:]) / 2
     chord_angle = midpoints + np.mod(np.arctan2(-dy, dx) - midpoints + np.pi / 2, np.pi) - np.pi / 2
-    farthest = solve_monotone(arc.normal_angle, arc.turning_rate, chord_angle, nodes[:-1], nodes[1:])
+    steps = nodes[:-1], nodes[1:]
+    farthest = solve_monotone(arc.normal_angle, arc.turning_rate, chord_angle, *steps, CURVE.sagitta_rtol)
     return np.abs(np.sum((arc.points(farthest) - points[:-1]) * unit(chord_angle), axis=1))

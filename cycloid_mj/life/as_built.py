@@ -75,7 +75,7 @@ def find_critical_sample(reducer: Reducer) -> int | None:
     if not zones:
         return None
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
-    force = compute_sampled(reducer, samples, ["tooth_force_n"], SETTINGS.loaded_angles)["tooth_force_n"]
+    force = compute_sampled(reducer, samples, ["tooth_force_n"], SETTINGS.free_angles)["tooth_force_n"]
     count = int(np.isfinite(force).sum())  # the others are sorted last
     return int(np.argsort(force, kind="stable")[_rank(count)]) if count else 0
 

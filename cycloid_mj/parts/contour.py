@@ -5,7 +5,7 @@ from typing import Protocol
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts.curve import Circle, Curve, rotate_curve
-from cycloid_mj.parts.polygon import circle, rotate_points
+from cycloid_mj.parts.polygon import circle, circle_area, rotate_points, signed_area
 
 
 class Contour(Protocol):
@@ -59,6 +59,15 @@ def circle_of(contour: Contour) -> Circle | None:
         turned_inner = rotate_curve(inner, -contour.angle) if inner else None
         return turned_inner if isinstance(turned_inner, Circle) else None
     return Circle(contour.centre, contour.radius) if isinstance(contour, CircleContour) else None
+
+
+def contour_area(contour: Contour, chord_error: float) -> float:
+    """Compute the area of the polygon of a contour with a chord error [m2]; that of a circle in closed form."""
+    if isinstance(contour, TurnedContour):
+        return contour_area(contour.contour, chord_error)
+    if type(contour) is CircleContour:  # others have their own polygons
+        return circle_area(contour.radius, chord_error)
+    return signed_area(contour.polygon(chord_error))
 
 
 def circles_at(radius: float, centres: Array) -> tuple[CircleContour, ...]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from cycloid_mj.parts.contour import Contour
+from cycloid_mj.parts.contour import Contour, contour_area
 from cycloid_mj.parts.curve import Curve
 from cycloid_mj.parts.prism import Prism, Solid
 
@@ -36,6 +36,11 @@ class Stretch:
         holes = tuple(hole.polygon(chord_error) for hole in self.holes)
         return Prism(self.outline.polygon(chord_error), holes, self.z0, self.z1)
 
+    def volume(self, chord_error: float) -> float:
+        """Compute the volume of `prism` [m3], without building it."""
+        area = contour_area(self.outline, chord_error) - sum(contour_area(hole, chord_error) for hole in self.holes)
+        return area * (self.z1 - self.z0)
+
     def section(self, splines: int) -> PartSection:
         """Return it as curves, with `splines` splines per lobe of a disc or root of the internal gear."""
         loops = tuple(outline.curves(splines) for outline in (self.outline, *self.holes))
@@ -53,6 +58,10 @@ class Part:
     def solid(self, chord_error: float) -> Solid:
         """Return the part as prisms of polygons; see `Stretch.prism`."""
         return Solid(self.name, tuple(stretch.prism(chord_error) for stretch in self.stretches), self.density)
+
+    def mass(self, chord_error: float) -> float:
+        """Compute the mass of `solid` [kg], without building it."""
+        return self.density * sum(stretch.volume(chord_error) for stretch in self.stretches)
 
     def sections(self, splines: int) -> tuple[PartSection, ...]:
         """Return the part as curves; see `Stretch.section`."""

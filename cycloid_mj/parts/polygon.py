@@ -69,6 +69,12 @@ def circle(radius: float, chord_error: float, centre: tuple[float, float] = (0.0
     return np.array(centre) + arc(radius, 0.0, 2 * math.pi, chord_error)[:-1]
 
 
+def circle_area(radius: float, chord_error: float) -> float:
+    """Compute the area of the polygon `circle` [m2], in closed form."""
+    chords = _segments(radius, 2.0 * math.pi, chord_error)
+    return 0.5 * chords * radius**2 * math.sin(2.0 * math.pi / chords)
+
+
 def rotate_points(points: Array, angle: float) -> Array:
     """Rotate points (n, 2) counter-clockwise about the origin by an angle [rad]."""
     if not angle:

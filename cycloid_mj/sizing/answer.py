@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -39,6 +39,9 @@ HOPELESS = 0.8
 
 MAX_TRIALS = 4
 """Candidates that are rated at all crank angles and studied within their tolerances: 0.5 s of CPU each."""
+
+STUDY_MARGIN = 1.03, 1.1
+"""Capacity over the required torque from which candidates are studied: at first, and at most after too weak ones."""
 
 MAX_RATIOS = 7
 """Number of ratios tried in a range, evenly spaced."""
@@ -131,18 +134,37 @@ class Solution:
 
 @dataclass(eq=False)
 class _Acceptance:
-    """Rating and tolerance study of candidates as on their design files: the last steps before a drive is accepted."""
+    """Rating and tolerance study of candidates as on their design files: the last steps before a drive is accepted.
+
+    `trials` candidates are studied at most, with a capacity that is likely to be `enough`: studies have less, as they
+    rate the largest force of each pair.
+    """
 
     requirement: Requirement
-    drives: dict[int, Rated | None] = field(default_factory=dict)
-    studies: dict[int, Figures] = field(default_factory=dict)
+    trials: int = MAX_TRIALS
+    drives: dict[Rated, Rated | None] = field(default_factory=dict)
+    studies: dict[Rated, Figures] = field(default_factory=dict)
+    enough: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.enough = STUDY_MARGIN[0] * self.requirement.torque
 
     def __call__(self, rated: Rated) -> bool:
         """Return whether a candidate is rated for the torque within its tolerances, and enough samples turn."""
-        if id(rated) not in self.drives and len(self.drives) < MAX_TRIALS:
-            self.drives[id(rated)] = full = _rated_fully(self.requirement, rated) if math.isfinite(rated.mass) else None
-            self.studies[id(rated)] = tolerance_study(self.requirement, full.reducer) if full else {}
-        return self.studies.get(id(rated), {}).get("yield_percent", 0.0) >= MIN_YIELD
+        if rated not in self.drives and len(self.drives) < self.trials:
+            self.drives[rated] = full = self._rate(rated) if math.isfinite(rated.mass) else None
+            self.studies[rated] = tolerance_study(self.requirement, full.reducer) if full else {}
+        return self.studies.get(rated, {}).get("yield_percent", 0.0) >= MIN_YIELD
+
+    def _rate(self, rated: Rated) -> Rated | None:
+        """Rate a candidate as on its design file; None if it has too little torque, or a check of its life fails."""
+        torque = self.requirement.torque
+        full = rate_drive(self.requirement, rated.reducer, torque)
+        if full and full.capacity < torque:
+            self.enough = min(max(rated.capacity / full.capacity, STUDY_MARGIN[0]), STUDY_MARGIN[1]) * torque
+            return None
+        lasts = full and (self.requirement.duty or all(check.passed for check in life_checks(full.reducer)))
+        return full if lasts else None
 
     def is_too_weak_or_accepted(self, rated: Rated) -> bool:
         """Return whether a candidate has less than the torque, so that no study matters, or is accepted."""
@@ -150,9 +172,9 @@ class _Acceptance:
 
     def solution(self, pool: Pool, rated: Rated) -> Solution:
         """Return the solution of an accepted candidate."""
-        full = self.drives[id(rated)]
+        full = self.drives[rated]
         assert full
-        return Solution(self.requirement, pool, full, self.studies[id(rated)])
+        return Solution(self.requirement, pool, full, self.studies[rated])
 
     @property
     def least_backlash(self) -> float:
@@ -160,92 +182,90 @@ class _Acceptance:
         return min((study.get("backlash_p95_arcmin", math.inf) for study in self.studies.values()), default=math.inf)
 
 
-def solve(requirement: Requirement, pools: list[Pool] | None = None) -> tuple[Solution | None, Answer]:
-    """Find the lightest drive of a requirement; else a refusal with the maximum torque and its limit.
-
-    `pools` receives the pools that were searched.
-    """
-    refusals: list[Answer] = []
-    for trial in _trials(requirement):
-        solution, fixed, pool = trial.solution, trial.requirement, trial.pool
-        if solution:
-            accept = trial.accept
-            lightest = pool.lightest(fixed.torque, fixed.length, accept)
-            lighter = lightest and lightest.mass < solution.rated.mass
-            return (accept.solution(pool, lightest) if lightest and lighter else solution), Answer(fixed, ())
-        refusals.append(_refusal(trial))
-        if pools is not None:
-            pools.append(pool)
-    if not refusals:
-        return None, Answer(requirement, (), 0.0, _no_room(requirement))
-    return None, max(refusals, key=lambda refused: refused.most)
-
-
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A number of discs and clearances that were tried: their pool, the strongest candidate, and what accepted it."""
+    """A number of discs and clearances that were tried: their pool, the best candidate, and what accepted it."""
 
     requirement: Requirement
     pool: Pool
-    strongest: Rated | None
+    best: Rated | None
     accept: _Acceptance
 
     @property
     def solution(self) -> Solution | None:
         """The drive, if it is strong enough."""
-        if not self.strongest or self.strongest.capacity < self.requirement.torque:
+        if not self.best or self.best.capacity < self.requirement.torque:
             return None
-        return self.accept.solution(self.pool, self.strongest)
+        return self.accept.solution(self.pool, self.best)
 
 
-def _trials(requirement: Requirement, give_up: float = 0.0) -> Iterator[_Trial]:
-    """Yield the trials of a requirement.
-
-    The order of the candidates does not depend on the torque, so that what is found for one torque is found for every
-    smaller one. One disc comes before two where the number is free, and usual clearances before those that a backlash
-    requires, or the finest of the process: with its closer tolerances more teeth carry. The search ends where no
-    estimate promises a torque of `give_up` [N m].
-    """
-    for discs in requirement.numbers_of_discs:
-        variants = [requirement.but(discs=discs)]
-        while variants:
-            fixed = variants.pop(0)
-            pool = pool_of(fixed)
-            if not pool:
-                continue
-            accept = _Acceptance(fixed)
-            strongest = pool.largest(fixed.length, fixed.torque, accept.is_too_weak_or_accepted, give_up)
-            yield _Trial(fixed, pool, strongest, accept)
-            backlash = accept.least_backlash
-            if strongest and not accept.studies and fixed.backlash < math.inf:
-                backlash = tolerance_study(fixed, strongest.reducer).get("backlash_p95_arcmin", math.inf)
-            variants += [] if fixed.tightened else _finer(fixed, backlash)
-            if not variants and not fixed.tightened and requirement.has_usual_clearances:
-                variants.append(fixed.finest)
+def solve(requirement: Requirement) -> tuple[Solution | None, Answer, list[Pool]]:
+    """Find the lightest drive of a requirement; else a refusal with the maximum torque, its limit, and the pools."""
+    failed: list[_Trial] = []
+    for trial in _trials(requirement, requirement.variants, lightest=True):
+        if trial.solution:
+            return trial.solution, Answer(trial.requirement, ()), []
+        failed.append(trial)
+    if not failed:
+        return None, Answer(requirement, (), 0.0, _no_room(requirement)), []
+    failed.sort(key=lambda trial: -trial.best.capacity if trial.best else 0.0)
+    refusals = (_refusal(trial) for trial in failed)
+    first = next(refusals)
+    refused = first if first.most else next((other for other in refusals if other.most), first)
+    return None, refused, [trial.pool for trial in failed]
 
 
 def is_feasible(requirement: Requirement) -> bool:
     """Return whether the search finds a drive; it ends where a search for the maximum would go on."""
-    return any(trial.solution for trial in _trials(requirement, HOPELESS * requirement.torque))
+    return any(trial.solution for trial in _trials(requirement, requirement.variants[-1:], give_up=True))
 
 
-def _finer(fixed: Requirement, backlash: float) -> Iterator[Requirement]:
+def _trials(
+    requirement: Requirement, variants: Sequence[Requirement], *, lightest: bool = False, give_up: bool = False
+) -> Iterator[_Trial]:
+    """Yield the trials of a requirement, for each of its numbers of discs.
+
+    The order of the candidates does not depend on the torque, so that what is found for one torque is found for every
+    smaller one. The `variants` have larger clearances before smaller ones, with whose closer tolerances more teeth
+    carry; those that a backlash requires follow. All but the last end where no estimate promises `HOPELESS` of the
+    torque; the last only to `give_up`, as others have no maximum.
+    """
+    for discs in requirement.numbers_of_discs:
+        queue = [variant.but(discs=discs) for variant in variants]
+        while queue:
+            fixed = queue.pop(0)
+            pool = pool_of(fixed)
+            if not pool:
+                continue
+            least = HOPELESS * fixed.torque if queue or give_up else 0.0
+            trial = _try(fixed, pool, least, lightest)
+            yield trial
+            if fixed.backlash < math.inf and fixed.has_usual_clearances:
+                queue += [*_finer(fixed, trial)] or [fixed.finest]
+
+
+def _try(fixed: Requirement, pool: Pool, least: float, lightest: bool) -> _Trial:
+    """Search the lightest or the strongest candidate that is accepted; the strongest of all if none has the torque."""
+    accept = _Acceptance(fixed)
+    best = pool.largest(fixed.length, accept.enough, give_up=least)
+    if best and best.capacity >= fixed.torque:
+        best = pool.lightest(lambda: accept.enough, fixed.length, accept) if lightest else None
+        accept.trials += MAX_TRIALS if lightest else 0
+        best = best or pool.largest(fixed.length, accept.enough, accept.is_too_weak_or_accepted, least)
+    return _Trial(fixed, pool, best, accept)
+
+
+def _finer(fixed: Requirement, trial: _Trial) -> Iterator[Requirement]:
     """Yield the requirement with the clearances that its backlash requires, three at most."""
-    if fixed.backlash == math.inf or not fixed.has_usual_clearances or backlash <= fixed.backlash:
+    backlash = trial.accept.least_backlash
+    if trial.best and not trial.accept.studies:
+        backlash = tolerance_study(fixed, trial.best.reducer).get("backlash_p95_arcmin", math.inf)
+    if backlash <= fixed.backlash:
         return
     listed, share = [*fixed.tighter_clearances], fixed.backlash / backlash
     finer = [item for item in listed if item <= share / MIN_SHARE * fixed.usual_clearance] if share else listed
     for clearance in (finer or listed[-1:])[:3]:
         yield fixed.but(clearance=clearance, tightened=True)
-
-
-def _rated_fully(requirement: Requirement, rated: Rated) -> Rated | None:
-    """Rate a candidate within its tolerances at the required torque; None if a check of its life fails."""
-    full = rate_drive(requirement, rated.reducer, requirement.torque)
-    if not full or full.capacity < requirement.torque:
-        return None
-    passed = requirement.duty or all(check.passed for check in life_checks(full.reducer))
-    return full if passed else None
 
 
 def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
@@ -270,7 +290,7 @@ def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
 def _refusal(trial: _Trial) -> Answer:
     """Return the maximum torque of a trial without a solution, and its limit."""
     requirement, pool = trial.requirement, trial.pool
-    largest = trial.strongest or pool.largest(requirement.length)
+    largest = trial.best or pool.largest(requirement.length)
     if not largest:
         shortest = pool.shortest(0.0)
         limit = f"no drive is shorter than {MILLIMETRES * shortest.length:.3g} mm" if shortest else NO_EQUILIBRIUM
@@ -299,6 +319,8 @@ def _no_room(requirement: Requirement) -> str:
     """Return why no drive of a size exists."""
     if not requirement.custom and pool_of(requirement.but(custom=True, discs=requirement.discs or 1)):
         return "no pins and bearings in stock fit"
+    if requirement.motor != "auto" and pool_of(requirement.but(motor="auto", discs=requirement.discs or 1)):
+        return f"no crank that fits is thick enough for the shaft of the motor {requirement.motor}"
     return (
         f"no disc with a ratio of {requirement.ratio} fits into {MILLIMETRES * requirement.diameter:g} mm with "
         f"clearances of {1e6 * requirement.usual_clearance:g} um ({requirement.process})"
@@ -348,14 +370,17 @@ def other_drives(solution: Solution) -> Iterator[SizedDrive]:
     accept = _Acceptance(requirement)
     strong = [item for item in solution.pool.rated.values() if item and item.mass > first.mass]
     strong = [item for item in strong if item.capacity >= requirement.torque and item.length <= requirement.length]
-    promising = [item for merit in (_stiffness_of, _capacity_of) for item in sorted(strong, key=merit)[-2:]]
-    found = [accept.solution(solution.pool, item) for item in dict.fromkeys(promising) if accept(item)]
+    found: list[Solution] = []
+    for merit in (_stiffness_of, _capacity_of):
+        promising = sorted((item for item in strong if merit(item) > merit(first)), key=merit, reverse=True)
+        accepted = next((item for item in promising[:2] if accept(item)), None)
+        found += [accept.solution(solution.pool, accepted)] if accepted else []
     best = {
         title: max(found, key=lambda other: merit(other.rated))
         for title, merit in (("stiffest", _stiffness_of), ("longest life", _life_of))
         if any(merit(other.rated) > MIN_DIFFERENCE * merit(first) for other in found)
     }
-    both = " and ".join(best) if len({id(other) for other in best.values()}) == 1 else ""
+    both = " and ".join(best) if len({other.rated for other in best.values()}) == 1 else ""
     for title, other in [*best.items()][: 1 if both else 2]:
         yield sized_drive(other, other.rated, title, WHY[both or title])
 

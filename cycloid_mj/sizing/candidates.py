@@ -12,9 +12,11 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
 from cycloid_mj.checks import WALLS, Check, sound_checks
 from cycloid_mj.checks.body import bearing_room_rule
-from cycloid_mj.design import PRESETS, override, stock
+from cycloid_mj.design import PRESETS, Material, override, stock
 from cycloid_mj.life import rolling
-from cycloid_mj.parts.export.casing import casing, cover_radius
+from cycloid_mj.parts.export.casing import Casing, casing, cover_radius
+from cycloid_mj.parts.export.casing_rules import RULES
+from cycloid_mj.parts.export.motors import MOTORS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.sizing.process import PROCESSES
@@ -97,7 +99,8 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     root = circle - eccentricity - pin - requirement.usual_clearance
     bore, cam, cam_dynamic, cam_static, fits = _cam_bearings(u[4], root, face, free)
     limit = np.minimum(0.85 * bore, cam) - eccentricity
-    shaft, bearing, shaft_dynamic, shaft_static, turns = _shaft_bearings(u[5], limit, discs > 1, free)
+    least = _least_shaft(requirement)
+    shaft, bearing, shaft_dynamic, shaft_static, turns = _shaft_bearings(u[5], least, limit, discs > 1, free)
     count, middle, band = OUTPUT_PINS[_choose(u[6], len(OUTPUT_PINS))], 0.5 * (bore + root), root - bore - 0.03 * circle
     largest = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
     stud = _round_down(_between(u[7], (0.4, 1.0)) * largest - eccentricity)
@@ -181,12 +184,10 @@ def clamping(wall: float) -> dict[str, object]:
 
 def _reach_of_pins(pin: Array, width: Array) -> Array:
     """Return widths that pins of some radii fill as they are sold, nearest to some widths [m]."""
-    reach = np.empty_like(width)
+    reach = _round_down(width)
     for size in np.unique(pin).tolist():
         rows = np.flatnonzero(pin == size)
-        grid = np.geomspace(width[rows].min(), width[rows].max() * (1.0 + 1e-9), 48)
-        sold = np.array([stock.stock_pin_length(2.0 * size, float(_round_down(item))) for item in grid])
-        reach[rows] = sold[np.abs(np.log(width[rows, None] / grid)).argmin(axis=1)]
+        reach[rows] = stock.stock_pin_lengths(2.0 * size, reach[rows])
     return reach
 
 
@@ -225,8 +226,17 @@ def _choose_fitting(share: Array, fitting: Mask) -> Integers:
     return np.where(order[:, -1] > 0, (order >= wanted[:, None]).argmax(axis=1), -1)
 
 
-def _shaft_bearings(share: Array, limit: Array, bar: bool, free: bool) -> tuple[Array, Array, Array, Array, Mask]:
-    """Choose bearings of the shaft, the thickest first, of at most a radius [m], or for a ground `bar`."""
+def _least_shaft(requirement: Requirement) -> float:
+    """Return the smallest radius of a crank with a bore for the shaft of the required motor [m]; 0 without a shaft."""
+    shaft = MOTORS[requirement.motor].shaft if requirement.motor in MOTORS else 0.0
+    least = RULES.min_printed_wall if Material(name=requirement.made_of).is_plastic else RULES.min_wall
+    return shaft + 2.0 * max(least, RULES.wall_share * requirement.diameter / 2.0) if shaft else 0.0
+
+
+def _shaft_bearings(
+    share: Array, least: float, limit: Array, bar: bool, free: bool
+) -> tuple[Array, Array, Array, Array, Mask]:
+    """Choose bearings of the shaft, the thickest first, between two radii [m], or for a ground `bar`."""
     if free:
         radius = _round_down(_between(share, (1.0, 0.6)) * np.maximum(limit, ROUNDING))
         size = np.maximum(0.4 * radius, ROUNDING)
@@ -234,14 +244,15 @@ def _shaft_bearings(share: Array, limit: Array, bar: bool, free: bool) -> tuple[
             np.vectorize(rate)(14.0, size, np.maximum(radius, ROUNDING), 2.0 * np.maximum(radius, ROUNDING) + size)
             for rate in (rolling.dynamic_capacity, rolling.static_capacity)
         )
-        return radius, np.zeros_like(radius), dynamic, static, radius > 0.0
+        return radius, np.zeros_like(radius), dynamic, static, radius > least
     bars = set(stock.bar_diameters())
     table = [item for item in reversed(stock.needle_bearings()) if not bar or item.bore in bars]
     table.sort(key=lambda item: (-item.bore, item.width))
     bores, widths, dynamics, statics = (
         np.array([getattr(item, key) for item in table]) for key in ("bore", "width", "dynamic", "static")
     )
-    fitting = (bores <= 2.0 * limit[:, None] * (1.0 + 1e-9)) & (bores >= 1.2 * limit[:, None])
+    lowest = np.maximum(1.2 * limit[:, None], 2.0 * least)
+    fitting = (bores <= 2.0 * limit[:, None] * (1.0 + 1e-9)) & (bores >= lowest)
     index = _choose_fitting(share, fitting)
     return np.round(0.5 * bores[index], 9), widths[index], dynamics[index], statics[index], index >= 0
 
@@ -273,9 +284,7 @@ def _cores(
     between, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _round_down(np.array(usual)))
     for size in () if free else np.unique(core[core > 0.0]).tolist():
         rows = np.flatnonzero(core == size)
-        reach = np.array(
-            [stock.stock_pin_length(2.0 * size, float(item), max_count=1) for item in between[rows] + 2.0 * usual]
-        )
+        reach = stock.stock_pin_lengths(2.0 * size, between[rows] + 2.0 * usual, max_count=1)
         thickness = np.round(0.5 * (reach - between[rows]), 9)
         near = (usual / 1.5 <= thickness) & (thickness <= 1.5 * usual)
         disc[rows] = np.where(near, thickness, disc[rows])
@@ -287,11 +296,17 @@ def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reduce
     try:
         design = PRESETS["pin"].but(**_tables(requirement, sizes, torque))
         reducer = _with_shaft_length(Reducer(override(design, requirement.changes)))
-        if _fails(sound_checks(reducer)) or 2.0 * casing(reducer).outer > requirement.diameter + ROUNDING:
+        sizes_with_motor = casing_of(requirement, reducer)
+        if _fails(sound_checks(reducer)) or 2.0 * sizes_with_motor.outer > requirement.diameter + ROUNDING:
             return None
     except CycloidError:
         return None
     return reducer
+
+
+def casing_of(requirement: Requirement, reducer: Reducer) -> Casing:
+    """Return the sizes of the casing for the required motor; raise DesignError if it does not fit."""
+    return casing(reducer) if requirement.motor == "auto" else casing(reducer, requirement.motor)
 
 
 def _fails(checks: Iterable[Check]) -> bool:

@@ -6,7 +6,6 @@ from dataclasses import replace
 from cycloid_mj.sizing.answer import Answer, other_drives, sized_drive, solve
 from cycloid_mj.sizing.remedies import remedies
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.search import Pool
 
 
 def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
@@ -14,8 +13,7 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
 
     `on_progress` receives the first drive found, or a refusal as soon as the maximum is known, and with each remedy.
     """
-    pools: list[Pool] = []
-    solution, refused = solve(requirement, pools)
+    solution, refused, pools = solve(requirement)
     if solution:
         lightest = sized_drive(solution, solution.rated, "lightest", "lowest mass of the drive with its covers")
         on_progress(Answer(requirement, (lightest,)))

@@ -67,7 +67,7 @@ def _capacity(requirement: Requirement) -> float:
     """
     if requirement.backlash < math.inf:
         return requirement.torque if is_feasible(requirement) else 0.0
-    pools = [pool_of(requirement.finest.but(discs=discs)) for discs in requirement.numbers_of_discs]
+    pools = [pool_of(requirement.variants[-1].but(discs=discs)) for discs in requirement.numbers_of_discs]
     give_up = HOPELESS * requirement.torque
     largest = [pool.largest(requirement.length, requirement.torque, give_up=give_up) for pool in pools if pool]
     return max((one.capacity for one in largest if one), default=0.0)

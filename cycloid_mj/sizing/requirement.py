@@ -12,6 +12,7 @@ from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty, read_duty
+from cycloid_mj.parts.export.motors import MotorName
 from cycloid_mj.sizing.process import COOLING, PROCESSES, Process
 
 LEAST_RATIO, MOST_RATIO = 3, 150
@@ -51,6 +52,7 @@ def required(
     duty: str | float | None = None,
     cooling: str | float = "still",
     ambient_c: float = 20.0,
+    motor: MotorName = "auto",
     changes: tuple[str, ...] = (),
 ) -> "Requirement":
     """Return a requirement in the units of the command line; see `Requirement`.
@@ -84,6 +86,7 @@ def required(
         duty_share=share,
         film=_film(cooling),
         ambient=ambient_c,
+        motor=motor,
         changes=changes,
     )
 
@@ -154,6 +157,8 @@ class Requirement:
         Points of a duty cycle, (torque over the largest, speed [rad/s], share), or the share of the time under load.
     film, ambient
         Heat transfer coefficient of the housing [W/(m2 K)], and temperature around it [°C].
+    motor
+        Motor whose shaft and screws the crank and the covers must fit; auto: any.
     changes
         Settings of the design, ``table.key=value``, that hold for every candidate.
     tightened
@@ -178,6 +183,7 @@ class Requirement:
     duty_share: float = 1.0
     film: float = 12.0
     ambient: float = 20.0
+    motor: MotorName = "auto"
     changes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -316,6 +322,11 @@ class Requirement:
     def finest(self) -> Self:
         """The requirement with the finest clearances of its process, unless a clearance or a fit is required."""
         return self.but(clearance=PROCESSES[self.process].finest, tightened=True) if self.has_usual_clearances else self
+
+    @property
+    def variants(self) -> tuple[Self, ...]:
+        """The requirement with the clearances to try: the usual ones, then the finest unless a backlash decides."""
+        return (self, self.finest) if self.has_usual_clearances and self.backlash == math.inf else (self,)
 
     @property
     def tighter_clearances(self) -> Iterator[float]:

@@ -13,13 +13,13 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.explore.sampling import sample_design, tolerance_zones
 from cycloid_mj.life.as_built import SETTINGS as SAMPLES
 from cycloid_mj.life.as_built import Parts, find_critical_sample
-from cycloid_mj.life.figures import drive_length, drive_mass
+from cycloid_mj.life.figures import drive_mass
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import is_momentary, is_strength, torque_limits
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.candidates import DIMENSIONS, Sizes, build_drive, conditions, decode
+from cycloid_mj.sizing.candidates import DIMENSIONS, Sizes, build_drive, casing_of, conditions, decode
 from cycloid_mj.sizing.estimate import Estimate, capacity, estimate
 from cycloid_mj.sizing.requirement import Requirement
 
@@ -131,14 +131,15 @@ def rate_drive(
         if zones and sample is not None:
             design = sample_design(loaded, zones, SAMPLES.seed, sample)
         rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, parts=parts)
-        length = 1e-3 * drive_length(loaded)
+        low, high = casing_of(requirement, loaded).ends
     except CycloidError:
         return None
     items = {key: item for key, item in rating.items.items() if item.decisive}
     limits = torque_limits(items.values(), torque, requirement.life)
     other = min((limit for key, limit in limits.items() if key not in estimated), default=NO_LIMIT)
     weakest = min(limits, key=lambda key: limits[key])
-    return Rated(loaded, torque, rating, {**limits, "other": other, "length": length}, limits[weakest], items[weakest])
+    figures = {**limits, "other": other, "length": high - low}
+    return Rated(loaded, torque, rating, figures, limits[weakest], items[weakest])
 
 
 def rate_candidate(
@@ -235,10 +236,13 @@ class Pool:
             lambda torque, mass, size: -torque, lambda torque, size: size <= length, accept, -enough, -give_up
         )
 
-    def lightest(self, torque: float, length: float, accept: Accept) -> Rated | None:
-        """Find the lightest candidate for a torque [N m] within a length [m]."""
+    def lightest(self, torque: Callable[[], float], length: float, accept: Accept) -> Rated | None:
+        """Find the lightest candidate for a torque [N m], which may grow meanwhile, within a length [m]."""
         return self._best(
-            lambda limit, mass, size: mass, lambda limit, size: (limit >= torque) & (size <= length), accept, weigh=True
+            lambda limit, mass, size: mass,
+            lambda limit, size: (limit >= torque()) & (size <= length),
+            accept,
+            weigh=True,
         )
 
     def shortest(self, torque: float) -> Rated | None:
@@ -271,19 +275,20 @@ class Pool:
             feasible = feasible & (value < known[1]) if known else feasible.copy()
             feasible[list(self.rated)] = False
             feasible &= (value <= give_up) | (SETTINGS.ratings - ratings < SETTINGS.calibrations)
-            if ratings and feasible.any():
-                ratings -= 1
+            started = SETTINGS.ratings - ratings >= SETTINGS.calibrations or not feasible.any()
+            if ratings and started and known and known[0] not in extended and known[1] <= give_up:
+                extended.add(known[0])
+                self._extend(known[0])
+            elif ratings and feasible.any():
                 index = int(np.argmin(np.where(feasible, value, np.inf)))
                 limit = max(float(torque[index]), 1e-6)
                 keys = tuple(self.guess)
                 self.rated[index] = rate_candidate(
                     self.requirement, self.sizes[index], limit, keys, self.archive.sample
                 )
+                ratings -= self.rated[index] is not None
             elif not known:
                 return None
-            elif ratings and known[0] not in extended and known[1] <= give_up:
-                extended.add(known[0])
-                self._extend(known[0])
             elif accept(self._of(known[0])):
                 return self._of(known[0])
             else:

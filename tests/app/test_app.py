@@ -611,11 +611,10 @@ def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: 
     assert told["ways"][1]["words"] == "a clearance of 5 µm"
 
 
-def test_a_motor_makes_the_crank_thick_enough_for_its_shaft() -> None:
+def test_the_chosen_motor_is_part_of_the_requirement() -> None:
     form = {"ratio": 15, "diameter_mm": 70, "torque_nm": 3, "process": "printed", "motor": "nema17"}
-    assert requirement.parse_form(form).changes == ("shaft.radius_mm=5",)
-    assert requirement.parse_form({**form, "motor": "nema34"}).changes == ("shaft.radius_mm=7.5",)
-    assert requirement.parse_form({**form, "motor": "circle"}).changes == ()
+    assert requirement.parse_form(form).motor == "nema17"
+    assert requirement.parse_form({**form, "motor": "circle"}).motor == "circle"
     with pytest.raises(UsageError, match="unknown motor"):
         requirement.parse_form({**form, "motor": "x"})
 

@@ -1,5 +1,6 @@
 """Stock: what is in the tables is what standards and makers print, and a part is found by its size."""
 
+import numpy as np
 import pytest
 
 from cycloid_mj.design import stock
@@ -70,7 +71,7 @@ def test_the_shortest_dowel_that_reaches_is_found(
 )
 def test_pins_fill_a_reach_as_they_are_sold(diameter: float, reach: float, filled: float) -> None:
     """Those of 5 mm have 12 to 50 mm; where none is near, and of gauges, they are cut."""
-    found = stock.stock_pin_length(diameter, reach)
+    (found,) = stock.stock_pin_lengths(diameter, np.array([reach]))
     assert found == pytest.approx(filled)
     if filled != reach:
         pin, count = stock.pins(diameter, found) or (None, 0)

@@ -309,6 +309,20 @@ def test_sampling_refuses_what_makes_no_outline():
             profile.sagitta_parameters(PAPER, chord_error)
 
 
+def test_solve_monotone_stops_within_a_share_of_its_bracket():
+    steps = []
+
+    def square(x):
+        steps.append(1)
+        return x**2
+
+    root = profile.solve_monotone(square, lambda x: 2.0 * x, 2.0, 1.0, 2.0, rtol=1e-3)
+    few = len(steps)
+    assert abs(root - math.sqrt(2.0)) < 1e-5
+    profile.solve_monotone(square, lambda x: 2.0 * x, 2.0, 1.0, 2.0)
+    assert few < len(steps) - few
+
+
 def test_solve_monotone_inverts_rising_and_falling_functions_and_stays_in_its_bracket():
     x = np.linspace(-2, 2, 41)
 

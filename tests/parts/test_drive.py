@@ -9,7 +9,7 @@ from cycloid_mj.base.names import HOUSING
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import input_inertia
-from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts import crank_stretches, mass_properties
 from cycloid_mj.parts.export import casing, drive
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections
 from cycloid_mj.parts.export.casing import motor_bore
@@ -26,6 +26,13 @@ def test_the_length_is_from_face_to_face() -> None:
     sections = [one for part in ("motor_cover", "output_flange") for one in assembly_sections(PIN, sizes)[part]]
     assert (low, high) == (min(one.z0 for one in sections), max(one.z1 for one in sections))
     assert figure("drive_length_mm").value(PIN) == pytest.approx(1e3 * (high - low))
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc"])
+def test_the_mass_of_a_part_is_that_of_its_solid(name: str) -> None:
+    reducer = Reducer(PRESETS[name])
+    for part in assembly_parts(reducer, casing(reducer)).values():
+        assert part.mass(1e-5) == pytest.approx(mass_properties(part.solid(1e-5)).mass, rel=1e-6)
 
 
 def test_hub_and_flange_count_at_the_input_over_the_ratio_squared() -> None:

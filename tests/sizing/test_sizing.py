@@ -23,6 +23,8 @@ from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.rated import weakest_torque
 from cycloid_mj.parts.export import bill, casing
+from cycloid_mj.parts.export.casing_rules import RULES
+from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive, best_ratio, length_parts, solve
 from cycloid_mj.sizing.drives import size_drive
@@ -334,9 +336,9 @@ def test_the_covers_stay_within_the_diameter(asked: Requirement) -> None:
 def test_the_stated_maximum_is_the_maximum(share: float) -> None:
     """A coordinate search stated 537 N m here and rated a drive for 1671 N m when that was required."""
     asked = Requirement(119, 0.4, 20_000.0, speed=1000.0 * RPM, discs=0)
-    _, refused = solve(asked)
+    _, refused, _ = solve(asked)
     assert refused.most > 1700.0
-    other, _ = solve(asked.but(torque=share * refused.most))
+    other, *_ = solve(asked.but(torque=share * refused.most))
     assert (other is not None) == (share < 1.0) or share == 1.1
     assert other is None or other.rated.capacity <= 1.1 * refused.most
 
@@ -345,10 +347,10 @@ def test_the_stated_maximum_is_the_maximum(share: float) -> None:
 def test_a_drive_found_at_one_length_is_found_at_every_length_that_it_satisfies() -> None:
     """56 mm were refused ("it needs 68"), and 58 mm led to a drive of 55.9 mm."""
     asked = Requirement(30, 0.06, 0.3, life=10.0, process="printed", speed=100.0 * RPM)
-    longest, _ = solve(asked.but(length=0.058))
+    longest, *_ = solve(asked.but(length=0.058))
     assert longest
     length = math.ceil(1e4 * longest.rated.length) / 1e4
-    again, _ = solve(asked.but(length=length))
+    again, *_ = solve(asked.but(length=length))
     assert again
     assert again.rated.length <= length
 
@@ -356,7 +358,7 @@ def test_a_drive_found_at_one_length_is_found_at_every_length_that_it_satisfies(
 @pytest.mark.slow
 def test_the_lightest_drive_is_lighter_than_the_coordinate_search_had_it() -> None:
     """It wrote a drive of 6.77 kg with covers; `optimize` found one of 4.74 kg."""
-    found, _ = solve(Requirement(29, 0.09, 40.0, speed=2000.0 * RPM, discs=2))
+    found, *_ = solve(Requirement(29, 0.09, 40.0, speed=2000.0 * RPM, discs=2))
     assert found
     assert found.rated.mass < 5.2
     assert found.study["yield_percent"] >= 99.0
@@ -366,7 +368,7 @@ def test_the_lightest_drive_is_lighter_than_the_coordinate_search_had_it() -> No
 def test_conditions_change_what_is_feasible() -> None:
     asked = Requirement(29, 0.09, 35.0, speed=2000.0 * RPM)
     assert solve(asked)[0] is None
-    cooled, _ = solve(asked.but(torque=1.0, film=30.0, duty_share=0.5))
+    cooled, *_ = solve(asked.but(torque=1.0, film=30.0, duty_share=0.5))
     assert cooled
     assert cooled.rated.reducer.design.service.film_coefficient == 30.0
     assert cooled.rated.reducer.design.service.duty_share == 0.5
@@ -374,7 +376,7 @@ def test_conditions_change_what_is_feasible() -> None:
 
 @pytest.mark.slow
 def test_a_backlash_that_is_not_feasible_has_no_largest_torque() -> None:
-    found, refused = solve(SMALL.but(torque=4.0, backlash=0.1))
+    found, refused, _ = solve(SMALL.but(torque=4.0, backlash=0.1))
     assert found is None
     assert refused.most == 0.0
     assert re.match(
@@ -384,6 +386,21 @@ def test_a_backlash_that_is_not_feasible_has_no_largest_torque() -> None:
 
 def test_settings_hold_for_every_candidate() -> None:
     assert candidate(SMALL.but(changes=("gear.bore_radius_mm=9",))).design.gear.bore_radius == 9e-3
+
+
+@pytest.mark.parametrize("motor", ["nema17", "nema23"])
+def test_the_shaft_of_the_motor_fits_into_the_crank(motor: MotorName) -> None:
+    """The thinnest crank that carried the load was chosen, and `export --motor` refused it."""
+    asked = Requirement(20, 0.09, 3.0, process="printed")
+    thick = candidate(asked.but(motor=motor))
+    assert casing(thick, motor).motor == MOTORS[motor]
+    assert thick.design.shaft.radius > MOTORS[motor].shaft + 2.0 * RULES.min_printed_wall
+
+
+def test_a_crank_too_thin_for_the_shaft_of_the_motor_is_the_cause_of_a_refusal() -> None:
+    asked = Requirement(20, 0.04, 0.5, motor="nema34")
+    assert first_drive(asked) is None
+    assert solve(asked)[1].limit == "no crank that fits is thick enough for the shaft of the motor nema34"
 
 
 def test_two_stages_are_named_for_a_larger_ratio() -> None:
@@ -557,6 +574,10 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema17"],
             "the crank needs 2 N m, but motors of this frame size typically deliver at most 0.45 N m",
+        ),
+        (
+            [*["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--motor", "nema17", "--output-rpm", "300"]],
+            "--motor nema17 delivers 0.2 N m up to 4775 rpm of the crank, but 6000 rpm are required",
         ),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema99"],

@@ -4,7 +4,7 @@ import math
 
 from cycloid_mj.base import names
 from cycloid_mj.design import fits, stock
-from cycloid_mj.parts import parts, sleeve_core_radius
+from cycloid_mj.parts import lay_out_parts, sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.casing import (
     bearing_width_of,
@@ -88,7 +88,7 @@ def press_fit(diameter: float, length: float) -> str:
 
 def output_pin_span(reducer: Reducer) -> tuple[float, float]:
     """Return the ends of an output pin [m], including its pressed-in lengths."""
-    output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
+    output, drawn = reducer.design.output, lay_out_parts(reducer)[names.OUTPUT].stretches[1]
     return drawn.z0 - output.disc_thickness * (output.support == "both_ends"), drawn.z1 + output.disc_thickness
 
 

@@ -36,7 +36,7 @@ def drive_mass(reducer: Reducer) -> float:
 def assembly_mass(reducer: Reducer, sizes: Casing) -> float:
     """Compute the mass of all solids of an assembly [kg], bearings filled by `BEARING_FILL`."""
     parts = assembly_parts(reducer, sizes)
-    mass = {name: filling(name) * mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in parts.items()}
+    mass = {name: filling(name) * part.mass(EXPORT_CHORD_ERROR) for name, part in parts.items()}
     return sum(mass[place.part] for place in place_parts(reducer, 0.0, sizes))
 
 
