@@ -1,13 +1,15 @@
-"""Use the designer's page as a new user does, by mouse and keyboard alone, and take a picture of each step.
+"""Use the designer's page as a new user does, and take a picture of each step.
 
     python scripts/app_walk.py [--drive printed] [--out docs/app] [--width 1400] [--scheme light]
 
 Needs Chromium. The steps: enter the requirements of a printed 15:1 actuator of 70 mm for 3 N m, or of a steel 39:1
 drive, and choose the motor; read a refusal with the largest possible torque and choose the first remedy; choose a
-drive; read its figures; download all files to build it.
+drive; read its figures; download all files to build it. All this is done by keyboard alone; the tour of the tabs that
+follows also uses the mouse.
 """
 
 import argparse
+import json
 import os
 import re
 import socket
@@ -31,8 +33,17 @@ REQUIREMENTS = {"printed": ("15", "70", "3"), "steel": ("39", "90", "20")}
 
 MOTORS = {"printed": "nema17", "steel": "nema23"}
 
+FORM_PROCESSES = ("printed", "milled", "steel")
+"""Processes in their order on the form; the first one is chosen."""
+
 MAX_REFUSALS = 3
 """Requirements that may be refused one after the other, each changed by its first remedy."""
+
+SEARCH_SECONDS = 1800.0
+"""Longest duration of a search [s]: alone, it takes less than a minute; next to other work, it has to wait."""
+
+MAX_TAB_PRESSES = 80
+"""Presses of the tab key to reach an element; the page has fewer elements that take the focus."""
 
 Shown = Callable[[str], None]
 
@@ -70,8 +81,21 @@ def _printed_address(server: "subprocess.Popen[bytes]", messages: IO[str]) -> st
     raise RuntimeError("the server did not start")
 
 
+def tab_to(page: Tab, selector: str, word: str = "") -> None:
+    """Press the tab key until an element that matches a CSS selector and contains a word has the focus.
+
+    Raise TimeoutError if it is not reached within `MAX_TAB_PRESSES`.
+    """
+    has_focus = f"(e => e.matches({json.dumps(selector)}) && e.textContent.includes({json.dumps(word)}))"
+    for _ in range(MAX_TAB_PRESSES):
+        if page.run(f"{has_focus}(document.activeElement)"):
+            return
+        page.key("Tab")
+    raise TimeoutError(f"{selector} {word}: not reached by the tab key")
+
+
 def walk(page: Tab, address: str, on_step: Shown, process: str = "printed") -> float:
-    """Design a drive on the page from the start form to its figures, as a user does; return the duration [s].
+    """Design a drive on the page by keyboard, from the start form to its figures; return the duration [s].
 
     `process` is a key of `REQUIREMENTS`; `on_step` is called with the name of each step that is reached.
     """
@@ -82,24 +106,31 @@ def walk(page: Tab, address: str, on_step: Shown, process: str = "printed") -> f
         if number:
             page.key("Tab")
         page.type(value)
-    page.click(".choice label", process.capitalize())
-    page.click("#start summary", "More")
-    page.run("document.querySelector('#start [name=motor]').focus()")
+    tab_to(page, "#start [name=process]")
+    for _ in range(FORM_PROCESSES.index(process)):
+        page.key("ArrowRight")
+    page.wait(f"document.querySelector('#start [name=process]:checked').value === '{process}'", "the process is chosen")
+    tab_to(page, "#start summary")
+    page.key("Enter")
+    tab_to(page, "#start [name=motor]")
     page.key("N")  # the first option that begins with it, NEMA 17
     for _ in range(MOTORS[process] == "nema23"):
         page.key("N")
     page.wait(f"document.querySelector('#start [name=motor]').value === '{MOTORS[process]}'", "the motor is chosen")
     on_step("1-asked")
-    page.click("#start [type=submit]")
+    tab_to(page, "#start [type=submit]")
+    page.key("Enter")
     for _ in range(MAX_REFUSALS):
-        page.wait("document.querySelector('.drives button, .way:not(.less)')", "drives, or remedies", 600.0)
+        page.wait("document.querySelector('.drives button, .way:not(.less)')", "drives, or remedies", SEARCH_SECONDS)
         if page.run("!!document.querySelector('.drives button')"):
             break
         on_step("2-refused")
-        page.click(".way:not(.less)")
-    page.wait("document.querySelector('.drives button')", "drives that meet the requirements", 600.0)
+        tab_to(page, ".way:not(.less)")
+        page.key("Enter")
+    page.wait("document.querySelector('.drives button')", "drives that meet the requirements", SEARCH_SECONDS)
     on_step("3-drives")
-    page.click(".drives .first button")
+    tab_to(page, ".drives .first button")
+    page.key("Enter")
     page.wait("!document.querySelector('#start').open", "the form closes")
     wait_for_result(page)
     on_step("4-designed")
@@ -107,11 +138,13 @@ def walk(page: Tab, address: str, on_step: Shown, process: str = "printed") -> f
 
 
 def download_drive(page: Tab, downloads: Path, on_step: Shown) -> Path:
-    """Download all files to build the drive from the tab Export, and return the path of the ZIP file."""
-    page.click("[role=tab]", "Export")
+    """Download all files to build the drive from the tab Export by keyboard, and return the path of the ZIP file."""
+    tab_to(page, "[role=tab]")
+    page.key("End")
     page.wait("document.querySelector('.bill')", "the bill of materials", 200.0)
     on_step("5-export")
-    page.click("#panel button", "All files to build it")
+    tab_to(page, "#panel button", "All files to build it")
+    page.key("Enter")
     for _ in range(6000):
         if ready := [*downloads.glob("*-drive.zip")]:
             return ready[0]

@@ -1,4 +1,7 @@
-"""The designer's page in a real browser: from what a drive is to do to the drive, by mouse and keyboard alone."""
+"""The designer's page in a real browser: from what a drive is to do to the files that build it.
+
+The fixture `page` and the download use the keyboard alone.
+"""
 
 import base64
 import re
@@ -69,6 +72,7 @@ def test_a_design_file_does_not_wait_for_a_study_which_stops_with_its_tab(page: 
         ".work({ kind: 'toml', design: {} }); return [job.files.length, performance.now() - began]; })()"
     )
     assert taken[0] == 1
+    assert page.run("!!document.querySelector('#panel progress')"), "the study still runs"
     page.click("[role=tab]", "Figures")
     page.click("[role=tab]", "Tolerances")
     page.wait("!document.querySelector('#panel progress')", "the study was stopped")
