@@ -13,10 +13,12 @@ from cycloid_mj.app import artifacts, drive, monte_carlo, part_stress, requireme
 from cycloid_mj.app.controls import controls, find_controls, key_in_words, value_in_words
 from cycloid_mj.app.drawing import section
 from cycloid_mj.app.limits import QUESTIONS
+from cycloid_mj.app.overview import overview as overview_of
 from cycloid_mj.app.state import apply_changes, changed_values, differences, parse_design
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.design import Design, presets_for
+from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.file import loads
+from cycloid_mj.design.layouts import supports
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import load_of
 
@@ -30,16 +32,27 @@ def draw(content: Content) -> dict[str, Any]:
 
 
 def open_design(content: Content) -> dict[str, Any]:
-    """Open a design from a ``preset`` or the ``text`` of a design file, and return its `view`."""
+    """Open a design from a ``preset`` or the ``text`` of a design file, and return its `view`.
+
+    A design that the page cannot draw has no view, but an `overview`: this is returned as ``{"overview": True}``.
+    """
+    design = _design_to_open(content)
+    return view(with_load(design), content) if supports(design.layout, "app") else {"overview": True}
+
+
+def overview(content: Content) -> dict[str, Any]:
+    """Return the figures of a design that the page cannot draw, from a ``preset`` or the ``text`` of a design file."""
+    return overview_of(_design_to_open(content))
+
+
+def _design_to_open(content: Content) -> Design:
+    """Return the design of a ``preset``, or of the ``text`` of a design file with a ``name``."""
     text, preset = content.get("text"), content.get("preset")
-    presets = presets_for("app")
-    if isinstance(preset, str) and preset in presets:
-        design = presets[preset]
-    elif isinstance(text, str):
-        design = loads(text, str(content.get("name", "the file"))[:80])
-    else:
-        raise UsageError(f"unknown preset {preset!r}: choose one of {', '.join(presets)}")
-    return view(with_load(design), content)
+    if isinstance(preset, str) and preset in PRESETS:
+        return PRESETS[preset]
+    if isinstance(text, str):
+        return loads(text, str(content.get("name", "the file"))[:80])
+    raise UsageError(f"unknown preset {preset!r}: choose one of {', '.join(PRESETS)}")
 
 
 def with_load(design: Design) -> Design:
@@ -163,6 +176,7 @@ SLOWER: Mapping[str, Callable[[Content], dict[str, Any]]] = {
     "error": error,
     "solid": shape,
     "build": build,
+    "overview": overview,
 }
 
 

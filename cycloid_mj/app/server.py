@@ -34,7 +34,7 @@ from cycloid_mj.app.summary import sentence_in_words
 from cycloid_mj.app.workers import Workers
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.result import to_json_values
-from cycloid_mj.design import PRESETS, Design, presets_for
+from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.sizing.process import COOLING, PROCESSES, ProcessLimits
 
@@ -147,7 +147,7 @@ def start_values(design: Design) -> dict[str, Any]:
     return {
         "design": changed_values(with_load(design)),
         "fresh": design == PRESETS["pin"],
-        "presets": list(presets_for("app")),
+        "presets": list(PRESETS),
         "processes": {name: process_defaults(limits) for name, limits in PROCESSES.items()},
         "materials": list(MATERIALS),
         "files": {kind: words for kind, (words, _) in FILES.items()},

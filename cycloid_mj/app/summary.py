@@ -127,7 +127,7 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
         "rows": [
             {
                 "name": name,
-                "value": _format_quantity(computed[key]),
+                "value": format_quantity(computed[key]),
                 "note": computed[key].note or figure(key).definition,
             }
             for key, name in NAMES.items()
@@ -318,6 +318,6 @@ def _name_pairs(listed: re.Match[str]) -> str:
     return " + ".join(key_in_words(f"clearance.{kind}_um").removeprefix(CLEARANCE) for kind in listed[0].split(" + "))
 
 
-def _format_quantity(quantity: Quantity) -> str:
+def format_quantity(quantity: Quantity) -> str:
     """Format a quantity with four digits and its unit."""
     return "-" if math.isnan(quantity.value) else f"{quantity.value:.4g} {quantity.unit}"

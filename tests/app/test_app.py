@@ -24,7 +24,18 @@ import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj.app import artifacts, monte_carlo, part_stress, requirement, solid, summary, turn
-from cycloid_mj.app.api import checks, compare, create_job, draw, forces, life, statics, with_load
+from cycloid_mj.app.api import (
+    checks,
+    compare,
+    create_job,
+    draw,
+    forces,
+    life,
+    open_design,
+    overview,
+    statics,
+    with_load,
+)
 from cycloid_mj.app.controls import controls, find_controls
 from cycloid_mj.app.drawing import PLACES, section
 from cycloid_mj.app.drive import BuildOptions, describe_drive, parse_options
@@ -37,10 +48,11 @@ from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.checks import check
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, dump, override, presets_for, value_of
+from cycloid_mj.design.layouts import SUPPORTED
 from cycloid_mj.figures import FIGURES, figure
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.parts import mass_properties, parts
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.robot import files as robot_files
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.requirement import required
@@ -554,6 +566,26 @@ def test_invalid_values_are_refused(values: dict[str, Any]) -> None:
 def test_malformed_questions_are_refused(content: dict[str, Any]) -> None:
     with pytest.raises(UsageError):
         draw(content)
+
+
+def test_an_rv_reducer_opens_as_an_overview() -> None:
+    for content in ({"preset": "rv80e"}, {"text": dump(PRESETS["rv80e"]), "name": "my.toml"}):
+        assert open_design(content) == {"overview": True}
+    assert "head" in open_design({"preset": "pin"})
+
+
+@pytest.mark.slow
+def test_the_overview_has_figures_checks_and_life_of_an_rv_reducer() -> None:
+    told = overview({"preset": "rv80e"})
+    assert told["title"] == "rv80e: RV reducer, 153:1"
+    assert "cannot draw" in told["words"]
+    assert {f"cycloid-mj {command}" for command in SUPPORTED["rv"]} == set(told["commands"])
+    reducer = reducer_of(PRESETS["rv80e"])
+    rows = {row["name"]: row["value"] for row in told["rows"]}
+    stiffness = figure("stiffness_nm_per_arcmin")
+    assert rows[stiffness.name] == f"{stiffness.value(reducer):.4g} N m/arcmin"
+    assert len(told["rating"]["items"]) > 5
+    assert told["checks"]["judgement"] in ("passed", "warning")
 
 
 def test_draw_returns_design_header_and_controls() -> None:

@@ -242,6 +242,10 @@ async function replace(question, content, asked) {
     toast(error.message);
     return false;
   }
+  if (data.overview) {
+    start.overview(content);
+    return false;
+  }
   state.asked = { ...asked };
   another();
   show(data);

@@ -1,6 +1,6 @@
 // Charts as SVG, drawn at the width that they have, each with its values as a table. All numbers come from the server.
 
-import { el, svg, number, fill } from "./dom.js";
+import { el, svg, number, fill, JUDGED } from "./dom.js";
 
 const QUARTERS = [0, 90, 180, 270, 360];
 const RATIO = 0.41, MAX_HEIGHT = 320; // height over width of a chart, and its limit [px]
@@ -115,3 +115,6 @@ export const bars = items => el("div", { class: "lying" }, items.map(one => {
   const name = one.title ? el("details", { class: "what" }, el("summary", {}, one.name), el("p", { class: "soft" }, one.title)) : el("span", { class: "what" }, one.name);
   return el("div", { class: "row" }, name, el("span", { class: "track" }, fill, one.mark ? el("i", { class: "limit" }) : null), el("b", { class: one.look || null }, one.text));
 }));
+
+// Bars of judged rows: judgement and length of each bar come from the server.
+export const judgedBars = (rows, line) => bars(rows.map(row => ({ name: row.name, share: row.share, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look, mark: line, title: row.title })));

@@ -1,7 +1,8 @@
 // The start form: the requirements of a drive. The answer is up to three drives, or the largest feasible torque and alternatives as buttons.
 
-import { work, stop } from "./net.js";
+import { ask, work, stop } from "./net.js";
 import { el, number, fill, refill, announce, JUDGED } from "./dom.js";
+import { judgedBars } from "./charts.js";
 
 const FIELDS = [
   ["ratio", "Ratio", ": 1", 15, { min: 3, max: 150, step: 1 }, "Input turns per output turn"],
@@ -94,6 +95,7 @@ export class Start {
   #instead(asked) {
     asked = { ...asked, motor: this.form.elements.motor.value };
     this.#build({ ...asked, material: asked.material || "" });
+    this.form.querySelector("[type=submit]").focus(); // the button of the alternative is gone
     this.#find(Object.fromEntries(Object.entries({ ...asked, motor: asked.motor || "auto" }).filter(([, value]) => value !== null && value !== "")));
   }
 
@@ -164,6 +166,31 @@ export class Start {
         answer.ways.map(way => el("button", { type: "button", class: "way", onclick: () => this.#instead(way.asked) }, el("b", {}, way.words), el("small", {}, this.#also(way.asked)))),
         answer.most ? el("button", { type: "button", class: "way less", onclick: () => this.#instead({ ...answer.asked, torque_nm: answer.most }) }, el("b", {}, most), el("small", {}, "the same requirements with less torque")) : null,
         !answer.ways.length && done && !answer.most ? el("p", { class: "soft" }, "No alternative was found. Try a larger diameter, a smaller torque or another process.") : null));
+  }
+
+  // A design that the page cannot draw: its figures, and the commands that support it.
+  async overview(content) {
+    if (!this.dialog.open) this.open({});
+    this.#stop();
+    fill(this.answer, el("div", { class: "busy" }, el("span", { class: "spinner", "aria-hidden": "true" }), "computing the figures"));
+    this.answer.scrollIntoView({ block: "nearest" });
+    let data;
+    try {
+      data = await ask("overview", content);
+    } catch (error) {
+      fill(this.answer, el("p", { class: "refusal fails" }, el("b", {}, `${JUDGED.failed.mark} `), error.message));
+      return;
+    }
+    const { mark, look } = JUDGED[data.checks.judgement], title = el("h3", { tabindex: "-1" }, data.title);
+    fill(this.answer, title, el("p", {}, data.words, " These commands support it:"),
+      el("p", {}, data.commands.map((command, at) => [at ? ", " : "", el("code", {}, command)])),
+      el("h4", { class: look }, `${mark} ${data.checks.words}`), el("ul", {}, data.checks.failed.map(why => el("li", {}, why))),
+      el("h4", {}, "Figures"), el("p", { class: "soft" }, `Static equilibrium at ${data.condition}.`),
+      el("table", { class: "figures" }, el("tbody", {}, data.rows.map(row => el("tr", {}, el("th", { scope: "row" }, el("details", {}, el("summary", {}, row.name), el("p", { class: "soft" }, row.note))), el("td", {}, row.value))))),
+      el("h4", {}, "Life"), el("p", { class: "soft" }, `At ${data.rating.condition}; required life ${number(data.rating.required_h)} h.`), judgedBars(data.rating.items, true));
+    title.focus();
+    title.scrollIntoView({ block: "start" });
+    announce(data.title);
   }
 
   #also(asked) {

@@ -2,14 +2,11 @@
 
 import { ask, newest, work, stop, download } from "./net.js";
 import { el, number, toast, refill, announce, JUDGED } from "./dom.js";
-import { lines, spikes, histogram, bars } from "./charts.js";
+import { lines, spikes, histogram, bars, judgedBars } from "./charts.js";
 import { Solid } from "./solid.js";
 
 const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Export" };
 const STUDIES = ["scatter", "stress"]; // tabs whose results stay until they are computed again
-
-// Bars of judged rows: judgement and length of each bar come from the server.
-const judgedBars = (rows, line) => bars(rows.map(row => ({ name: row.name, share: row.share, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look, mark: line, title: row.title })));
 
 export class Tabs {
   constructor(place, state, apply) {
