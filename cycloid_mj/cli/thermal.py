@@ -1,20 +1,36 @@
 """``cycloid-mj thermal``: steady temperatures, warm-up and thermal limits of a drive."""
 
+from dataclasses import replace
 from functools import partial
 from math import isinf
 from typing import TYPE_CHECKING, Annotated
 
+from cyclopts import Parameter
+
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
 from cycloid_mj.cli.duty import DutyFlag, LoadFlag, SpeedFlag, duty_cycle
 from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions
 
 if TYPE_CHECKING:
-    from cycloid_mj.life.thermal import ThermalState
+    from cycloid_mj.life.thermal_state import ThermalState
+
+MIN_CYCLE, MAX_CYCLE = 0.1, 1440.0
+"""Smallest and largest duration of a duty cycle [min]; shorter cycles heat as their mean."""
+
+CycleFlag = Annotated[
+    float | None,
+    Parameter(
+        help="Duration of one cycle of --duty [min], 0.1 to 1440. Its points follow in the order of the file. Default: "
+        "10, as of intermittent duty (S3, IEC 60034-1)."
+    ),
+]
 
 EXAMPLES = """Examples:
   cycloid-mj thermal pin
   cycloid-mj thermal my.toml --load-nm 20 --speed-rpm 1000 --json
+  cycloid-mj thermal my.toml --duty duty.csv --cycle-min 5 --html
   cycloid-mj thermal my.toml --duty duty.csv --set service.ambient_temperature_c=40 --html"""
 
 
@@ -24,6 +40,7 @@ def thermal(
     load_nm: LoadFlag = None,
     speed_rpm: SpeedFlag = None,
     duty: DutyFlag = None,
+    cycle_min: CycleFlag = None,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Compute temperatures, warm-up and thermal limits of a drive.
@@ -32,7 +49,9 @@ def thermal(
     the clearances, and these the losses, until all agree. Conductances follow from line contacts, grease gaps, bearings
     and clamped faces; the housing cools by service.film_coefficient_w_m2_k (0: convection and radiation by
     ISO/TR 14179-2). [thermal] sets grease, gaps and joints. A disc warmer than its ring closes the clearance of the
-    teeth: the difference at which it jams is printed next to the computed one. --json: temperatures_c,
+    teeth: the difference at which it jams is printed next to the computed one. The warm-up starts at the temperature of
+    the air; --duty repeats its points in cycles. Torque limits by duty are for a drive that rests for the remaining
+    time of a cycle. --json: temperatures_c,
     jam_difference_k, losses_w, thermal_torque_nm, time_constant_s; a limit that is never reached is
     null. The exit code is 0 even if the parts jam.
     """
@@ -40,6 +59,14 @@ def thermal(
 
     design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
+    if cycle_min is not None:
+        if not MIN_CYCLE <= cycle_min <= MAX_CYCLE:
+            raise UsageError(
+                f"--cycle-min {cycle_min:g} is not allowed: it must be {MIN_CYCLE:g} to {MAX_CYCLE:g} minutes"
+            )
+        if not duty:
+            raise UsageError("--cycle-min needs a duty cycle: add --duty, or remove --cycle-min")
+        cycle = replace(cycle, period=60.0 * cycle_min)
     destination = claim_destination(delivery, f"{design.name}-thermal")
     return deliver(_outcome(compute(design, cycle), destination), destination, delivery)
 

@@ -68,6 +68,8 @@ class Loading:
         Torque, speed and share of the time.
     reducer, springs
         The reducer at that speed, and its contact springs at the crank angles.
+    contacts
+        Contact forces and displacements.
     crank
         Crank angles [rad], shape (m,).
     cam
@@ -98,6 +100,7 @@ class Loading:
     point: DutyPoint
     reducer: Reducer
     springs: Springs
+    contacts: Loads
     crank: Array
     cam: Array
     shaft: Array
@@ -175,6 +178,7 @@ def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES,
         point=point,
         reducer=turning_reducer,
         springs=springs,
+        contacts=contact_loads,
         crank=springs.crank,
         cam=magnitudes(cam),
         shaft=forces,

@@ -3,15 +3,10 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
-from cycloid_mj.base.frame import Frame
-from cycloid_mj.base.notebook_display import Presented
-from cycloid_mj.base.result import Curve, Quantity, Table, quantity_frame, to_json_values
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED
@@ -20,7 +15,9 @@ from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty
 from cycloid_mj.life.heat import heat_limits, mean_losses
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import POSES, Loading, solve_loading
-from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node
+from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
+from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node, heat_capacities
+from cycloid_mj.life.thermal_state import ThermalState
 from cycloid_mj.reducer import Reducer
 
 
@@ -41,8 +38,12 @@ class ThermalSettings:
     solved, corrections, resolution
         Up to this multiple a limit is corrected by the steady state there, so many times at most, or until it changes
         by no more than the relative resolution.
-    samples
-        Times of the warm-up, over four of the slowest time constant.
+    samples, time_constants
+        Steps of the warm-up, and its duration over the slowest time constant.
+    duty_shares
+        Shares of the time of intermittent duties (S3) whose torque limit is reported: those of IEC 60034-1.
+    light_load
+        Load over that of the duty which, with the duty's own, determines how losses grow with the torque.
     """
 
     tolerance: float = 0.05
@@ -52,156 +53,13 @@ class ThermalSettings:
     solved: float = 1.5
     corrections: int = 5
     resolution: float = 0.01
-    samples: int = 121
+    samples: int = 120
+    time_constants: float = 4.0
+    duty_shares: tuple[float, ...] = (0.15, 0.25, 0.4, 0.6, 1.0)
+    light_load: float = 0.25
 
 
 SETTINGS = ThermalSettings()
-
-
-@dataclass(frozen=True, eq=False)
-class ThermalState(Presented):
-    """Temperatures of a drive under a duty, and the limits by heat.
-
-    Attributes
-    ----------
-    design, condition
-        Name of the design, and torque, speed and surroundings.
-    temperatures
-        Steady temperature of each part [°C].
-    losses
-        Mean power lost by source [W].
-    heat
-        Power that heats each part [W].
-    network
-        Conductances and heat capacities.
-    difference, jam_difference
-        Disc over ring, and the difference that closes the clearance of the teeth [K].
-    clearances, play
-        Clearance of each mating pair, and radial play of the teeth, at these temperatures [m].
-    torque, speed
-        Largest output torque [N m] and crank speed [rad/s] that no limit forbids, the other being that of the duty;
-        inf if none does within `ThermalSettings.largest` times the duty's.
-    limited_by
-        Limit of that torque, in words.
-    times, warm_up
-        Times [s] and temperature of each part [°C] after a start from the temperature of the air.
-    converged
-        Whether losses and temperatures agree; false if the parts jam on the way.
-    assumptions
-        Assumptions, a sentence each.
-    """
-
-    design: str
-    condition: str
-    temperatures: Mapping[str, float]
-    losses: Mapping[str, float]
-    heat: Mapping[str, float]
-    network: Network
-    difference: float
-    jam_difference: float
-    clearances: Mapping[str, float]
-    play: float
-    torque: float
-    speed: float
-    limited_by: str
-    times: Array
-    warm_up: Mapping[str, Array]
-    converged: bool
-    assumptions: tuple[str, ...]
-
-    @property
-    def jams(self) -> bool:
-        """True if a clearance is lost in the steady state."""
-        return self.play <= 0.0 or min(self.clearances.values()) <= 0.0
-
-    @property
-    def quantities(self) -> dict[str, Quantity]:
-        """Return temperatures, differences, losses and thermal limits by key."""
-        rows = [
-            *(
-                Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")
-                for part, value in self.temperatures.items()
-            ),
-            Quantity("difference_k", "disc warmer than ring", self.difference, "K"),
-            Quantity("jam_difference_k", "difference that closes the teeth", self.jam_difference, "K"),
-            Quantity("tooth_play_um", "radial play of the teeth, warm", 1e6 * self.play, "um"),
-            Quantity("loss_w", "power lost", sum(self.losses.values()), "W"),
-            Quantity("thermal_torque_nm", f"thermal torque limit: {self.limited_by}", self.torque, "N m"),
-            Quantity("thermal_speed_rpm", "thermal speed limit at the duty's torque", self.speed / RPM, "rpm"),
-            Quantity("time_constant_s", "slowest time constant", self.network.time_constant, "s"),
-        ]
-        return {row.key: row for row in rows}
-
-    @property
-    def frame(self) -> Frame:
-        """The quantities, one per row."""
-        return quantity_frame(self.quantities)
-
-    @property
-    def line(self) -> str:
-        """Design, condition and temperatures."""
-        return f"{self.design}, {self.condition}; " + ", ".join(f"{k} {v:.3g} °C" for k, v in self.temperatures.items())
-
-    @property
-    def curves(self) -> tuple[Curve, ...]:
-        """Return the temperature of each part over time in the warm-up."""
-        title = "Warm-up from the temperature of the air"
-        return tuple(
-            Curve(title, part, self.times / 60.0, values, "time [min]", "temperature [°C]")
-            for part, values in self.warm_up.items()
-        )
-
-    def tables(self) -> tuple[Table, ...]:
-        """Return four tables: parts, losses, warm clearances and conductances."""
-        parts = tuple(
-            (part, value, self.heat[part], self.network.capacities[part]) for part, value in self.temperatures.items()
-        )
-        return (
-            Table("Parts", ("part", "temperature [°C]", "heat [W]", "heat capacity [J/K]"), parts),
-            Table("Losses", ("source", "power [W]"), tuple(self.losses.items())),
-            Table(
-                "Warm clearances",
-                ("pair", "clearance [um]"),
-                tuple((pair.replace("_", " "), 1e6 * value) for pair, value in self.clearances.items()),
-            ),
-            Table(
-                "Conductances",
-                ("between", "[W/K]", "source"),
-                tuple((f"{item.first} - {item.second}", item.value, item.source) for item in self.network.conductances),
-                words=(2,),
-            ),
-        )
-
-    def as_json(self) -> dict[str, Any]:
-        """Convert the state to JSON values; infinite limits become None."""
-        return dict(
-            to_json_values(
-                {
-                    "design": self.design,
-                    "condition": self.condition,
-                    "temperatures_c": dict(self.temperatures),
-                    "difference_k": self.difference,
-                    "jam_difference_k": self.jam_difference,
-                    "jams": self.jams,
-                    "clearances_um": {pair: 1e6 * value for pair, value in self.clearances.items()},
-                    "tooth_play_um": 1e6 * self.play,
-                    "losses_w": dict(self.losses),
-                    "heat_w": dict(self.heat),
-                    "thermal_torque_nm": self.torque,
-                    "thermal_speed_rpm": self.speed / RPM,
-                    "limited_by": self.limited_by,
-                    "time_constant_s": self.network.time_constant,
-                    "warm_up": {
-                        "time_s": self.times.tolist(),
-                        **{f"{part}_c": values.tolist() for part, values in self.warm_up.items()},
-                    },
-                    "conductances_w_k": [vars(item) for item in self.network.conductances],
-                    "heat_capacities_j_k": dict(self.network.capacities),
-                    "converged": self.converged,
-                    "assumptions": list(self.assumptions),
-                }
-            )
-        )
 
 
 def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings = SETTINGS) -> ThermalState:
@@ -244,7 +102,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
     )
     ambient = reducer.design.service.ambient_temperature
-    times = np.linspace(0.0, 4.0 * steady_state.network.time_constant, settings.samples)
+    course = _solve_warm_up(reducer, duty, steady_state, settings)
     return ThermalState(
         design=reducer.design.name,
         condition=f"{duty.words}, ambient {ambient:g} °C",
@@ -259,34 +117,65 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         torque=by_torque * max(abs(point.torque) for point in points),
         speed=by_speed * max(point.speed for point in points),
         limited_by=limited_by,
-        times=times,
-        warm_up={part: ambient + rise for part, rise in steady_state.network.warm_up(heat, times).items()},
+        duty_torques=_torques_by_duty(reducer, points, by_torque, steady_state, settings),
+        times=course.times,
+        warm_up={part: ambient + rise for part, rise in course.rises.items()},
+        peaks={part: ambient + course.peak(part) for part in HEATED},
+        largest_difference=float(np.max(course.rises["disc"] - course.rises["ring"])),
         converged=steady_state.converged,
-        assumptions=tuple(_assumptions(steady_state)),
+        assumptions=tuple(_assumptions(reducer, steady_state)),
     )
 
 
 @dataclass(frozen=True)
 class _Steady:
-    """Temperatures [°C], losses by source [W] and network of a steady state, and whether they agree."""
+    """Temperatures, losses and network of a steady state.
+
+    Attributes
+    ----------
+    temperatures
+        Temperature of each part [°C].
+    losses
+        Mean losses of the duty by source [W].
+    network
+        Conductances, and heat capacities of the parts at 20 °C.
+    converged
+        Whether losses and temperatures agree.
+    cold, warm
+        Losses by source while the drive is at each point of the duty [W], at 20 °C and at the temperatures of `losses`.
+    warm_temperature
+        Temperature of the disc of `warm` [°C].
+    """
 
     temperatures: dict[str, float]
     losses: dict[str, float]
     network: Network
     converged: bool
+    cold: tuple[dict[str, float], ...]
+    warm: tuple[dict[str, float], ...]
+    warm_temperature: float
 
 
-def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
-    """Solve losses and temperatures that agree with each other, by successive substitution from the air's temperature.
+def _solve_steady_state(
+    reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings, start: _Steady | None = None
+) -> _Steady:
+    """Solve losses and temperatures that agree with each other, by successive substitution.
 
+    It begins at the temperature of the air, or at the temperatures of a converged state `start` of a similar duty.
     Losses and conductances are those of the warm clearances. If the parts jam at the temperatures of a round, the
     losses of the round before it remain, and the state is not converged.
     """
     ambient = reducer.design.service.ambient_temperature
-    temperatures = dict.fromkeys(HEATED, ambient)
-    warm, has_converged = reducer, False
+    temperatures, capacities = dict.fromkeys(HEATED, ambient), start.network.capacities if start else None
+    warm, has_converged, cold = reducer, False, None
+    if start and start.converged:
+        temperatures = start.temperatures
+        warm = Reducer(_at(reducer.design, temperatures))
+    capacities = capacities or heat_capacities(reducer)
     for _ in range(settings.rounds):
-        losses, network = _solve_losses(warm, points, temperatures["housing"])
+        by_point, network = _solve_losses(warm, points, temperatures["housing"], capacities)
+        losses, cold = _mean(points, by_point), cold or by_point
+        warm_temperature = warm.design.thermal.disc
         rises = network.rises(heat_by_node(reducer, losses))
         previous, temperatures = temperatures, {part: ambient + rise for part, rise in rises.items()}
         if max(abs(temperatures[part] - previous[part]) for part in HEATED) < settings.tolerance:
@@ -297,14 +186,67 @@ def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings:
         if jams or max(temperatures.values()) > settings.hottest:
             break
         warm = Reducer(hot_design)
-    return _Steady(temperatures, losses, network, has_converged)
+    return _Steady(temperatures, losses, network, has_converged, cold or by_point, by_point, warm_temperature)
 
 
-def _solve_losses(reducer: Reducer, points: Sequence[DutyPoint], wall: float) -> tuple[dict[str, float], Network]:
-    """Return the mean losses of a duty by source [W], and the network under its largest torque."""
-    loadings = [solve_loading(reducer, point, POSES, with_wind_up=False) for point in points]
+def _solve_losses(
+    reducer: Reducer, points: Sequence[DutyPoint], wall: float, capacities: Mapping[str, float]
+) -> tuple[tuple[dict[str, float], ...], Network]:
+    """Return the losses by source at each point of a duty [W], and the network under its largest torque."""
+    loadings = [solve_loading(reducer, replace(point, share=1.0), POSES, with_wind_up=False) for point in points]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    return mean_losses(reducer, loadings), build_network(reducer, worst, wall)
+    by_point = tuple(mean_losses(reducer, [loading]) for loading in loadings)
+    return by_point, build_network(reducer, worst, wall, capacities)
+
+
+def _mean(points: Sequence[DutyPoint], by_point: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the mean losses of a duty by source [W] from those at each of its points."""
+    return {
+        source: sum(point.share * losses[source] for point, losses in zip(points, by_point, strict=True))
+        for source in by_point[0]
+    }
+
+
+def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings: ThermalSettings) -> TemperatureCourse:
+    """Solve the temperatures over time from a start at the temperature of the air.
+
+    The losses of each point of the duty change linearly with the temperature of the disc, between their values at 20 °C
+    and in the steady state.
+    """
+    design = reducer.design
+    duration = settings.time_constants * steady_state.network.time_constant
+    cycle = duty.period if len(duty.points) > 1 else duration
+    reference = design.thermal.disc
+    span = steady_state.warm_temperature - reference
+    states = iter(zip(steady_state.cold, steady_state.warm, strict=True))
+    heating = []
+    for point in duty.points:
+        cold, warm = (heat_by_node(reducer, losses) for losses in (next(states) if point.speed else ({}, {})))
+        slope = {node: (warm[node] - heat) / span if span else 0.0 for node, heat in cold.items()}
+        heating.append(HeatingPoint(point.share * cycle, cold, slope))
+    heating = [point for point in heating if point.duration > 0.0]
+    reference_rise = reference - design.service.ambient_temperature
+    return solve_course(steady_state.network, heating, "disc", reference_rise, duration, settings.samples)
+
+
+def _torques_by_duty(
+    reducer: Reducer, points: Sequence[DutyPoint], factor: float, steady_state: _Steady, settings: ThermalSettings
+) -> dict[float, float]:
+    """Compute the torque limit by the share of the time that the drive runs, resting for the remaining time [N m].
+
+    The mean losses are those at the limit of the duty, `factor` times its torques; losses are linear in the torque.
+    """
+    largest, warm = max(abs(point.torque) for point in points), reducer
+    if steady_state.converged:
+        warm = Reducer(_at(reducer.design, steady_state.temperatures))
+    light = [replace(point, torque=settings.light_load * point.torque) for point in points]
+    by_point, _ = _solve_losses(warm, light, steady_state.temperatures["housing"], steady_state.network.capacities)
+    running = sum(point.share for point in points)
+    loaded = steady_state.warm if steady_state.converged else steady_state.cold
+    full, least = (sum(_mean(points, losses).values()) / running for losses in (loaded, by_point))
+    growth = (full - least) / (1.0 - settings.light_load)
+    allowed = running * (full + growth * (factor - 1.0))
+    return {share: max(0.0, 1.0 + (allowed / share - full) / growth) * largest for share in settings.duty_shares}
 
 
 def _at(design: Design, temperatures: Mapping[str, float]) -> Design:
@@ -345,7 +287,7 @@ def _largest_duty_factor(
             break
         try:
             correction, limit_text = _largest_loss_factor(
-                reducer, _solve_steady_state(reducer, scale_duty(duty_factor), settings), settings
+                reducer, _solve_steady_state(reducer, scale_duty(duty_factor), settings, steady_state), settings
             )
         except RunError:
             break
@@ -378,13 +320,25 @@ def _largest_loss_factor(reducer: Reducer, steady_state: _Steady, settings: Ther
     return share, tightest_margin(share)[1]
 
 
-def _assumptions(steady: _Steady) -> Iterator[str]:
+def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
     """Yield the assumptions of a steady state, a sentence each."""
-    yield "friction: the coefficients of the design at any temperature; bearings by mu F d/2"
+    yield _friction_text(reducer)
     yield "half of each loss heats each of the two parts that meet; motor and driven machine take no heat"
     yield "conductances of bearings assume 14 rollers, a third of them loaded; conductivities by the kind of material"
-    if not steady.converged:
+    yield "losses change linearly with the temperature of the disc during the warm-up, and with the torque by duty"
+    if not steady_state.converged:
         yield "the parts jam at these temperatures: the losses are those before the clearance is lost"
+
+
+def _friction_text(reducer: Reducer) -> str:
+    """Describe the friction of contacts and bearings in a sentence."""
+    design = reducer.design
+    if not design.has_film:
+        return "friction: the coefficients of the design at any temperature; bearings by mu F d/2"
+    return (
+        f"friction: film of {design.friction.lubricant} at the temperature of the parts in contact; bearings of shaft "
+        "and output by mu F d/2"
+    )
 
 
 def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
@@ -393,7 +347,7 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
     Losses and conductances are those at 20 °C, without the fixed point of `thermal`.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    network = build_network(reducer, worst, reducer.design.service.ambient_temperature, without_capacities=True)
+    network = build_network(reducer, worst, reducer.design.service.ambient_temperature)
     rises = network.rises(heat_by_node(reducer, mean_losses(reducer, loadings)))
     difference, limit = rises["disc"] - rises["ring"], jam_difference(reducer.design)
     yield RatedItem(

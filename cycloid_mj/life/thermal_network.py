@@ -28,7 +28,6 @@ from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import drive_mass, has_casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import loads
 from cycloid_mj.statics.balance import Loads
 
 NODE_OF_BODY = {"shaft": "crank", "disc": "disc", "output": "output", "housing": "housing"}
@@ -150,23 +149,6 @@ class Network:
         root = np.sqrt(np.outer(capacity, capacity))
         return float(1.0 / np.linalg.eigvalsh(self.matrix / root)[0])
 
-    def warm_up(self, powers: Mapping[str, float], times: Array) -> dict[str, Array]:
-        """Solve the temperature rises over time [K], shape (m,) by node, by the matrix exponential.
-
-        The start is the temperature of the air; `powers` heat the nodes [W]; `times` are evenly spaced from 0 [s],
-        shape (m,).
-        """
-        from scipy.linalg import expm
-
-        capacity = np.array(list(self.capacities.values()))
-        decay = expm(-(self.matrix / capacity[:, np.newaxis]) * (times[1] - times[0]))
-        steady_rise = np.linalg.solve(self.matrix, self._vector(powers))
-        remaining, rises = steady_rise, [np.zeros_like(steady_rise)]
-        for _ in times[1:]:
-            remaining = decay @ remaining
-            rises.append(steady_rise - remaining)
-        return dict(zip(self.capacities, np.array(rises).T, strict=True))
-
     def _vector(self, powers: Mapping[str, float]) -> Array:
         """Return the heat put into each node as a vector [W], shape (n,)."""
         return np.array([powers.get(name, 0.0) for name in self.capacities])
@@ -184,22 +166,20 @@ def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, flo
 
 
 def build_network(
-    reducer: Reducer, loading: Loading, wall_temperature: float, *, without_capacities: bool = False
+    reducer: Reducer, loading: Loading, wall_temperature: float, capacities: Mapping[str, float] | None = None
 ) -> Network:
     """Build the thermal network of a drive under the loads of a point of its duty.
 
-    `wall_temperature` is that of the housing [°C]. A network `without_capacities` is for `Network.rises` only: all are
-    1 J/K, as those of the solids take 0.1 s of CPU.
+    `wall_temperature` is that of the housing [°C]. Without the `heat_capacities` of the nodes, which take 0.1 s of CPU,
+    all are 1 J/K: such a network is for `Network.rises` only.
     """
-    torque = math.copysign(abs(loading.point.torque), loading.reducer.design.drive.speed)
-    contact_loads = loads(loading.reducer, loading.springs, torque)
     links = (
-        *_contact_links(reducer, contact_loads),
+        *_contact_links(reducer, loading.contacts),
         *_bearing_links(reducer, loading),
         *_face_links(reducer.design),
         *_housing_links(reducer, wall_temperature),
     )
-    return Network(tuple(links), dict.fromkeys(HEATED, 1.0) if without_capacities else _heat_capacities(reducer))
+    return Network(tuple(links), capacities or dict.fromkeys(HEATED, 1.0))
 
 
 def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductance]:
@@ -303,7 +283,7 @@ def _housing_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conduc
     )
 
 
-def _heat_capacities(reducer: Reducer) -> dict[str, float]:
+def heat_capacities(reducer: Reducer) -> dict[str, float]:
     """Compute the heat capacity of each node [J/K], mass times specific heat; the covers make up the rest of the mass.
 
     Without covers the housing is a thin shell with a hundredth of the capacity of the others.

@@ -30,7 +30,7 @@ from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.life.accuracy_life import WearLife
 from cycloid_mj.life.datasheet import Datasheet
 from cycloid_mj.life.item import Rating
-from cycloid_mj.life.thermal import ThermalState
+from cycloid_mj.life.thermal_state import ThermalState
 from cycloid_mj.measure import Measurement
 from cycloid_mj.parts.export import Export
 from cycloid_mj.plots import figures

@@ -15,6 +15,7 @@ from cycloid_mj.life import datasheet
 from cycloid_mj.life.duty import Duty, DutyPoint
 from cycloid_mj.life.heat import cooling_area, still_air_coefficient
 from cycloid_mj.life.thermal import conductance_between, thermal
+from cycloid_mj.life.thermal_course import HeatingPoint, solve_course
 from cycloid_mj.life.thermal_network import Conductance, Network, line_contact_conductance
 from cycloid_mj.reducer import Reducer
 
@@ -60,9 +61,25 @@ def test_a_network_of_two_nodes_matches_a_hand_solution() -> None:
 
 def test_the_warm_up_ends_in_the_steady_state_and_starts_by_the_heat_capacity() -> None:
     network = Network((Conductance("a", "ambient", 0.2, ""),), {"a": 50.0})
-    times = np.linspace(0.0, 2500.0, 251)
-    rise = network.warm_up({"a": 4.0}, times)["a"]
-    assert np.allclose(rise, 20.0 * (1.0 - np.exp(-times / 250.0)), atol=1e-9)
+    course = solve_course(network, [HeatingPoint(2500.0, {"a": 4.0}, {})], "a", 0.0, 2500.0, 250)
+    assert course.times == pytest.approx(np.linspace(0.0, 2500.0, 251))
+    assert np.allclose(course.rises["a"], 20.0 * (1.0 - np.exp(-course.times / 250.0)), atol=1e-9)
+
+
+def test_a_duty_ends_in_the_periodic_state_of_the_closed_form() -> None:
+    """On for 40 s of each 100 s at 20 K and 250 s: the peak is 20 (1 - e^(-40/250))/(1 - e^(-100/250))."""
+    network = Network((Conductance("a", "ambient", 0.2, ""),), {"a": 50.0})
+    points = [HeatingPoint(40.0, {"a": 4.0}, {}), HeatingPoint(60.0, {}, {})]
+    course = solve_course(network, points, "a", 0.0, 5000.0, 500)
+    assert course.times[-1] == pytest.approx(5000.0)
+    assert course.peak("a") == pytest.approx(20.0 * (1.0 - math.exp(-0.16)) / (1.0 - math.exp(-0.4)), rel=1e-6)
+
+
+def test_losses_that_fall_with_temperature_settle_at_their_balance() -> None:
+    """6 W at 10 K less 0.1 W/K beyond, against 0.2 W/K: (6 + 1)/0.3 K, with the time constant 50/0.3 s."""
+    network = Network((Conductance("a", "ambient", 0.2, ""),), {"a": 50.0})
+    course = solve_course(network, [HeatingPoint(3000.0, {"a": 6.0}, {"a": -0.1})], "a", 10.0, 3000.0, 60)
+    assert np.allclose(course.rises["a"], 7.0 / 0.3 * (1.0 - np.exp(-course.times * 0.3 / 50.0)), atol=1e-9)
 
 
 @pytest.mark.parametrize("name", presets_for("thermal"))
@@ -118,6 +135,19 @@ def test_a_duty_heats_by_its_mean_losses() -> None:
     assert sum(half.losses.values()) == pytest.approx(0.5 * sum(full.losses.values()), rel=0.05)
 
 
+def test_temperatures_follow_the_points_of_a_duty() -> None:
+    drive = PRESETS["printed"].drive
+    points = DutyPoint(10.0, drive.speed, 0.3), DutyPoint(0.0, 0.0, 0.7)
+    state = thermal("printed", Duty(points, 20.0, period=1800.0))
+    assert state.times[-1] >= 4.0 * state.network.time_constant
+    assert state.peaks["disc"] > state.temperatures["disc"] + 1.0, "a cycle of half an hour is not short"
+    last = state.times > state.times[-1] - 1800.0
+    assert np.mean(state.warm_up["disc"][last]) == pytest.approx(state.temperatures["disc"], abs=2.0)
+    torques = list(state.duty_torques.values())
+    assert torques == sorted(torques, reverse=True)
+    assert state.duty_torques[1.0] < state.torque, "30 % of the time allow more than all of it"
+
+
 def test_computed_film_replaces_the_coefficient_of_the_design() -> None:
     state = thermal(override(PRESETS["printed"], ["service.film_coefficient_w_m2_k=0"]))
     (air,) = [one for one in state.network.conductances if one.second == "ambient"]
@@ -134,12 +164,16 @@ def test_the_command_prints_the_keys_of_the_issue() -> None:
     assert result["time_constant_s"] > 0.0
     assert sum(result["losses_w"].values()) == pytest.approx(sum(result["heat_w"].values()))
     assert result["tooth_play_um"] < 0.0
+    assert [row["share"] for row in result["thermal_torque_by_duty"]] == [0.15, 0.25, 0.4, 0.6, 1.0]
+    assert result["thermal_torque_by_duty"][-1]["torque_nm"] == pytest.approx(result["thermal_torque_nm"], rel=1e-6)
+    assert result["largest_difference_k"] >= result["difference_k"] - 0.1
 
 
 def test_wrong_loads_are_usage_errors() -> None:
-    code, _, err = told("thermal", "pin", "--load-nm", "0")
-    assert code == 2
-    assert "--load-nm 0 is not allowed" in err
+    for flag in ("--load-nm", "--cycle-min"):
+        code, _, err = told("thermal", "pin", flag, "0")
+        assert code == 2
+        assert f"{flag} 0 is not allowed" in err
 
 
 def test_materials_of_the_library_have_a_kind() -> None:

@@ -1,0 +1,104 @@
+"""Temperatures of a drive over time under the points of a duty cycle, from a cold start to a periodic state."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.life.thermal_network import Network
+
+
+@dataclass(frozen=True)
+class HeatingPoint:
+    """Heat of a point of a duty cycle, linear in the temperature rise of one node.
+
+    Attributes
+    ----------
+    duration
+        Time at this point in each cycle [s].
+    heat
+        Heat put into each node at the reference rise [W].
+    slope
+        Change of this heat per kelvin of the controlling node [W/K]: viscosity and clearances change with temperature.
+    """
+
+    duration: float
+    heat: Mapping[str, float]
+    slope: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class TemperatureCourse:
+    """Temperature rises over the air during the warm-up.
+
+    Attributes
+    ----------
+    times
+        Times [s], shape (m,).
+    rises
+        Rise of each node [K], shape (m,).
+    last_cycle
+        Index of the first time of the last cycle.
+    """
+
+    times: Array
+    rises: Mapping[str, Array]
+    last_cycle: int
+
+    def peak(self, node: str) -> float:
+        """Return the largest rise of a node in the last cycle [K]."""
+        return float(np.max(self.rises[node][self.last_cycle :]))
+
+
+def solve_course(
+    network: Network,
+    points: Sequence[HeatingPoint],
+    controlling: str,
+    reference_rise: float,
+    end: float,
+    samples: int,
+) -> TemperatureCourse:
+    """Solve the warm-up from the temperature of the air, by the matrix exponential of each point of the duty.
+
+    Parameters
+    ----------
+    network
+        Conductances and heat capacities.
+    points
+        Points of the duty cycle in their order.
+    controlling, reference_rise
+        Node whose rise changes the heat, and its rise at which `HeatingPoint.heat` holds [K].
+    end
+        Time that the warm-up lasts at least, rounded up to whole cycles [s].
+    samples
+        Number of times that are wanted; each point of each cycle has at least one.
+    """
+    from scipy.linalg import expm
+
+    cycle = sum(point.duration for point in points)
+    cycles = max(1, math.ceil(end / cycle * (1.0 - 1e-9)))
+    per_cycle = max(1, round(samples / cycles))
+    nodes = list(network.capacities)
+    capacity = np.array([network.capacities[node] for node in nodes])
+    steps: list[tuple[Array, float]] = []
+    for point in points:
+        count = max(1, round(per_cycle * point.duration / cycle))
+        heat, slope = (np.array([each.get(node, 0.0) for node in nodes]) for each in (point.heat, point.slope))
+        rates = np.zeros((len(nodes) + 1, len(nodes) + 1))
+        rates[:-1, :-1] = -network.matrix
+        rates[:-1, nodes.index(controlling)] += slope
+        rates[:-1, -1] = heat - slope * reference_rise
+        rates[:-1] /= capacity[:, np.newaxis]
+        duration = point.duration / count
+        steps += [(expm(duration * rates), duration)] * count
+    state: Array = np.append(np.zeros(len(nodes)), 1.0)
+    times, states = [0.0], [state]
+    for _ in range(cycles):
+        for matrix, duration in steps:
+            state = matrix @ state
+            times.append(times[-1] + duration)
+            states.append(state)
+    rises = np.array(states)[:, :-1].T
+    return TemperatureCourse(np.array(times), dict(zip(nodes, rises, strict=True)), len(times) - 1 - len(steps))

@@ -1,0 +1,182 @@
+"""Temperatures of a drive under a duty, its warm-up and thermal limits: values, tables and curves."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.frame import Frame
+from cycloid_mj.base.notebook_display import Presented
+from cycloid_mj.base.result import Curve, Quantity, Table, quantity_frame, to_json_values
+from cycloid_mj.base.units import RPM
+from cycloid_mj.life.thermal_network import Network
+
+
+@dataclass(frozen=True, eq=False)
+class ThermalState(Presented):
+    """Temperatures of a drive under a duty, and the limits by heat.
+
+    Attributes
+    ----------
+    design, condition
+        Name of the design, and torque, speed and surroundings.
+    temperatures
+        Steady temperature of each part [°C].
+    losses
+        Mean power lost by source [W].
+    heat
+        Power that heats each part [W].
+    network
+        Conductances and heat capacities.
+    difference, jam_difference
+        Disc over ring, and the difference that closes the clearance of the teeth [K].
+    clearances, play
+        Clearance of each mating pair, and radial play of the teeth, at these temperatures [m].
+    torque, speed
+        Largest output torque [N m] and crank speed [rad/s] that no limit forbids, the other being that of the duty;
+        inf if none does within `ThermalSettings.largest` times the duty's.
+    limited_by
+        Limit of that torque, in words.
+    duty_torques
+        Torque limit [N m] if the drive rests for the remaining time, by share of the time.
+    times, warm_up
+        Times [s] and temperature of each part [°C] after a start from the temperature of the air.
+    peaks
+        Largest temperature of each part in the last cycle of the duty [°C].
+    largest_difference
+        Largest difference of disc and ring in the warm-up [K].
+    converged
+        Whether losses and temperatures agree; false if the parts jam on the way.
+    assumptions
+        Assumptions, a sentence each.
+    """
+
+    design: str
+    condition: str
+    temperatures: Mapping[str, float]
+    losses: Mapping[str, float]
+    heat: Mapping[str, float]
+    network: Network
+    difference: float
+    jam_difference: float
+    clearances: Mapping[str, float]
+    play: float
+    torque: float
+    speed: float
+    limited_by: str
+    duty_torques: Mapping[float, float]
+    times: Array
+    warm_up: Mapping[str, Array]
+    peaks: Mapping[str, float]
+    largest_difference: float
+    converged: bool
+    assumptions: tuple[str, ...]
+
+    @property
+    def jams(self) -> bool:
+        """True if a clearance is lost in the steady state."""
+        return self.play <= 0.0 or min(self.clearances.values()) <= 0.0
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """Return temperatures, differences, losses and thermal limits by key."""
+        rows = [
+            *(
+                Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")
+                for part, value in self.temperatures.items()
+            ),
+            Quantity("difference_k", "disc warmer than ring", self.difference, "K"),
+            Quantity(
+                "largest_difference_k", "disc warmer than ring, largest in the warm-up", self.largest_difference, "K"
+            ),
+            Quantity("jam_difference_k", "difference that closes the teeth", self.jam_difference, "K"),
+            Quantity("tooth_play_um", "radial play of the teeth, warm", 1e6 * self.play, "um"),
+            Quantity("loss_w", "power lost", sum(self.losses.values()), "W"),
+            Quantity("thermal_torque_nm", f"thermal torque limit: {self.limited_by}", self.torque, "N m"),
+            Quantity("thermal_speed_rpm", "thermal speed limit at the duty's torque", self.speed / RPM, "rpm"),
+            Quantity("time_constant_s", "slowest time constant", self.network.time_constant, "s"),
+        ]
+        return {row.key: row for row in rows}
+
+    @property
+    def frame(self) -> Frame:
+        """The quantities, one per row."""
+        return quantity_frame(self.quantities)
+
+    @property
+    def line(self) -> str:
+        """Design, condition and temperatures."""
+        return f"{self.design}, {self.condition}; " + ", ".join(f"{k} {v:.3g} °C" for k, v in self.temperatures.items())
+
+    @property
+    def curves(self) -> tuple[Curve, ...]:
+        """Return the temperature of each part over time in the warm-up."""
+        title = "Warm-up from the temperature of the air"
+        return tuple(
+            Curve(title, part, self.times / 60.0, values, "time [min]", "temperature [°C]")
+            for part, values in self.warm_up.items()
+        )
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return five tables: parts, losses, torque limits by duty, warm clearances and conductances."""
+        parts = tuple(
+            (part, value, self.peaks[part], self.heat[part], self.network.capacities[part])
+            for part, value in self.temperatures.items()
+        )
+        head = ("part", "mean temperature [°C]", "largest in a cycle [°C]", "heat [W]", "heat capacity [J/K]")
+        return (
+            Table("Parts", head, parts),
+            Table("Losses", ("source", "power [W]"), tuple(self.losses.items())),
+            Table(
+                "Thermal torque limit by duty (S3, rest without speed)",
+                ("share of the time [%]", "output torque [N m]"),
+                tuple((f"{100.0 * share:g}", torque) for share, torque in self.duty_torques.items()),
+            ),
+            Table(
+                "Warm clearances",
+                ("pair", "clearance [um]"),
+                tuple((pair.replace("_", " "), 1e6 * value) for pair, value in self.clearances.items()),
+            ),
+            Table(
+                "Conductances",
+                ("between", "[W/K]", "source"),
+                tuple((f"{item.first} - {item.second}", item.value, item.source) for item in self.network.conductances),
+                words=(2,),
+            ),
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the state to JSON values; infinite limits become None."""
+        return dict(
+            to_json_values(
+                {
+                    "design": self.design,
+                    "condition": self.condition,
+                    "temperatures_c": dict(self.temperatures),
+                    "peak_temperatures_c": dict(self.peaks),
+                    "difference_k": self.difference,
+                    "largest_difference_k": self.largest_difference,
+                    "jam_difference_k": self.jam_difference,
+                    "jams": self.jams,
+                    "clearances_um": {pair: 1e6 * value for pair, value in self.clearances.items()},
+                    "tooth_play_um": 1e6 * self.play,
+                    "losses_w": dict(self.losses),
+                    "heat_w": dict(self.heat),
+                    "thermal_torque_nm": self.torque,
+                    "thermal_speed_rpm": self.speed / RPM,
+                    "limited_by": self.limited_by,
+                    "thermal_torque_by_duty": [
+                        {"share": share, "torque_nm": torque} for share, torque in self.duty_torques.items()
+                    ],
+                    "time_constant_s": self.network.time_constant,
+                    "warm_up": {
+                        "time_s": self.times.tolist(),
+                        **{f"{part}_c": values.tolist() for part, values in self.warm_up.items()},
+                    },
+                    "conductances_w_k": [vars(item) for item in self.network.conductances],
+                    "heat_capacities_j_k": dict(self.network.capacities),
+                    "converged": self.converged,
+                    "assumptions": list(self.assumptions),
+                }
+            )
+        )
