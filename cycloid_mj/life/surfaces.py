@@ -10,6 +10,7 @@ from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life.duration import format_number
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
+from cycloid_mj.life.pitting_factors import lubricated_cycles, pitting_factors
 from cycloid_mj.reducer import Reducer
 
 SOFTEST_STEEL = 1e11
@@ -97,7 +98,9 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
                 f"Hertz p0; Y = {1e-6 * strength:.4g} MPa of the weaker material",
             )
         if all(part.youngs_modulus >= SOFTEST_STEEL for part in reducer.design.partners(kind)):
-            yield _rate_pitting(reducer, loadings, kind, pressure)
+            pitting = _rate_pitting(reducer, loadings, kind, pressure)
+            yield pitting
+            yield from _rate_lubricated_pitting(reducer, loadings, kind, pitting)
 
 
 def _rate_permanent_set(loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
@@ -157,6 +160,37 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
         life,
         "Z_N = 2.466 n^-0.056, S_c by hardness, AGMA 2001-D04; Miner",
         note,
+    )
+
+
+def _rate_lubricated_pitting(
+    reducer: Reducer, loadings: Sequence[Loading], kind: str, pitting: RatedItem
+) -> Iterator[RatedItem]:
+    """Rate steel surfaces by the life until they pit with the lubricant factors of ISO 6336-2, by Miner's sum.
+
+    Yields nothing without the law ``film``, or for pairs without these factors. `pitting` is the item without them.
+    """
+    allowed, power, damage = 1e6 * pitting.limit, AGMA_2001.power, 0.0
+    each = [pitting_factors(loading, kind, allowed) for loading in loadings]
+    factors = [item for item in each if item]
+    if len(factors) < len(loadings):
+        return
+    for loading, item in zip(loadings, factors, strict=True):
+        loads = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
+        damage += loads / lubricated_cycles(pitting_cycles(loading.pressures[kind], allowed), item.product, power)
+    least = min(factors, key=lambda item: item.product)
+    yield RatedItem(
+        f"{kind}_pitting_lubricated",
+        f"{NAMES[kind]}, pitting with the lubricant",
+        pitting.value,
+        least.product * pitting.limit,
+        "MPa",
+        None,
+        1.0 / damage,
+        "Z_L Z_v Z_R, ISO 6336-2:2006; Z_N and S_c as without lubricant, AGMA 2001-D04; Miner",
+        f"Z_L {least.lubricant:.3g} ({least.viscosity_40:.3g} mm2/s at 40 °C), Z_v {least.speed:.3g} (v "
+        f"{least.pitch_speed:.3g} m/s, same entrainment), Z_R {least.roughness:.3g} (Rz10 {least.mean_roughness:.3g} "
+        "um); the factors are for involute gears, and 1 up to 10^5 loads",
     )
 
 

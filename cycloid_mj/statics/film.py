@@ -156,17 +156,23 @@ class FilmSurfaces:
             *(np.where(rolls, getattr(seat, name), value) for name, value in vars(flank).items())
         ), rolls
 
+    @property
+    def hole_speeds(self) -> SurfaceSpeeds:
+        """Surface speeds of a hole and its output pin [m/s]."""
+        output, gear = self.reducer.design.output, self.reducer.tooth_profile
+        return hole_speeds(gear, output.pin_radius, output.hole_radius, mesh_speed(self.reducer))
+
     def output_friction(self, force: Array) -> MixedFriction | None:
         """Compute the friction of holes on output pins, of plain rollers at their rim; None on needles.
 
         `force` is the normal force of each contact [N].
         """
         design = self.reducer.design
-        output, gear = design.output, self.reducer.tooth_profile
+        output = design.output
         if output.has_needles:
             return None
         law, length = film_law(self.reducer, "output", self.inputs), design.line_length("output")
-        speeds = hole_speeds(gear, output.pin_radius, output.hole_radius, mesh_speed(self.reducer))
+        speeds = self.hole_speeds
         if not output.rollers:
             contact = self.reducer.contacts["output"]
             radius = 1.0 / contact.relative_curvature

@@ -1,0 +1,136 @@
+"""Influence of the lubricant film on pitting: factors Z_L, Z_v and Z_R of ISO 6336-2:2006, section 12.
+
+They multiply the allowed contact pressure of a gear. ISO 6336-2 has them for involute gears with surfaces that roll at
+the sum 2 v sin(alpha) of their speeds; here v is the speed of an involute gear with the same entrainment and a pressure
+angle of 20 deg.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.design.lubricants import lubricant
+from cycloid_mj.life.loading import Loading
+
+RZ_OVER_RA, RA_OVER_RQ = 6.0, math.sqrt(2.0 / math.pi)
+"""Rz over Ra (ISO 6336-2:2006, 12.3.1.3), and Ra over Rq of normally distributed heights."""
+
+PRESSURE_ANGLE = math.radians(20.0)
+"""Pressure angle of the involute gear whose pitch-line speed stands for the entrainment (ISO 53)."""
+
+STATIC_CYCLES, FULL_CYCLES = 1e5, 5e7
+"""Numbers of loads up to which the factors are 1, and from which they count in full (ISO 6336-2:2006, 11)."""
+
+
+@dataclass(frozen=True)
+class PittingFactors:
+    """Factors of the lubricant [1] on the allowed pressure, and their inputs.
+
+    Attributes
+    ----------
+    lubricant, speed, roughness
+        Z_L, Z_v and Z_R.
+    viscosity_40
+        Viscosity of the (base) oil at 40 °C [mm2/s].
+    pitch_speed
+        Equivalent pitch-line speed v [m/s].
+    mean_roughness
+        Relative peak-to-valley roughness Rz10 [um].
+    """
+
+    lubricant: float
+    speed: float
+    roughness: float
+    viscosity_40: float
+    pitch_speed: float
+    mean_roughness: float
+
+    @property
+    def product(self) -> float:
+        """Return Z_L Z_v Z_R [1]."""
+        return self.lubricant * self.speed * self.roughness
+
+
+def lubricant_factor(viscosity_40: float, limit: float) -> float:
+    """Compute Z_L [1] from the viscosity at 40 °C [mm2/s] and the pressure allowed for long life [Pa], Eq. 17."""
+    constant = _interpolate(limit, 0.83, 0.91)
+    return constant + 4.0 * (1.0 - constant) / (1.2 + 134.0 / viscosity_40) ** 2
+
+
+def speed_factor(speed: float, limit: float) -> float:
+    """Compute Z_v [1] from the pitch-line speed [m/s] and the pressure allowed for long life [Pa], Eq. 19."""
+    constant = _interpolate(limit, 0.85, 0.93)
+    return constant + 2.0 * (1.0 - constant) / math.sqrt(0.8 + 32.0 / speed) if speed > 0.0 else constant
+
+
+def roughness_factor(mean_roughness: float, limit: float) -> float:
+    """Compute Z_R [1] from Rz10 [um] and the pressure allowed for long life [Pa], Eq. 23."""
+    return float((3.0 / mean_roughness) ** _interpolate(limit, 0.15, 0.08))
+
+
+def relative_roughness(roughness: float, radius: float) -> float:
+    """Compute Rz10 [um] from the composite Rq of both surfaces and the reduced radius, both in [m], Eq. 21.
+
+    Both surfaces are taken as equally rough: each has Rq/sqrt(2).
+    """
+    one_surface = 1e6 * roughness / math.sqrt(2.0)
+    return RZ_OVER_RA * RA_OVER_RQ * one_surface * (10.0 / (1e3 * radius)) ** (1.0 / 3.0)
+
+
+def _interpolate(limit: float, soft: float, hard: float) -> float:
+    """Interpolate a constant between those up to 850 and from 1200 MPa of allowed pressure [Pa]."""
+    return float(np.interp(1e-6 * limit, (850.0, 1200.0), (soft, hard)))
+
+
+def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors | None:
+    """Compute the factors of a kind of pair with the law ``film``, from means over the loaded contacts.
+
+    Teeth and holes on output pins have them; None for other pairs, or without the law. `limit` is the pressure allowed
+    for long life [Pa].
+    """
+    reducer, film = loading.reducer, loading.springs.film
+    design = reducer.design
+    if film is None or kind not in (design.tooth_pair, "output"):
+        return None
+    if kind == "output":
+        speeds = film.surfaces.hole_speeds
+        entrainment, radius = float(speeds.entrainment), 1.0 / reducer.contacts["output"].relative_curvature
+    else:
+        friction = loading.contacts.friction
+        assert friction is not None
+        surfaces, force = film.displaced(loading.contacts.departures).surfaces, loading.contacts.teeth
+        speed = np.where(friction.rolls, np.abs(surfaces.flank.moving), np.abs(surfaces.flank.entrainment))
+        entrainment = float(np.average(speed, weights=force))
+        radius = 1.0 / float(np.average(1.0 / surfaces.radius, weights=force))
+    viscosity = lubricant(design.friction.lubricant).viscosity_40
+    pitch_speed = abs(entrainment) / math.sin(PRESSURE_ANGLE)
+    roughness = relative_roughness(design.friction.roughness, radius)
+    return PittingFactors(
+        lubricant_factor(viscosity, limit),
+        speed_factor(pitch_speed, limit),
+        roughness_factor(roughness, limit),
+        viscosity,
+        pitch_speed,
+        roughness,
+    )
+
+
+def lubricated_cycles(cycles: float, factor: float, power: float) -> float:
+    """Compute the number of loads until pitting with a factor of the lubricant on the allowed pressure.
+
+    Its exponent grows from 0 at `STATIC_CYCLES` to 1 at `FULL_CYCLES`, linearly in the logarithm of the number of loads
+    (ISO 6336-2:2006, 11.3).
+
+    Parameters
+    ----------
+    cycles
+        Number of loads without the factor, of the curve n = (Z S/p)^(1/power).
+    factor, power
+        Factor Z [1], and exponent of the curve.
+    """
+    if cycles <= STATIC_CYCLES:
+        return cycles
+    shift, start, span = math.log(factor) / power, math.log(STATIC_CYCLES), math.log(FULL_CYCLES / STATIC_CYCLES)
+    log_cycles = (math.log(cycles) - shift * start / span) / (1.0 - shift / span) if shift < span else math.inf
+    return math.exp(log_cycles) if log_cycles < start + span else cycles * factor ** (1.0 / power)
