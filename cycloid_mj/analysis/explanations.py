@@ -23,7 +23,7 @@ def _motion(findings: Findings) -> Iterator[str]:
     if speed.theory_rad_s:
         yield (
             f"speed: output {abs(speed.mean_rad_s):.4f} rad/s, ideal {abs(speed.theory_rad_s):.4f} rad/s (1/"
-            f"{abs(crank.speed_rad_s / speed.theory_rad_s):.4g} of the crank's); ripple "
+            f"{abs(crank.speed_rad_s / speed.theory_rad_s):.4g} of the {findings.driven_shaft}'s); ripple "
             f"{1e3 * speed.rms_error_rad_s:.3g} mrad/s rms"
         )
     error_sentence = f"transmission error: {error.peak_to_peak_arcsec:.3g} arcsec peak to peak, ideal 0"
@@ -40,7 +40,7 @@ def _motion(findings: Findings) -> Iterator[str]:
 def _torques(findings: Findings) -> Iterator[str]:
     """Yield sentences on the mean crank torque and, under a load, the efficiency."""
     power = findings.power
-    crank_sentence = f"crank torque: {abs(power.crank_torque_nm):.4g} N m"
+    crank_sentence = f"{findings.driven_shaft} torque: {abs(power.crank_torque_nm):.4g} N m"
     if findings.condition.load:
         yield (
             f"{crank_sentence} at a load torque of {abs(power.load_torque_nm):.4g} N m; without losses "
@@ -63,9 +63,10 @@ def _losses(findings: Findings) -> Iterator[str]:
 
 def _contacts(findings: Findings) -> str:
     """Return a sentence on number, force and deflection of the contacts and, where ring pins move, on pin 1."""
-    contact, pin = findings.contact_summary, findings.pin1
+    contact, pin, bearings = findings.contact_summary, findings.pin1, findings.crank_bearings
     pin_clause = f"; pin 1 moves up to {pin.max_radial_um:.3g} um (clearance plus deflection)" if pin else ""
+    bearing_clause = f"; crank bearings carry up to {bearings.max_force_n:.4g} N" if bearings else ""
     return (
         f"contacts: {contact.mean_active:.3g} on average; largest contact force {contact.peak_force_n:.4g} N, largest "
-        f"deflection {contact.max_penetration_um:.2g} um{pin_clause}"
+        f"deflection {contact.max_penetration_um:.2g} um{pin_clause}{bearing_clause}"
     )

@@ -20,7 +20,7 @@ def condition(reducer: Reducer) -> Condition:
 
 @dataclass(frozen=True)
 class Crank:
-    """Mean speed, and the largest deviation from the law of the drive, relative to its constant speed."""
+    """Mean speed of the driven shaft, and its largest deviation from the law of the drive, relative to the speed."""
 
     speed_rad_s: float
     max_relative_error: float | None
@@ -93,6 +93,18 @@ class ContactSummary:
 
 
 @dataclass(frozen=True)
+class CrankBearings:
+    """Forces of the cranks of an RV reducer on its discs.
+
+    The largest force, and the largest of the bearings' means by the exponent of roller bearings, 10/3. The direction of
+    the load turns with the carrier, so that only a window of a carrier turn has the values of a lifetime.
+    """
+
+    max_force_n: float
+    mean_force_n: float
+
+
+@dataclass(frozen=True)
 class Pin1:
     """Largest radial displacement of ring pin 1 (or its sleeve), and its mean speed of rotation."""
 
@@ -112,7 +124,10 @@ class Ramp:
 
 @dataclass(frozen=True)
 class Power:
-    """Mean input and output power, mean torques, and the crank torque without losses, T/(N-1)."""
+    """Mean input and output power, mean torques, and the crank torque without losses: load over ratio.
+
+    The crank is the driven shaft: the sun of an RV reducer.
+    """
 
     input_w: float
     output_w: float
@@ -151,6 +166,7 @@ class Findings(Presented):
     All results except those of the `ramp` are for the `window`, under the `condition`. `transmission_error` is that of
     the output, and so is `output_transmission_error`. `warnings` limit the validity of the results. With several discs,
     the results of the disc and of q are those of the first; `discs` has all of them, and is empty for a single disc.
+    `driven_shaft` is "crank", or "sun" of an RV reducer; the findings of the `crank` are those of this shaft.
     `timestep_for` states how accurate the results are at the time step.
     """
 
@@ -161,12 +177,14 @@ class Findings(Presented):
     timestep: str | None
     steps: int | None
     wall_s: float | None
+    driven_shaft: str
     crank: Crank
     gear_speed: SpeedFindings
     q_path: PathFindings
     q_speed: VelocityFindings
     transmission_error: TransmissionError
     contact_summary: ContactSummary
+    crank_bearings: CrankBearings | None
     pin1: Pin1 | None
     q_speed_magnitude: VelocityFindings
     q_acceleration: AccelerationFindings | None

@@ -13,6 +13,7 @@ from cycloid_mj.analysis.findings import (
     AccelerationFindings,
     ContactSummary,
     Crank,
+    CrankBearings,
     Disc,
     Findings,
     Loss,
@@ -29,6 +30,7 @@ from cycloid_mj.analysis.findings import (
 from cycloid_mj.analysis.series import Compared, Series, point_path, series
 from cycloid_mj.analysis.warnings import warnings
 from cycloid_mj.analysis.window import turn_by_turn
+from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.base.powers import Powers
@@ -36,6 +38,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.statistics import peak, rms
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.dynamics.timestep import timestep
+from cycloid_mj.geometry.rv_loads import mean_force
 
 MAX_CRANK_STEP = np.radians(5.0)
 """Largest crank angle between samples for accelerations from differences: their relative error is its square / 24."""
@@ -83,12 +86,14 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         timestep_for=provenance.get("timestep_for"),
         steps=int(provenance["steps"]) if "steps" in provenance else None,
         wall_s=float(provenance["wall_s"]) if "wall_s" in provenance else None,
+        driven_shaft=run.driven_shaft,
         crank=_crank(motion),
         gear_speed=_speed(motion.gear_speed, motion),
         q_path=_path(motion, motion.evaluation_mask),
         q_speed=_velocity(motion.q_velocity, motion.evaluation_mask),
         transmission_error=output,
         contact_summary=contacts,
+        crank_bearings=_crank_bearings(motion),
         pin1=_pin_1(motion),
         q_speed_magnitude=_velocity(motion.q_velocity.size, motion.evaluation_mask),
         q_acceleration=_acceleration(motion, motion.evaluation_mask),
@@ -161,8 +166,8 @@ def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
     if intervals.size == 0 or peak(np.diff(motion.crank_angle)[intervals]) > MAX_CRANK_STEP:
         return None
     interval = np.diff(motion.time)
-    angle, speed = (_midpoints(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
-    crank_acceleration = np.diff(motion.crank_speed.simulated) / interval
+    angle, speed = (_midpoints(values) for values in (motion.crank_angle, motion.orbit_speed))
+    crank_acceleration = np.diff(motion.orbit_speed) / interval
     path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated_acceleration = np.diff(motion.q_velocity.simulated, axis=0) / interval[:, np.newaxis]
     error = Compared(simulated_acceleration, path.acceleration).error_size[intervals]
@@ -185,6 +190,16 @@ def _contacts(motion: Series) -> ContactSummary:
     )
 
 
+def _crank_bearings(motion: Series) -> CrankBearings | None:
+    """Return the forces of the cranks on the discs of an RV reducer; None without cranks, or without logged forces."""
+    kind = names.KINDS[names.CRANK]
+    if not motion.run.pairs(kind):
+        return None
+    forces = np.linalg.norm(motion.run.forces(kind), axis=2)
+    means = [mean_force(bearing) for bearing in forces[motion.whole_periods].T]
+    return CrankBearings(float(forces[motion.evaluation_mask].max()), max(means))
+
+
 def _pin_1(motion: Series) -> Pin1 | None:
     pin = motion.pin_1
     return Pin1(1e6 * peak(pin.radial[motion.evaluation_mask]), _mean(pin.spin, motion)) if pin else None
@@ -200,12 +215,12 @@ def _ramp(motion: Series) -> Ramp | None:
 
 def _power(motion: Series) -> Power:
     """Return mean input and output power [W], mean torques [N m] and the crank torque without losses [N m]."""
-    run = motion.run
+    run, driven = motion.run, motion.run.driven_shaft
     load_torque = _mean(run["load_torque"], motion)
     return Power(
-        input_w=_mean(run["crank_torque"] * run["crank_speed"], motion),
+        input_w=_mean(run[f"{driven}_torque"] * run[f"{driven}_speed"], motion),
         output_w=_mean(-run["load_torque"] * run["output_speed"], motion),
-        crank_torque_nm=_mean(run["crank_torque"], motion),
+        crank_torque_nm=_mean(run[f"{driven}_torque"], motion),
         ideal_crank_torque_nm=-load_torque / motion.design.ratio,
         load_torque_nm=load_torque,
     )

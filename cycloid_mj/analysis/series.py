@@ -16,13 +16,10 @@ from cycloid_mj.base.record import LARGEST, Run
 from cycloid_mj.design import Design, loads
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.kinematics import CrankLaw
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 DESIGN_FILE = "design.toml"
-MOTION = (
-    *("crank_angle", "crank_speed", "crank_torque", "load_torque", "output_angle", "output_speed"),
-    *("contacts", "penetration", "peak_force"),
-)
+MOTION = ("load_torque", "output_angle", "output_speed", "contacts", "penetration", "peak_force")
 PIN_1 = ("pin_1_x", "pin_1_y", "pin_1_speed")
 
 
@@ -96,7 +93,8 @@ class Series:
     ramp, hold
         Masks of the samples in the ramp and in the settled hold, shape (n,); a run that ended in its ramp has no hold.
     crank_speed
-        Compared with the prescribed ramp and hold [rad/s].
+        Speed of the driven shaft, compared with the prescribed ramp and hold [rad/s]: of the crank, or of the sun of an
+        RV reducer.
     gear_angle, gear_speed, output_angle, output_speed
         Compared with Eq. 12 at the measured crank angle and speed [rad], [rad/s]; if the ring is the output, with
         theta/N and a disc that does not rotate. The errors of the angles are the transmission errors.
@@ -124,7 +122,7 @@ class Series:
     @property
     def reducer(self) -> Reducer:
         """The reducer that ran."""
-        return Reducer(self.design)
+        return reducer_of(self.design)
 
     @property
     def time(self) -> Array:
@@ -133,8 +131,13 @@ class Series:
 
     @property
     def crank_angle(self) -> Array:
-        """Measured crank angle [rad], shape (n,)."""
-        return self.run["crank_angle"]
+        """Measured crank angle [rad], shape (n,); of an RV reducer, from the angle of the sun."""
+        return self.reducer.member.crank_angle(self.run[f"{self.reducer.INPUT}_angle"])
+
+    @property
+    def orbit_speed(self) -> Array:
+        """Speed of the cranks [rad/s], shape (n,), from that of the driven shaft."""
+        return self.reducer.member.crank_angle(self.crank_speed.simulated)
 
     @property
     def gear(self) -> str:
@@ -186,7 +189,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     run
         Run with its ``design.toml``. With several discs, the series is that of the first, see `Series.of_disc`.
     q
-        Point of the disc in its frame [m]; by default the centre of hole 1, on +y.
+        Point of the disc in its frame [m]; by default the centre of hole 1 (or crank bore 1), on +y.
     settle
         Time after the ramp that is left out [s]; see `window.in_hold`.
 
@@ -198,10 +201,14 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         `q` is no point, or `settle` is negative.
     """
     design = design_of(run)
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     has_moving_pins = design.ring.has_pin_bodies
     planar = [name for gear in names.gears(design.gear.discs) for name in _disc_columns(gear)]
-    run = _cut_before_invalid(run, (*MOTION, *planar, *PIN_1) if has_moving_pins else (*MOTION, *planar))
+    driven_angle, driven_speed, driven_torque = (
+        names.column(reducer.INPUT, quantity) for quantity in ("angle", "speed", "torque")
+    )
+    needed = (driven_angle, driven_speed, driven_torque, *MOTION, *planar)
+    run = _cut_before_invalid(run, (*needed, *PIN_1) if has_moving_pins else needed)
     if len(run) < window.WINDOW.min_samples:
         raise LogError(
             f"{run.label} has {len(run)} usable samples; the analysis needs at least {window.WINDOW.min_samples}. "
@@ -212,7 +219,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     else:
         in_hold = np.zeros(len(run), dtype=np.bool_)
     q = _check_point(q, reducer)
-    crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
+    angle, speed = run[driven_angle], run[driven_speed]
     return Series(
         run=run,
         design=design,
@@ -220,9 +227,9 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         q=q,
         ramp=window.in_ramp(reducer, run.time),
         hold=in_hold,
-        crank_speed=Compared(crank_speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
-        output_angle=Compared(run["output_angle"], reducer.member.output_angle(crank_angle)),
-        output_speed=Compared(run["output_speed"], reducer.member.output_angle(crank_speed)),
+        crank_speed=Compared(speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
+        output_angle=Compared(run["output_angle"], reducer.member.output_angle(angle)),
+        output_speed=Compared(run["output_speed"], reducer.member.output_angle(speed)),
         pin_1=_pin_1(run, reducer) if has_moving_pins else None,
         **_disc_motion(run, reducer, q, 0),
     )
@@ -275,7 +282,7 @@ def design_of(run: Run) -> Design:
             "again to write a complete log"
         ) from problem
     design = loads(text, f"the run's {DESIGN_FILE}")
-    _require_matching_pairs(run, Reducer(design))
+    _require_matching_pairs(run, reducer_of(design))
     return design
 
 
@@ -319,14 +326,14 @@ def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
 
 
 def _check_point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
-    """Return the point q as a read-only array (2,) [m], by default the centre of hole 1.
+    """Return the point q as a read-only array (2,) [m], by default the centre of hole 1, or of crank bore 1.
 
     Raises
     ------
     UsageError
         It is not two finite numbers.
     """
-    point = np.array([0.0, reducer.design.output.pin_circle_radius] if q is None else q, dtype=np.float64)
+    point = np.array([0.0, reducer.lever] if q is None else q, dtype=np.float64)
     if point.shape != (2,) or not np.isfinite(point).all():
         raise UsageError(
             f"the point q is {q!r}, which is not valid: give two finite coordinates x, y in the frame of the disc, in "
@@ -345,12 +352,12 @@ def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, C
     """Return angle, speed, position and velocity of a disc with their closed form, by attribute of `Series`."""
     design = reducer.design
     *_, angle_column, _, _, speed_column = _disc_columns(names.gears(design.gear.discs)[disc])
-    crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
-    path = point_path(reducer, q, disc, crank_angle, crank_speed)
+    angle, speed = (run[names.column(reducer.INPUT, quantity)] for quantity in ("angle", "speed"))
+    path = point_path(reducer, q, disc, reducer.member.crank_angle(angle), reducer.member.crank_angle(speed))
     position, velocity = _point_motion(run, reducer, q, disc)
     return {
-        "gear_angle": Compared(run[angle_column], reducer.member.gear_angle(crank_angle)),
-        "gear_speed": Compared(run[speed_column], reducer.member.gear_angle(crank_speed)),
+        "gear_angle": Compared(run[angle_column], reducer.member.gear_angle(angle)),
+        "gear_speed": Compared(run[speed_column], reducer.member.gear_angle(speed)),
         "q_position": Compared(position, path.position),
         "q_velocity": Compared(velocity, path.velocity),
     }

@@ -96,6 +96,9 @@ def _contact_rows(findings: Findings) -> Iterator[FigureRow]:
     yield _format_row("contacts in touch, mean", "1", contact.mean_active)
     yield _format_row("penetration, largest", "um", contact.max_penetration_um)
     yield _format_row("force of one contact, largest", "N", contact.peak_force_n)
+    if bearings := findings.crank_bearings:
+        yield _format_row("force of a crank on a disc, largest", "N", bearings.max_force_n)
+        yield _format_row("force of a crank on a disc, largest 10/3-power mean", "N", bearings.mean_force_n)
 
 
 def _pin_rows(findings: Findings) -> Iterator[FigureRow]:
@@ -108,8 +111,9 @@ def _torque_rows(findings: Findings) -> Iterator[FigureRow]:
     """Yield the rows of mean torques [N m], and of the losses [W] of each kind of pair."""
     power = findings.power
     yield _format_row("load torque, mean", "N m", power.load_torque_nm)
-    yield _format_row("crank torque, mean", "N m", power.crank_torque_nm)
-    yield _format_row("crank torque without losses, load / ratio", "N m", closed_form=power.ideal_crank_torque_nm)
+    driven = findings.driven_shaft
+    yield _format_row(f"{driven} torque, mean", "N m", power.crank_torque_nm)
+    yield _format_row(f"{driven} torque without losses, load / ratio", "N m", closed_form=power.ideal_crank_torque_nm)
     for loss in findings.losses:
         pair = loss.pair.replace("_", "-")
         yield _format_row(f"loss by friction, {pair}", "W", loss.friction_w)
@@ -125,9 +129,9 @@ def _energy_rows(findings: Findings) -> Iterator[FigureRow]:
 
 
 def _crank_rows(findings: Findings) -> Iterator[FigureRow]:
-    crank = findings.crank
-    yield _format_row("crank speed, mean", "rad/s", crank.speed_rad_s)
-    yield _format_row("crank speed, largest relative error in the entire run", "1", error=crank.max_relative_error)
+    crank, driven = findings.crank, findings.driven_shaft
+    yield _format_row(f"{driven} speed, mean", "rad/s", crank.speed_rad_s)
+    yield _format_row(f"{driven} speed, largest relative error in the entire run", "1", error=crank.max_relative_error)
 
 
 def _format_row(

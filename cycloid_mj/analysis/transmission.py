@@ -13,7 +13,7 @@ def output_error(run: Run, reducer: Reducer) -> Array:
 
     It is phi - theta/i of the output's angle phi, at the crank's own angle theta and the ratio i, -(N-1) or N.
     """
-    return run["output_angle"] - reducer.member.output_angle(run["crank_angle"])
+    return run["output_angle"] - reducer.member.output_angle(run[f"{run.driven_shaft}_angle"])
 
 
 def gear_error(run: Run, reducer: Reducer) -> Array:
@@ -22,4 +22,4 @@ def gear_error(run: Run, reducer: Reducer) -> Array:
     It is phi + theta/(N-1) of the disc's angle phi, or phi if the ring is the output, as the disc does not rotate.
     """
     turned = [run[names.planar_joints(gear)[2]] for gear in reducer.gears]
-    return np.mean(turned, axis=0) - reducer.member.gear_angle(run["crank_angle"])
+    return np.mean(turned, axis=0) - reducer.member.gear_angle(run[f"{run.driven_shaft}_angle"])

@@ -163,7 +163,7 @@ def _open_balance_warning(missing_power: float, total_power: float, speed: float
 
 
 def _swept_turns(run: Run) -> float:
-    angle = run["crank_angle"]
+    angle = run[f"{run.driven_shaft}_angle"]
     return float(abs(angle[-1] - angle[0]) / (2.0 * np.pi) * angle.size / (angle.size - 1))
 
 
@@ -180,7 +180,7 @@ def _ramp_warning(motion: Series) -> str:
 
 def _short_run_warning(motion: Series, window: Window) -> str:
     """Return the warning of a run with less than a crank turn at constant speed, with the required drive.hold_s."""
-    speed = abs(motion.design.drive.speed)
+    speed = abs(motion.reducer.orbit_speed)
     settling_duration = window.start_s - motion.design.drive.ramp
     remedy = (
         f"; a full turn needs drive.hold_s = {settling_duration + 2.0 * np.pi / speed:.2g}, settling included"

@@ -49,7 +49,7 @@ def require_hold(reducer: Reducer, time: Array) -> None:
 
 def settling(reducer: Reducer) -> float:
     """Compute the settling time of a run of a design [s]."""
-    speed, contacts = abs(reducer.design.drive.speed), SETTLING.min_time * slowness(reducer)
+    speed, contacts = abs(reducer.orbit_speed), SETTLING.min_time * slowness(reducer)
     return max(contacts, WINDOW.settling_turn * 2.0 * np.pi / speed) if speed else contacts
 
 

@@ -78,11 +78,14 @@ class Powers:
 
 
 def mean_powers(run: Run) -> Powers:
-    """Compute the mean powers [W] of a run: crank, output, losses by kind, and stored; terms not logged count as 0."""
-    no_speed = np.zeros(len(run))
+    """Compute the mean powers [W] of a run: crank, output, losses by kind, and stored; terms not logged count as 0.
+
+    Of an RV reducer, `Powers.crank` is the power of the sun.
+    """
+    no_speed, driven = np.zeros(len(run)), run.driven_shaft
     energy = run.columns.get("kinetic_energy", no_speed) + run.columns.get("potential_energy", no_speed)
     return Powers(
-        crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
+        crank=float(np.mean(run[f"{driven}_torque"] * run[f"{driven}_speed"])),
         output=float(np.mean(run["load_torque"] * run["output_speed"])),
         friction={kind: float(np.mean(power)) for kind, power in run.by_stem(FRICTION_POWER).items()},
         normal={kind: float(np.mean(power)) for kind, power in run.by_stem(NORMAL_POWER).items()},

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.frame import Frame
-from cycloid_mj.base.names import FORCE_X, FORCE_Y, REDUCER, column, kind_of
+from cycloid_mj.base.names import CRANK, FORCE_X, FORCE_Y, REDUCER, SUN, column, kind_of
 from cycloid_mj.base.notebook_display import Presented
 
 LARGEST = 1e30
@@ -99,6 +99,11 @@ class Run(Presented):
         _check_time(self.time)
         _check_columns(self.time.size, self.columns, self.units)
         object.__setattr__(self, "topics", MappingProxyType(_complete_topics(self.topics, self.columns)))
+
+    @property
+    def driven_shaft(self) -> str:
+        """Stem of the columns of the driven shaft: the crank, or the sun of an RV reducer."""
+        return SUN if column(SUN, "torque") in self.columns else CRANK
 
     @property
     def frame(self) -> Frame:

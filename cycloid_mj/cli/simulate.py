@@ -23,7 +23,7 @@ from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, STEP, TIMESTEP, 
 from cycloid_mj.cli.outfile import claim_folder, create_folder
 from cycloid_mj.cli.progress import Progress, show_activity
 from cycloid_mj.design import Design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
@@ -116,7 +116,8 @@ def simulate(
     The crank is accelerated linearly from rest and then kept at its speed. For this hold phase, the results are
     compared with theory: disc speed, path and speed of the centre of hole 1, transmission error; contacts, pin 1,
     torques and losses are added. The MCAP log is written during the run, with the design, the model and every sample;
-    the page of `cycloid-mj report` is written next to it, unless --json is set.
+    the page of `cycloid-mj report` is written next to it, unless --json is set. An RV reducer is driven by its sun; it
+    has no page.
 
     A failed run (not a number, a MuJoCo warning, excessive penetration, a jumped tooth) ends with an error and exit
     code 1, a stopped run (Ctrl-C, SIGTERM, SIGHUP) with 128 plus the number of the signal; the log contains the
@@ -126,6 +127,10 @@ def simulate(
     design = design_options.resolve(values)
     design_options.warn_of_inherited_motor(design)
     require_runnable(design, solver)
+    has_page = not delivery.json and design.layout == "central"
+    if design.layout != "central" and (delivery.html is not None or contact == "mesh"):
+        flag = "--contact mesh" if contact == "mesh" else "--html"
+        raise UsageError(f'{flag} is not supported for layout = "{design.layout}": omit this flag')
     force = delivery.force
     folder = claim_folder(delivery.out or RUNS, "the log", (), force)
     page = claim_page(delivery, design.name, folder)
@@ -133,14 +138,14 @@ def simulate(
     if delivery.out is None and not force:
         names = _unused_logs(folder, design.name)
     else:
-        claim_outputs(*names, *(review_of(log) for log in names if page is None and not delivery.json), force=force)
+        claim_outputs(*names, *(review_of(log) for log in names if page is None and has_page), force=force)
     with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
         logged_run = run_into_log(design, names, force, progress, contact, solver, keep_run=True)
     findings = logged_run.require_findings()
     warn(findings.design, findings.warnings)
-    page = page or (None if delivery.json else review_of(logged_run.log))
+    page = page or (review_of(logged_run.log) if has_page else None)
     outcome = _with_explanations(outcome_of(findings), findings, logged_run, page, design_options, delivery.quiet)
-    if not delivery.all:
+    if not delivery.all and page:
         outcome = replace(outcome, tables=(), notes=())  # the page has them
     return deliver(outcome, Destination(design.name, None, page), delivery)
 
@@ -189,7 +194,7 @@ def _explain_unloaded_run(design: Design) -> Iterator[str]:
     )
     from cycloid_mj.figures import quantity
 
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     figures = [(figure_name, quantity(reducer, key)) for figure_name, key in LOADED_FIGURES.items()]
     figure_texts = [
         f"{figure_name} {figure.value:.3g} {figure.unit}" for figure_name, figure in figures if not isnan(figure.value)
@@ -211,11 +216,14 @@ def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> It
     if findings.condition.load:
         yield _command(["rate", *design], "life, and the weakest part")
     else:
-        load_flags = ["--load-nm", f"{design_options.resolve().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
+        loaded_design = design_options.resolve()
+        hold = "0.05" if loaded_design.layout == "central" else "0.2"
+        load_flags = ["--load-nm", f"{loaded_design.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold]
         yield _command(["simulate", *design, *load_flags], "the same drive under its nominal torque")
     yield _command(["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive to order")
     yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
-    yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")
+    if design_options.resolve().layout == "central":
+        yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")
 
 
 def _command(words: Sequence[str], comment: str) -> str:
@@ -262,7 +270,7 @@ def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
 
     Its run would be too long, its crank does not turn, or its checks fail.
     """
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     if design.drive.speed == 0.0:
         raise UsageError(
             f"{design.name}: drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, e.g. "
@@ -342,7 +350,7 @@ def run_into_log(
     RunError
         The run failed or was stopped; the log has the samples up to then.
     """
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     from cycloid_mj.dynamics.run import blocks, model_for, provenance, schedule
 
     compiled = model_for(solver, reducer, contact)
@@ -358,7 +366,8 @@ def run_into_log(
         progress.judging()
         log.flush()
         not_evaluated = LogError(f"the run in {log.name} has not been evaluated: evaluate it with `cycloid-mj analyze`")
-        findings, run = _evaluate(log, note) if viewable else (not_evaluated, None)
+        is_rv = isinstance(reducer, RvReducer)
+        findings, run = _evaluate(log, note, with_forces=is_rv) if viewable else (not_evaluated, None)
         findings_file = {} if isinstance(findings, CycloidError) else _findings_attachment(findings)
         log.close(note, attachments=findings_file)
     kept_run = replace(run, attachments={**run.attachments, **findings_file}) if run and keep_run else None
@@ -377,7 +386,8 @@ def _log_opener(
     groups = {topic: list(units.items()) for topic, units in log_columns(compiled, reducer).items()}
     entries = provenance | warnings_entry(run_warnings(compiled, reducer))
     files = attachments(compiled, reducer)
-    scene = Scene(reducer.design, frame_rate(reducer)) if viewable else None
+    has_scene = viewable and not isinstance(reducer, RvReducer)
+    scene = Scene(reducer.design, frame_rate(reducer)) if has_scene else None
     if not viewable:
         files = {DESIGN_FILE: files[DESIGN_FILE]}
     return lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)
@@ -402,16 +412,16 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
     raise last_error
 
 
-def _evaluate(log: "LogWriter", note: str) -> "tuple[Findings | CycloidError, Run | None]":
+def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
     """Evaluate a log that is written but not closed; return its findings, or an error, and the run without forces.
 
-    The run is None if it cannot be evaluated.
+    The run is None if it cannot be evaluated. That of an RV reducer has the forces, which its findings include.
     """
     from cycloid_mj.analysis import analyze
     from cycloid_mj.log import read
 
     try:
-        run = replace(read(log.path, without=(FORCES,)), complete=True, note=note)
+        run = replace(read(log.path, without=() if with_forces else (FORCES,)), complete=True, note=note)
         return analyze(run, log=str(log.name)), run
     except CycloidError as problem:
         return problem, None

@@ -8,6 +8,7 @@ Layout = Literal["central", "rv"]
 SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "central": (),
     "rv": (
+        "analyze",
         "build",
         "design new --from",
         "design show",
@@ -15,6 +16,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "export",
         "figures",
         "rate",
+        "simulate",
         "statics",
         "tolerance",
     ),

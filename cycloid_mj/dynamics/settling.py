@@ -35,7 +35,7 @@ class SettlingSettings:
     """Depth of a contact [m] that no valid run reaches: a hundred times that of the reference design."""
     depth_over_deflection: float = 10.0
     """Depth that no valid run reaches, over the deflection under the working forces; the halves of a preloaded ring
-    penetrate by their rotation in addition."""
+    penetrate by their rotation in addition, preloaded crank bearings by their preload."""
     depth_over_eccentricity: float = 0.25
     """Largest depth of a contact as a share of the eccentricity, beyond which teeth lose their shape."""
 
@@ -117,6 +117,8 @@ def penetration_limit(reducer: Reducer) -> float:
     contacts = [reducer.contacts[kind] for kind in reducer.mechanism.kinds]
     deflection = max(contact.force / contact.series[0] for contact in contacts)
     preload_depth = 0.5 * design.ring.preload * design.ring.pin_circle_radius
+    if isinstance(reducer, RvReducer):
+        preload_depth += max(-reducer.bearing_clearance, 0.0)
     return min(
         max(SETTLING.min_depth_limit, SETTLING.depth_over_deflection * deflection) + preload_depth,
         SETTLING.depth_over_eccentricity * design.gear.eccentricity,

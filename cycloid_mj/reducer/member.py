@@ -59,6 +59,10 @@ class Member:
         """Return the crank angle relative to the ring [rad], which determines the mesh. Speeds map to speeds."""
         return np.asarray(np.asarray(crank, dtype=np.float64) - self.ring_angle(crank))
 
+    def crank_angle(self, driven: npt.ArrayLike) -> Array:
+        """Return the angle of the crank [rad] at angles of the driven shaft [rad]; speeds map to speeds."""
+        return np.asarray(driven, dtype=np.float64)
+
     def mesh_angle(self, driven: npt.ArrayLike, ring: npt.ArrayLike) -> Array:
         """Return the crank angle relative to the ring [rad] at angles of the driven shaft and the ring [rad]."""
         return np.asarray(np.asarray(driven, dtype=np.float64) - np.asarray(ring))

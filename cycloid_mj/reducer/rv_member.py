@@ -41,6 +41,10 @@ class RvMember(Member):
         """Return the angle of the cranks relative to the ring [rad], which determines the mesh."""
         return self.mesh_angle(sun, self.ring_angle(sun))
 
+    def crank_angle(self, driven: npt.ArrayLike) -> Array:
+        """Return the angle of the cranks [rad] at angles of the sun [rad]; speeds map to speeds."""
+        return np.asarray(self.against_ring(driven) + self.ring_angle(driven))
+
     def mesh_angle(self, driven: npt.ArrayLike, ring: npt.ArrayLike) -> Array:
         """Return the crank angle relative to the ring [rad] at angles of the sun and the ring [rad]."""
         against_ring = np.asarray(driven, dtype=np.float64) - np.asarray(ring)

@@ -66,7 +66,7 @@ def test_a_design_fails_its_check_and_each_remedy_mends_it(changes, name):
 def test_of_the_presets_the_teeth_yield_below_the_rated_torque_and_they_run_all_the_same():
     assert set(failed(PIN)) == {"tooth_yield"}
     assert set(failed(PRESETS["nonpin"])) == {"tooth_yield", "ring_tool"}
-    for design in presets_for("simulate").values():
+    for design in presets_for("stress").values():
         require_sound(Reducer(design))
 
 

@@ -10,7 +10,6 @@ from cycloid_mj.design import PRESETS, load
 from cycloid_mj.design.layouts import SUPPORTED
 
 REFUSED = (
-    ("simulate", "rv80e"),
     ("thermal", "rv80e"),
     ("reduce", "rv80e", "--out", "joint"),
     ("stress", "rv80e", "--out", "stress"),

@@ -366,7 +366,7 @@ def test_parts_of_the_model_stand_where_they_were_made() -> None:
 
 
 def test_an_ideal_reducer_has_its_clearance_as_room() -> None:
-    for preset in presets_for("simulate").values():
+    for preset in presets_for("stress").values():
         least = min(getattr(preset.clearance, kind) for kind in preset.pair_kinds if kind != preset.seat_pair)
         assert limits.best_fit(Reducer(preset), 0.7).room == pytest.approx(least, rel=1e-6)
 

@@ -33,10 +33,10 @@ OPEN, STICKS, SLIDES, SLIDES_BACK = range(4)
 """States of a contact. A sticking contact creeps; a sliding one transmits the Coulomb limit."""
 
 CONTACT = np.dtype(
-    [(name, np.int64) for name in ("pair", "disc", "pin", "shaft", "state")]
+    [(name, np.int64) for name in ("pair", "disc", "pin", "shaft", "crank", "state")]
     + [(name, np.float64) for name in ("nx", "ny", "side")]
-    + [(f"{part}_{arm}", np.float64) for part in ("disc", "pin", "shaft") for arm in ("normal", "tangent")]
-    + [("disc_centre", np.float64), ("shaft_centre", np.float64)]
+    + [(f"{part}_{arm}", np.float64) for part in ("disc", "pin", "shaft", "crank") for arm in ("normal", "tangent")]
+    + [(f"{part}_centre", np.float64) for part in ("disc", "shaft", "crank")]
     + [(name, np.float64) for name in ("gap", "force", "slope", "friction", "creep", "geometric_stiffness", "cosine")]
     + [(name, np.float64) for name in ("speed", "slip", "normal_force", "friction_force")]
 )
@@ -44,18 +44,19 @@ CONTACT = np.dtype(
 
 pair
     Number of its pair in the order of ``Mechanism.pairs``.
-disc, pin, shaft
-    Index of the first unknown of the disc and of the pin, and of the unknown of the shaft; -1 where there is none.
+disc, pin, shaft, crank
+    Index of the first unknown of the disc (or sun) and of the pin, and of the unknowns of a shaft about the reducer's
+    axis and of a crank of an RV reducer; -1 where there is none.
 state
     One of `OPEN`, `STICKS`, `SLIDES`, `SLIDES_BACK`.
 nx, ny
     Unit normal; the tangent is the normal rotated by 90 degrees counter-clockwise.
 side
     Sign of the pin's motion in the relative speed: 1 where the pin is pushed along the normal, -1 where the disc is.
-disc_normal, disc_tangent, pin_normal, pin_tangent, shaft_normal, shaft_tangent
+disc_normal, disc_tangent, pin_normal, pin_tangent, shaft_normal, shaft_tangent, crank_normal, crank_tangent
     Lever arms: motion of the contact point along normal and tangent per rotation [m], with the sign of the body in the
     relative speed.
-disc_centre, shaft_centre
+disc_centre, shaft_centre, crank_centre
     Motion along the tangent of the centre of a round surface per rotation [m].
 gap
     Gap at the pose of the contact search [m].
@@ -89,9 +90,10 @@ _spring, _damper = njit(impact.spring), njit(impact.damper)
 
 def allocate_contacts(system: System) -> Contacts:
     """Return an array for the largest possible number of contacts of a reducer."""
-    discs, teeth = len(system.cams), len(system.place)
+    discs, teeth = len(system.offset), len(system.place)
     per_tooth = MAX_TOUCHES if system.lobes else 1
-    max_contacts = discs * teeth * per_tooth + 2 * teeth * system.free + discs * (1 + len(system.studs))
+    max_contacts = discs * teeth * per_tooth + 2 * teeth * system.free + len(system.cams) * (1 + len(system.studs))
+    max_contacts += 2 * (discs + 1) * system.cranks
     return np.zeros(max_contacts, dtype=CONTACT)
 
 
@@ -111,6 +113,8 @@ def find_contacts(
 ) -> int:
     """Find the contacts of all mating pairs at a pose q and speeds v; write them, and return their number.
 
+    Those of the cranks of an RV reducer follow (``crank_train``).
+
     Parameters
     ----------
     system
@@ -126,10 +130,10 @@ def find_contacts(
     contacts
         Array for the contacts.
     """
-    discs, teeth = len(system.cams), len(system.place)
-    crank = 3 * discs + 1
-    ring, carrier = _shaft_pose(q, system.ring_shaft), _shaft_pose(q, system.stud_shaft)
-    crank_pose, address = _shaft_pose(q, crank), scratch.ctypes.data
+    discs, teeth = len(system.offset), len(system.place)
+    crank = system.shafts[1]
+    ring, carrier = shaft_pose(q, system.ring_shaft), shaft_pose(q, system.stud_shaft)
+    crank_pose, address = shaft_pose(q, crank), scratch.ctypes.data
     count, pair = 0, 0
     for disc in range(discs):
         mating = MatingSurfaces(pair, system.laws[disc, TEETH], 3 * disc, -1, system.ring_shaft)
@@ -142,21 +146,21 @@ def find_contacts(
         count = _find_seat_contacts(system, contacts, count, pair, ring, address, q, v, half_step)
         pair += teeth
     bore = PartialCircle(system.bore, 0.0, 1.0, -1.0, 0.0)
-    for disc in range(discs):
+    for disc in range(len(system.cams)):
         mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank)
         pair += 1
         cx, cy = outwards(crank_pose, system.cams[disc, 0], system.cams[disc, 1])
         cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
         count += _find_round_contacts(system, contacts, count, mating, cam, bore, CAM, 1.0, address, q, v, half_step)
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
-    for disc in range(discs):
-        disc_pose = _disc_pose(q, 3 * disc, 0.0)
+    for disc in range(len(system.cams)):
+        frame = disc_pose(q, 3 * disc, 0.0)
         for stud in range(len(system.studs)):
             mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, system.stud_shaft)
             pair += 1
             sx, sy = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
-            hx, hy = outwards(disc_pose, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
-            pin = Round(sx, sy, disc_pose.x + hx, disc_pose.y + hy, system.stud, 1.0)
+            hx, hy = outwards(frame, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
+            pin = Round(sx, sy, frame.x + hx, frame.y + hy, system.stud, 1.0)
             count += _find_round_contacts(
                 system, contacts, count, mating, pin, hole, OUTPUT, 1.0, address, q, v, half_step
             )
@@ -182,7 +186,7 @@ def _find_lobe_contacts(
     `find_contacts`.
     """
     disc = mating.disc // 3
-    gear, teeth = _disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
+    gear, teeth = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
     for i in range(len(lobes)):
         pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, -1, mating.shaft)
         px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
@@ -210,8 +214,8 @@ def _find_pin_contacts(
     `mating` is the pair of the disc and the first pin, `ring` the pose of the ring; other arguments as in
     `find_contacts`.
     """
-    disc, first_pin = mating.disc // 3, 3 * len(system.cams) + 2
-    gear, teeth, pin_values = _disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc), system.ring
+    disc, first_pin = mating.disc // 3, len(system.inertia)
+    gear, teeth, pin_values = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc), system.ring
     for i in range(len(system.place)):
         pin_unknown, shaft = -1, mating.shaft
         if system.free:
@@ -254,7 +258,7 @@ def _find_seat_contacts(
 
     `pair` is the number of the first pin's pair, `ring` the pose of the ring; other arguments as in `find_contacts`.
     """
-    first_pin = 3 * len(system.cams) + 2
+    first_pin = len(system.inertia)
     for i in range(len(system.place)):
         pin_unknown = first_pin + 3 * i
         mating = MatingSurfaces(pair + i, system.laws[0, SEAT], -1, pin_unknown, system.ring_shaft)
@@ -299,14 +303,14 @@ def _set_film_friction(system: System, contact: Contact, kind: int, cosine: floa
 
 
 @njit
-def _shaft_pose(q: Array, shaft: int) -> Pose:
+def shaft_pose(q: Array, shaft: int) -> Pose:
     """Return the pose of a body that rotates about the axis of the reducer by an unknown; -1 stands for no rotation."""
     turn = q[shaft] if shaft >= 0 else 0.0
     return Pose(0.0, 0.0, math.cos(turn), math.sin(turn))
 
 
 @njit
-def _disc_pose(q: Array, body: int, angle: float) -> Pose:
+def disc_pose(q: Array, body: int, angle: float) -> Pose:
     """Return the pose of a disc, rotated clockwise by an angle [rad]."""
     rotation = q[body + 2] - angle
     return Pose(q[body], q[body + 1], math.cos(rotation), math.sin(rotation))
@@ -385,7 +389,7 @@ def _fill_contact(
     It pushes along the normal of the touch, or against the normal if `sign` is -1.
     """
     contact.pair = mating.pair
-    contact.disc, contact.pin, contact.shaft = mating.disc, mating.pin, mating.shaft
+    contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, mating.pin, mating.shaft, -1
     nx, ny = sign * touch.nx, sign * touch.ny
     contact.gap, contact.nx, contact.ny = touch.gap, nx, ny
     contact.side = 1.0 if mating.disc < 0 else -1.0
@@ -399,13 +403,22 @@ def _fill_contact(
     if mating.shaft >= 0:
         contact.shaft_normal = touch.y * nx - touch.x * ny
         contact.shaft_tangent = -touch.x * nx - touch.y * ny
-    contact.friction, contact.creep = mating.law.friction, mating.law.creep
+    chord_excess = _chord_excess(q, v, mating.disc, nx, ny, half_step) if mating.disc >= 0 else 0.0
+    linearise_law(contact, mating.law, touch.factor, chord_excess, v, half_step)
+
+
+@njit
+def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float, v: Array, half_step: float) -> None:
+    """Set force, slope, friction and state of a contact with gap and lever arms by its law, at the speeds v.
+
+    `factor` scales the stiffness, `chord_excess` [m/s] is the speed of `_chord_excess`.
+    """
+    contact.friction, contact.creep = law.friction, law.creep
     speed, slip = relative_speeds(contact, v)
-    force, slope, damping = _normal_force(mating.law, touch.gap, touch.factor, speed, half_step)
-    if mating.disc >= 0:
-        force += damping * _chord_excess(q, v, mating.disc, nx, ny, half_step)
+    force, slope, damping = _normal_force(law, contact.gap, factor, speed, half_step)
+    force += damping * chord_excess
     contact.force, contact.slope = force + slope * speed, slope
-    contact.normal_force = max(force, 0.0) if touch.gap < 0.0 else 0.0
+    contact.normal_force = max(force, 0.0) if contact.gap < 0.0 else 0.0
     contact.state = friction_state(contact, slip) if contact.normal_force > 0.0 else OPEN
 
 
@@ -440,7 +453,8 @@ def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: 
 @njit
 def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
     """Compute the relative speed of a contact's surfaces along normal and tangent [m/s] at the speeds v."""
-    disc, pin, shaft, nx, ny = contact.disc, contact.pin, contact.shaft, contact.nx, contact.ny
+    disc, pin, shaft, crank = contact.disc, contact.pin, contact.shaft, contact.crank
+    nx, ny = contact.nx, contact.ny
     normal, tangent = 0.0, 0.0
     if disc >= 0:
         normal += nx * v[disc] + ny * v[disc + 1] + contact.disc_normal * v[disc + 2]
@@ -451,6 +465,9 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
     if shaft >= 0:
         normal += contact.shaft_normal * v[shaft]
         tangent += contact.shaft_tangent * v[shaft]
+    if crank >= 0:
+        normal += contact.crank_normal * v[crank]
+        tangent += contact.crank_tangent * v[crank]
     return normal, tangent
 
 
@@ -464,6 +481,8 @@ def rolling_speed(contact: Contact, v: Array) -> float:
         speed += contact.side * (contact.nx * v[pin + 1] - contact.ny * v[pin])
     if shaft >= 0:
         speed += contact.shaft_centre * v[shaft]
+    if contact.crank >= 0:
+        speed += contact.crank_centre * v[contact.crank]
     return speed
 
 

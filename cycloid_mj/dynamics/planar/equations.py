@@ -55,7 +55,7 @@ class Equations(NamedTuple):
     settled
         Whether no contact of a pin has changed in this iteration, shape (N,).
     shaft_state
-        States of the drags of output and crank, as those of contacts, shape (2,).
+        States of the drags of output and input, as those of contacts, shape (2,).
     """
 
     matrix: Array
@@ -160,11 +160,14 @@ def _assemble(
         matrix[i, i] = system.inertia[i] / half
         right[i] = matrix[i, i] * v0[i]
     gx, gy = system.gravity[0], system.gravity[1]
-    for body in range(0, size - 2, 3):
+    for body in range(0, 3 * system.bodies, 3):
         right[body] += system.inertia[body] * gx
         right[body + 1] += system.inertia[body] * gy
+    for i in range(len(system.support)):
+        matrix[i, i] += system.support[i] * half
+        right[i] -= system.support[i] * q0[i]
     for shaft in range(2):
-        i = size - 2 + shaft
+        i = system.shafts[shaft]
         mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
         if mx != 0.0 or my != 0.0:
             angle = q0[i] + half * predicted[i]
@@ -291,9 +294,12 @@ def _add_contacts(
 
 @njit
 def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> None:
-    """Add the force of a contact, and its derivatives by the speeds, to the equations of disc, pin and shaft."""
+    """Add the force of a contact, and its derivatives by the speeds, to the equations of disc, pin, shaft and crank."""
     matrix, right, pin_columns, pin_rows = equations.matrix, equations.right, equations.pin_columns, equations.pin_rows
-    size, disc, pin_unknown, shaft, sliding = len(right), contact.disc, contact.pin, contact.shaft, tangent.sliding
+    size, disc, pin_unknown, sliding = len(right), contact.disc, contact.pin, tangent.sliding
+    shaft, crank = contact.shaft, contact.crank
+    shaft_arms = _shaft_arms(contact.shaft_normal, contact.shaft_tangent, contact.shaft_centre, sliding)
+    crank_arms = _shaft_arms(contact.crank_normal, contact.crank_tangent, contact.crank_centre, sliding)
     pin_index = (pin_unknown - size) // 3
     pin_row, column_row = 3 * pin_index, size * pin_index
     if pin_unknown >= 0 and (disc >= 0 or shaft >= 0):
@@ -303,7 +309,9 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
         _add_block(matrix, disc, disc, body, body, tangent)
         _add_force(right, disc, body, tangent)
         if shaft >= 0:
-            _couple_shaft(contact, tangent, body, matrix, disc, shaft, matrix, shaft, disc)
+            _couple_shaft(shaft_arms, tangent, body, matrix, disc, shaft, matrix, shaft, disc)
+        if crank >= 0:
+            _couple_shaft(crank_arms, tangent, body, matrix, disc, crank, matrix, crank, disc)
         if pin_unknown >= 0:
             pin_arms = _lever_arms(contact, -1.0, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
             _add_block(pin_rows, pin_row, disc, pin_arms, body, tangent)
@@ -313,19 +321,46 @@ def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> No
         _add_block(equations.pins, pin_row, 0, body, body, tangent)
         _add_force(equations.pins_right, pin_row, body, tangent)
         if shaft >= 0:
-            _couple_shaft(contact, tangent, body, pin_rows, pin_row, shaft, pin_columns, column_row + shaft, 0)
+            _couple_shaft(shaft_arms, tangent, body, pin_rows, pin_row, shaft, pin_columns, column_row + shaft, 0)
     if shaft >= 0:
-        shaft_push = contact.shaft_normal - sliding * contact.shaft_tangent
-        right[shaft] += (
-            tangent.force * shaft_push
-            + tangent.rolling_force * contact.shaft_centre
-            - tangent.friction * contact.shaft_tangent
-        )
-        matrix[shaft, shaft] += (
-            tangent.slope * shaft_push * contact.shaft_normal
-            + tangent.creep * contact.shaft_tangent**2
-            + tangent.geometric * contact.shaft_centre**2
-        )
+        _add_shaft(matrix, right, shaft, shaft_arms, tangent)
+    if crank >= 0:
+        _add_shaft(matrix, right, crank, crank_arms, tangent)
+        if shaft >= 0:
+            matrix[shaft, crank] += _shaft_slope(shaft_arms, crank_arms, tangent)
+            matrix[crank, shaft] += _shaft_slope(crank_arms, shaft_arms, tangent)
+
+
+class ShaftArms(NamedTuple):
+    """Effect of a contact on a shaft's rotation, and of this on the contact, as in `LeverArms`."""
+
+    pushed: float
+    normal: float
+    tangent: float
+    centre: float
+
+
+@njit
+def _shaft_arms(normal: float, tangent: float, centre: float, sliding: float) -> ShaftArms:
+    """Return the effect of a contact on a shaft, from its lever arms [m] and the friction per normal force."""
+    return ShaftArms(normal - sliding * tangent, normal, tangent, centre)
+
+
+@njit
+def _shaft_slope(on: ShaftArms, other: ShaftArms, tangent: Tangent) -> float:
+    """Return the derivative of the torque on a shaft by the speed of the same shaft or of another."""
+    return (
+        tangent.slope * on.pushed * other.normal
+        + tangent.creep * on.tangent * other.tangent
+        + tangent.geometric * on.centre * other.centre
+    )
+
+
+@njit
+def _add_shaft(matrix: Array, right: Array, shaft: int, arms: ShaftArms, tangent: Tangent) -> None:
+    """Add the torque of a contact on a shaft, and its derivative by the shaft's own speed."""
+    right[shaft] += tangent.force * arms.pushed + tangent.rolling_force * arms.centre - tangent.friction * arms.tangent
+    matrix[shaft, shaft] += _shaft_slope(arms, arms, tangent)
 
 
 @njit
@@ -354,7 +389,7 @@ def _add_block(target: Array, row: int, column: int, on: LeverArms, other: Lever
 
 @njit
 def _couple_shaft(
-    contact: Contact,
+    arms: ShaftArms,
     tangent: Tangent,
     body: LeverArms,
     columns: Array,
@@ -364,22 +399,17 @@ def _couple_shaft(
     shaft_row: int,
     first: int,
 ) -> None:
-    """Add the derivatives of a body's force by the shaft's speed, and of the shaft's torque by the body's speeds.
+    """Add the derivatives of a body's force by a shaft's speed, and of the shaft's torque by the body's speeds.
 
     The first go to `columns` at `row` and `column`, the second to `rows` at `shaft_row` from column `first` on.
     """
-    shaft_push = contact.shaft_normal - tangent.sliding * contact.shaft_tangent
     for a in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[a], tangent.geometric * body.centre[a]
         columns[row + a, column] += (
-            tangent.slope * body.pushed[a] * contact.shaft_normal
-            + creep_term * contact.shaft_tangent
-            + roll_term * contact.shaft_centre
+            tangent.slope * body.pushed[a] * arms.normal + creep_term * arms.tangent + roll_term * arms.centre
         )
         rows[shaft_row, first + a] += (
-            tangent.slope * shaft_push * body.normal[a]
-            + creep_term * contact.shaft_tangent
-            + roll_term * contact.shaft_centre
+            tangent.slope * arms.pushed * body.normal[a] + creep_term * arms.tangent + roll_term * arms.centre
         )
 
 
@@ -389,7 +419,7 @@ def _condense_pins(system: System, equations: Equations) -> None:
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
     size = len(right)
-    coupled_size = max(size - 2, system.ring_shaft + 1)
+    coupled_size = max(3 * len(system.offset), system.ring_shaft + 1)
     for i in range(len(coupled)):
         pin_row, column_row = 3 * i, size * i
         inverse = _invert(pins, pin_row)
@@ -499,7 +529,7 @@ def _update_states(
     for shaft in range(2):
         limit = system.drag[shaft, 0]
         if limit > 0.0:
-            speed = v[size - 2 + shaft]
+            speed = v[system.shafts[shaft]]
             new_state = STICKS
             if system.drag[shaft, 1] * abs(speed) > limit:
                 new_state = SLIDES if speed > 0.0 else SLIDES_BACK

@@ -7,12 +7,14 @@ from cycloid_mj.dynamics.drive_cycle import DriveCycle
 from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
+from cycloid_mj.dynamics.planar.crank_train import CrankTrain
+from cycloid_mj.dynamics.planar.rv_system import input_inertia, make_crank_train, make_rv_system
 from cycloid_mj.dynamics.planar.state import start_state
 from cycloid_mj.dynamics.planar.stepper import Stepper
 from cycloid_mj.dynamics.planar.system import System, make_system
 from cycloid_mj.dynamics.planar.timestep import choose_step, resolves_pins
 from cycloid_mj.dynamics.regime import static_warnings
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.bodies import Pair
 from cycloid_mj.statics.film import drag_torques
 
@@ -25,6 +27,8 @@ class PlanarModel:
     ----------
     system
         Its arrays for the solver.
+    train
+        The cranks of an RV reducer as arrays; None with a central crank.
     timestep
         Time step [s].
     laws
@@ -32,7 +36,7 @@ class PlanarModel:
     servo_gains
         kp [N m/rad] and kv [N m s/rad] of the servo on the driven shaft.
     crank_inertia
-        Inertia of shaft and rotor about the crank axis [kg m2].
+        Inertia of shaft and rotor about the crank axis [kg m2]; of an RV reducer that of all parts, seen from the sun.
     drags
         Names of its losses of seals and lubricant.
     warnings
@@ -41,6 +45,7 @@ class PlanarModel:
 
     reducer: Reducer
     system: System
+    train: CrankTrain | None
     timestep: float
     laws: Mapping[str, ContactParameters]
     servo_gains: tuple[float, float]
@@ -62,7 +67,8 @@ class PlanarModel:
     def stepper(self, course: DriveCycle, every: int) -> Stepper:
         """Return a stepper at the start of a drive cycle, with one sample in `every` steps."""
         positions, speeds = start_state(self.reducer, course.angle, course.speed)
-        return Stepper(self.system, self.timestep, positions, speeds, every, resolves_pins(self.reducer, self.timestep))
+        midpoint_pins = resolves_pins(self.reducer, self.timestep)
+        return Stepper(self.system, self.timestep, positions, speeds, every, midpoint_pins, self.train)
 
 
 def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) -> PlanarModel:
@@ -76,16 +82,21 @@ def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) 
         A part of the design is not feasible.
     """
     laws = stiffest(laws_of_discs(reducer))
-    system = make_system(reducer, held)
+    if isinstance(reducer, RvReducer):
+        system, train, inertia = make_rv_system(reducer, held), make_crank_train(reducer), input_inertia(reducer)
+    else:
+        system, train = make_system(reducer, held), None
+        inertia = float(system.inertia[-1])
     servo_shaft = ("output", "crank").index(held) if held else 0
     losses = dict(zip((f"{reducer.INPUT}_drag", "output_drag"), drag_torques(reducer), strict=True))
     return PlanarModel(
         reducer=reducer,
         system=system,
+        train=train,
         timestep=timestep or choose_step(reducer).seconds,
         laws=laws,
         servo_gains=(float(system.servo[servo_shaft, 0]), float(system.servo[servo_shaft, 1])),
-        crank_inertia=float(system.inertia[-1]),
+        crank_inertia=inertia,
         drags=tuple(name for name, loss in losses.items() if loss),
         warnings=static_warnings(reducer, laws),
     )

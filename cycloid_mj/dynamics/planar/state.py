@@ -5,21 +5,24 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 
 
 def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Array]:
     """Compute positions and speeds of all unknowns at a crank angle [rad] and speed [rad/s], by closed-form kinematics.
 
-    They are in the order of a ``System``.
+    They are in the order of a ``System``. Angle and speed are those of the sun of an RV reducer.
     """
     position, velocity = joint_state(reducer, crank, speed)
-    order = [
-        *(joint for disc in reducer.mechanism.discs for joint in disc.joints),
-        names.OUTPUT_JOINT,
-        names.CRANK_JOINT,
-    ]
+    discs = [joint for disc in reducer.mechanism.discs for joint in disc.joints]
+    if isinstance(reducer, RvReducer):
+        order = [*discs, *names.planar_joints(names.SUN), names.OUTPUT_JOINT]
+    else:
+        order = [*discs, names.OUTPUT_JOINT, names.CRANK_JOINT]
     positions, speeds = ([joints.get(joint, 0.0) for joint in order] for joints in (position, velocity))
+    if isinstance(reducer, RvReducer):
+        positions += [float(reducer.member.crank_angle(crank))] * reducer.cranks.count
+        speeds += [float(reducer.member.crank_angle(speed))] * reducer.cranks.count
     ring_angle, ring_speed = (
         float(reducer.member.ring_and_carrier(joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity)
     )

@@ -16,6 +16,7 @@ from cycloid_mj.base.compiling import announce_compilation, cacheable
 from cycloid_mj.dynamics.contact import sample_layout
 from cycloid_mj.dynamics.contact.contact_search import STRIDE
 from cycloid_mj.dynamics.planar.contacts import MAX_TOUCHES, OPEN, Contacts, allocate_contacts, find_contacts, njit
+from cycloid_mj.dynamics.planar.crank_train import CrankTrain, find_crank_contacts
 from cycloid_mj.dynamics.planar.equations import Equations, allocate_equations, solve_step
 from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
 from cycloid_mj.dynamics.planar.system import System
@@ -56,6 +57,8 @@ class Stepper:
         Time steps from one sample to the next.
     midpoint_pins
         Whether moving pins are integrated by the midpoint rule as well, for steps that resolve their motion.
+    train
+        Cranks of an RV reducer; None for a central crank.
     """
 
     def __init__(
@@ -66,13 +69,14 @@ class Stepper:
         speeds: Array,
         stride: int = 1,
         midpoint_pins: bool = False,
+        train: CrankTrain | None = None,
     ) -> None:
         """Allocate contacts and equations, and set the state half a step before time 0, at the initial speeds."""
-        self._system, self._timestep, self._every = system, timestep, stride
+        self._system, self._train, self._timestep, self._every = system, train, timestep, stride
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
         self._contacts, self._equations = allocate_contacts(system), allocate_equations(system)
-        discs, teeth = len(system.cams), len(system.place)
-        pairs = teeth * (discs + system.free) + discs * (1 + len(system.studs))
+        discs, teeth = len(system.offset), len(system.place)
+        pairs = teeth * (discs + system.free) + len(system.cams) * (1 + len(system.studs)) + system.cranks * (discs + 1)
         self._motion = Motion(
             q=positions - 0.5 * timestep * speeds,
             v=speeds.copy(),
@@ -82,8 +86,9 @@ class Stepper:
         )
         self._commands = np.zeros((1, 2))
         self._taken, self._due = 0, 1
-        # angle, speed and torque of two shafts; pose and speeds of discs; position and spin of pins; two energies
-        copied = 2 * 3 + 6 * discs + 4 * teeth * system.free + 2
+        # angle, speed and torque of two shafts; position and speeds of a floating sun; pose and speeds of discs; angle
+        # and speed of cranks; position and spin of pins; two energies
+        copied = 2 * 3 + 4 * system.floating + 6 * discs + 2 * system.cranks + 4 * teeth * system.free + 2
         drags = int((system.drag[:, 0] > 0.0).sum())
         self.copied, self.solver, self.pairs, self.drags, self._width = sample_layout.sample_slices(
             copied, pairs, drags
@@ -104,6 +109,7 @@ class Stepper:
             _compile_steps()(
                 system,
                 lobes,
+                self._train,
                 self._contacts,
                 self._equations,
                 self._motion,
@@ -120,12 +126,13 @@ class Stepper:
 
 @cache
 def _compile_steps() -> Any:
-    """Compile or load the stepping function; lobes and pins have a version of their own."""
+    """Compile or load the stepping function; lobes, pins and cranks have versions of their own."""
 
     @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
     def advance(
         system: System,
         lobes: Array | None,
+        train: CrankTrain | None,
         contacts: Contacts,
         equations: Equations,
         motion: Motion,
@@ -151,6 +158,8 @@ def _compile_steps() -> Any:
             for search in range(CONTACT_SEARCH.max_searches):
                 _integrate(motion.q, half, predicted, q)
                 count = find_contacts(system, lobes, q, predicted, half, scratch, contacts)
+                if train is not None:
+                    count = find_crank_contacts(system, train, contacts, count, q, predicted, half)
                 q0, v0, command = motion.q, motion.v, commands[step]
                 iterations = solve_step(
                     system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, midpoint
@@ -212,7 +221,7 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
 def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
     """Return whether the midpoint of a disc or a moving pin is too far from the pose of the contact search."""
     radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
-    for body in range(0, size - 2, 3):
+    for body in range(0, 3 * system.bodies, 3):
         x, y = midpoint[body] - predicted[body], midpoint[body + 1] - predicted[body + 1]
         rim_shift = radius * (midpoint[body + 2] - predicted[body + 2])
         if half_step * half_step * (x * x + y * y + rim_shift * rim_shift) > tolerance * tolerance:
@@ -255,9 +264,8 @@ def _write_sample(
     `iterations` is the largest number of Newton iterations in a step since the last sample, at its last contact search;
     `unconverged` is the number of steps since then whose contact geometry did not converge.
     """
-    size = len(system.inertia)
     column = _write_motion(system, q, v, command, row)
-    row[column], row[column + 1] = _compute_energies(system, q, v, size)
+    row[column], row[column + 1] = _compute_energies(system, q, v, len(system.inertia))
     solver = column + 2
     pairs = solver + sample_layout.OF_SOLVER
     for pair in range(len(motion.peak)):
@@ -271,21 +279,33 @@ def _write_sample(
     for shaft in (1, 0):
         limit = system.drag[shaft, 0]
         if limit > 0.0:
-            speed = v[size - 2 + shaft]
+            speed = v[system.shafts[shaft]]
             row[column] = min(limit, system.drag[shaft, 1] * abs(speed)) * abs(speed)
             column += 1
 
 
 @njit
 def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
-    """Write positions and speeds of crank, discs, output and moving pins to a sample's row; return the next column."""
-    size = len(system.inertia)
-    column = _write_shaft(system, 1, size - 1, q, v, command, row, 0)
-    for body in range(0, size - 2, 3):
+    """Write positions and speeds of input, discs, output, cranks and moving pins to a row; return the next column.
+
+    The position of a floating sun follows its rotation; the angles of cranks are those against the carrier.
+    """
+    size, sun = len(system.inertia), 3 * len(system.offset)
+    column = _write_shaft(system, 1, system.shafts[1], q, v, command, row, 0)
+    if system.floating:
+        for m in range(2):
+            row[column + m], row[column + 2 + m] = q[sun + m], v[sun + m]
+        column += 4
+    for body in range(0, sun, 3):
         for m in range(3):
             row[column + m], row[column + 3 + m] = q[body + m], v[body + m]
         column += 6
-    column = _write_shaft(system, 0, size - 2, q, v, command, row, column)
+    column = _write_shaft(system, 0, system.shafts[0], q, v, command, row, column)
+    carrier = system.stud_shaft
+    angle, speed = (q[carrier], v[carrier]) if carrier >= 0 else (0.0, 0.0)
+    for crank in range(size - system.cranks, size):
+        row[column], row[column + 1] = q[crank] - angle, v[crank] - speed
+        column += 2
     ring_angle, speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
     s, c = math.sin(ring_angle), math.cos(ring_angle)
     for pin_unknown in range(size, len(q), 3):
@@ -351,10 +371,13 @@ def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[fl
     potential, kinetic = 0.0, 0.0
     for i in range(size):
         kinetic += 0.5 * system.inertia[i] * v[i] * v[i]
-    for body in range(0, size - 2, 3):
+    for body in range(0, 3 * system.bodies, 3):
         potential -= system.inertia[body] * (gx * q[body] + gy * q[body + 1])
+    for i in range(len(system.support)):
+        potential += 0.5 * system.support[i] * q[i] * q[i]
     for shaft in range(2):
-        s, c = math.sin(q[size - 2 + shaft]), math.cos(q[size - 2 + shaft])
+        angle = q[system.shafts[shaft]]
+        s, c = math.sin(angle), math.cos(angle)
         mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
         potential -= gx * (c * mx - s * my) + gy * (s * mx + c * my)
     for pin_unknown in range(size, len(q), 3):

@@ -1,7 +1,8 @@
 """A reducer in the plane as arrays, the input of the compiled planar solver.
 
 The unknowns are x, y and rotation of each disc, the rotations of output and crank, and x, y and rotation of each moving
-pin, in this order, in the frame of the foundation. All other bodies are at rest or rotate with the output.
+pin, in this order, in the frame of the foundation. All other bodies are at rest or rotate with the output. In an RV
+reducer, x, y and rotation of the sun follow the discs, and the rotations of all cranks follow that of the output.
 """
 
 from dataclasses import astuple
@@ -11,10 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base import names
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.dynamics.contact.contact_search import RingPin
 from cycloid_mj.dynamics.contact.teeth import Teeth
 from cycloid_mj.dynamics.film_table import CAM, OUTPUT, SEAT, TEETH, film_table
+from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.bodies import collider_attributes, crank_inertia, teeth_of_disc
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs
@@ -23,6 +25,7 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import moving_masses
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
+from cycloid_mj.reducer.impact import ImpactLaw
 from cycloid_mj.statics.film import drag_torques
 
 LAW = np.dtype(
@@ -40,6 +43,16 @@ class System(NamedTuple):
 
     Attributes
     ----------
+    bodies
+        Number of bodies with the unknowns x, y and rotation before the output: discs, and the sun.
+    shafts
+        Index of the unknowns of output and input: the crank, or the sun, shape (2,).
+    cranks
+        Number of cranks of an RV reducer, whose rotations are the last unknowns but those of pins; else 0.
+    floating
+        Whether there is a sun that moves along x and y.
+    support
+        Stiffness of springs that hold the unknowns of bodies at 0 [N/m], shape (3 bodies,); of a fixed sun, else (0,).
     teeth
         Teeth of every disc, except for their offset.
     offset, turned
@@ -53,7 +66,7 @@ class System(NamedTuple):
     lobes, free, sleeved
         Whether the ring has lobes, moving pins, sleeves.
     ring_shaft, stud_shaft
-        Index of the unknown that rotates the ring, and the output pins; -1 if they are at rest.
+        Index of the unknown that rotates the ring, and the output pins or crank axes; -1 if they are at rest.
     inner, outer
         Radii of the inner and outer surface of the seats of moving pins [m], shape (N,).
     arc
@@ -65,21 +78,26 @@ class System(NamedTuple):
     laws
         Contact law of each disc and kind, records of `LAW`, shape (D, 4).
     inertia
-        Mass or inertia of discs, output and crank [kg], [kg m2], shape (3 D + 2,).
+        Mass or inertia of bodies, output, and crank or cranks [kg], [kg m2], by unknown.
     pin
         Mass [kg] and inertia [kg m2] of a moving pin.
     gravity
         Acceleration [m/s2], shape (2,).
     unbalance
-        Mass times centroid of output and crank in their frames [kg m], shape (2, 2).
+        Mass times centroid of output and input in their frames [kg m], shape (2, 2).
     drag
-        Limit [N m] of the drag on output and crank, and its torque per speed below the limit [N m s], shape (2, 2).
+        Limit [N m] of the drag on output and input, and its torque per speed below the limit [N m s], shape (2, 2).
     film
         Friction coefficients of the law ``film``, see `film_table`; `film_table.NO_TABLE` with the law ``coulomb``.
     servo
-        Servo gains [N m/rad], [N m s/rad] of output and crank, shape (2, 2); if the first is 0, commands are torques.
+        Servo gains [N m/rad], [N m s/rad] of output and input, shape (2, 2); if the first is 0, commands are torques.
     """
 
+    bodies: int
+    shafts: Integers
+    cranks: int
+    floating: bool
+    support: Array
     teeth: Teeth
     offset: Array
     turned: Array
@@ -127,7 +145,7 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
     output = [mechanism.mating("output", disc) for disc in discs]
     teeth = [teeth_of_disc(reducer, disc) for disc in discs]
     ring = mesh[0].by
-    seats, inner, outer, arc = _seat_geometry(reducer, ring)
+    seats, inner, outer, arc = seat_geometry(reducer, ring)
     shafts = {"output": masses[mechanism.turning], "crank": masses[names.SHAFT]}
     shaft_inertia = {
         "output": float(shafts["output"].inertia[2, 2]),
@@ -138,10 +156,15 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
     crank_drag, output_drag = drag_torques(reducer)
     losses = {"output": output_drag, "crank": crank_drag}
     return System(
+        bodies=len(discs),
+        shafts=np.array([3 * len(discs), 3 * len(discs) + 1]),
+        cranks=0,
+        floating=False,
+        support=np.zeros(0),
         teeth=teeth[0],
         offset=np.array([tooth.flank.offset for tooth in teeth]),
         turned=np.array([mating.on.angle[0] for mating in mesh]),
-        ring=_ring_values(reducer, ring),
+        ring=ring_values(reducer, ring),
         place=seats.place,
         home=unit(seats.angle),
         seated=np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
@@ -160,7 +183,7 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
         stud=float(output[0].by.radius[0]),
         bore=float(cams[0].on.radius[0]),
         cam=float(cams[0].by.radius[0]),
-        laws=_contact_laws(reducer),
+        laws=contact_laws(reducer),
         inertia=np.array([*_disc_inertias(reducer), *shaft_inertia.values()]),
         pin=np.array([pin.mass, pin.inertia[2, 2]]) if pin else np.zeros(2),
         gravity=np.array([design.environment.gravity_x, design.environment.gravity_y]),
@@ -178,7 +201,7 @@ def _disc_inertias(reducer: Reducer) -> list[float]:
     return [value for disc in properties for value in (disc.mass, disc.mass, float(disc.inertia[2, 2]))]
 
 
-def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
+def seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
     """Return the ring's surfaces, the radii of inner and outer seat surfaces [m], and the arc of a `System`.
 
     With moving pins these are the seats, otherwise the surfaces that mate with the teeth.
@@ -192,7 +215,7 @@ def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, A
     return seats.by, inner.radius, outer.radius, np.array([np.cos(outer.half_angle), sine])
 
 
-def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
+def ring_values(reducer: Reducer, ring: Surfaces) -> Array:
     """Return the values of `contact_search.RingPin` for each pin, shape (N, 6); of lobes the radii only."""
     values = np.zeros((len(ring.names), len(RingPin._fields)))
     values[:, 0] = ring.radius
@@ -202,7 +225,7 @@ def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
     return values
 
 
-def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
+def contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
     """Return the contact laws as records of `LAW`, shape (D, 4): one row for each disc, one column for each kind."""
     design = reducer.design
     kinds = {TEETH: design.tooth_pair, SEAT: design.seat_pair, CAM: "cam", OUTPUT: "output"}
@@ -211,7 +234,12 @@ def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
         for row, kind in kinds.items():
             if kind not in laws:
                 continue
-            law, impact = laws[kind], reducer.contacts[kind].impact
-            impact_parameters = astuple(impact) if impact else (0.0,) * 4
-            laws_array[disc, row] = (law.stiffness, law.damping, law.friction, law.creep, *impact_parameters)
+            laws_array[disc, row] = law_record(laws[kind], reducer.contacts[kind].impact)[0]
     return laws_array
+
+
+def law_record(law: ContactParameters, impact: ImpactLaw | None = None) -> npt.NDArray[np.void]:
+    """Return a contact law as a record of `LAW`, shape (1,); `impact` is its law IMPACT, if any."""
+    impact_parameters = astuple(impact) if impact else (0.0,) * 4
+    values = law.stiffness, law.damping, law.friction, law.creep, *impact_parameters
+    return np.array([values], dtype=LAW)

@@ -1,0 +1,171 @@
+"""Contacts of the cranks of an RV reducer: their bearings in the discs, and their planets on the sun.
+
+A bearing is needles and taper in series, as in ``statics.rv``: a spring between the eccentric and its bore, with the
+sum of both clearances. A preloaded bearing has a second contact on the far side, which opens under a larger load. The
+friction of needles and taper acts at the eccentric. A planet has two flanks on the sun, see
+``reducer.rv_bodies.PlanetMesh``.
+
+Unknowns are the discs, the sun, the output, the cranks in the frame of the foundation, and the moving pins.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.dynamics.contact.crank_train import MeshNumbers, planet_flanks
+from cycloid_mj.dynamics.contact.gap import Pose, outwards
+from cycloid_mj.dynamics.planar.contacts import (
+    Contact,
+    Contacts,
+    MatingSurfaces,
+    disc_pose,
+    linearise_law,
+    njit,
+    shaft_pose,
+)
+from cycloid_mj.dynamics.planar.system import System
+
+MIN_DISTANCE = 1e-15
+"""Displacement of an eccentric from its bore [m], below rounding, from which on its direction is defined."""
+
+
+class CrankTrain(NamedTuple):
+    """The n cranks of an RV reducer with D discs.
+
+    Attributes
+    ----------
+    axes
+        Positions of the crank axes in the carrier [m], shape (n, 2).
+    eccentrics
+        Positions of the eccentrics on their cranks at the crank angle 0 [m], shape (D, n, 2).
+    bores
+        Positions of the crank bores in the discs [m], shape (D, n, 2).
+    runouts
+        Offsets of the planets' teeth from the crank axes at the crank angle 0 [m], shape (n, 2).
+    laws
+        Contact laws of a bearing, and of a planet's flank, records of ``system.LAW``, shape (2,).
+    eccentric_radius, clearance
+        Radius of the eccentrics, and radial clearance of the bearings; negative: preload [m].
+    meshes
+        Values of `MeshNumbers` for each planet, shape (n, 10).
+    """
+
+    axes: Array
+    eccentrics: Array
+    bores: Array
+    runouts: Array
+    laws: npt.NDArray[np.void]
+    eccentric_radius: float
+    clearance: float
+    meshes: Array
+
+
+@njit
+def find_crank_contacts(
+    system: System, train: CrankTrain, contacts: Contacts, count: int, q: Array, v: Array, half_step: float
+) -> int:
+    """Write the contacts of all cranks after `count` others, and return their new number.
+
+    Arguments are as in ``contacts.find_contacts``. Their pairs follow those of teeth and seats: a bearing of each disc
+    and crank, then a mesh of each planet.
+    """
+    discs, cranks = train.eccentrics.shape[0], train.eccentrics.shape[1]
+    carrier, first_crank = system.stud_shaft, len(system.inertia) - cranks
+    carrier_pose, pair = shaft_pose(q, carrier), len(system.place) * (discs + system.free)
+    for disc in range(discs):
+        pose = disc_pose(q, 3 * disc, 0.0)
+        for i in range(cranks):
+            mating, crank = MatingSurfaces(pair, train.laws[0], 3 * disc, -1, carrier), first_crank + i
+            pair += 1
+            ax, ay = outwards(carrier_pose, train.axes[i, 0], train.axes[i, 1])
+            ex, ey = outwards(shaft_pose(q, crank), train.eccentrics[disc, i, 0], train.eccentrics[disc, i, 1])
+            bx, by = outwards(pose, train.bores[disc, i, 0], train.bores[disc, i, 1])
+            dx, dy = ax + ex - pose.x - bx, ay + ey - pose.y - by
+            distance = math.sqrt(dx * dx + dy * dy)
+            # at rest in the middle any direction will do: the bearing is equally stiff in all
+            nx, ny = (dx / distance, dy / distance) if distance > MIN_DISTANCE else (1.0, 0.0)
+            for side in (1.0, -1.0):
+                if side < 0.0 and train.clearance >= 0.0:
+                    continue
+                contact = contacts[count]
+                _start_contact(contact, mating, crank, side * nx, side * ny, train.clearance - side * distance)
+                _set_bearing_arms(contact, ax, ay, ex, ey, bx, by, train.eccentric_radius)
+                contact.geometric_stiffness = half_step * side / max(distance, MIN_DISTANCE)
+                linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
+                count += 1
+    for i in range(cranks):
+        mating = MatingSurfaces(pair + i, train.laws[1], 3 * discs, -1, carrier)
+        count = _find_planet_contacts(train, contacts, count, mating, first_crank + i, i, q, v, half_step)
+    return count
+
+
+@njit
+def _start_contact(contact: Contact, mating: MatingSurfaces, crank: int, nx: float, ny: float, gap: float) -> None:
+    """Set pair, unknowns, normal and gap of a contact that pushes the body `disc` along the normal."""
+    contact.pair = mating.pair
+    contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, -1, mating.shaft, crank
+    contact.nx, contact.ny, contact.gap, contact.side = nx, ny, gap, -1.0
+    contact.disc_centre, contact.shaft_centre, contact.crank_centre = 0.0, 0.0, 0.0
+    contact.geometric_stiffness = 0.0
+
+
+@njit
+def _set_bearing_arms(
+    contact: Contact, ax: float, ay: float, ex: float, ey: float, bx: float, by: float, radius: float
+) -> None:
+    """Set the lever arms of a bearing.
+
+    The vectors [m] lead from the reducer's axis to that of the crank, from there to the eccentric, and from the disc's
+    centre to the bore. Disc and crank rub at the `radius` of the eccentric.
+    """
+    nx, ny = contact.nx, contact.ny
+    contact.disc_normal, contact.disc_centre = bx * ny - by * nx, bx * nx + by * ny
+    contact.disc_tangent = contact.disc_centre + radius
+    contact.shaft_normal, contact.shaft_centre = ay * nx - ax * ny, -ax * nx - ay * ny
+    contact.shaft_tangent = contact.shaft_centre
+    contact.crank_normal, contact.crank_centre = ey * nx - ex * ny, -ex * nx - ey * ny
+    contact.crank_tangent = contact.crank_centre - radius
+
+
+@njit
+def _find_planet_contacts(
+    train: CrankTrain,
+    contacts: Contacts,
+    count: int,
+    mating: MatingSurfaces,
+    crank: int,
+    number: int,
+    q: Array,
+    v: Array,
+    half_step: float,
+) -> int:
+    """Write the contacts of both flanks of a planet, by its number, on the sun; return the new number of contacts.
+
+    Their normals are those of the force on the sun, opposite to those of ``PlanetMesh``.
+    """
+    sun, values = mating.disc, train.meshes[number]
+    mesh = MeshNumbers(
+        values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7], values[8], values[9]
+    )
+    crank_pose = shaft_pose(q, crank)
+    ax, ay = outwards(shaft_pose(q, mating.shaft), train.axes[number, 0], train.axes[number, 1])
+    rx, ry = outwards(crank_pose, train.runouts[number, 0], train.runouts[number, 1])
+    planet = Pose(ax + rx, ay + ry, crank_pose.cosine, crank_pose.sine)
+    flanks = planet_flanks(mesh, disc_pose(q, sun, 0.0), planet)
+    phase = mesh.planet_teeth * (q[crank] - math.atan2(flanks.y, flanks.x)) + mesh.phase
+    error_slope = mesh.error * mesh.planet_teeth * math.cos(phase)
+    for sign in (-1.0, 1.0):
+        across = sign * flanks.cosine
+        nx, ny = -flanks.sine * flanks.x - across * flanks.y, across * flanks.x - flanks.sine * flanks.y
+        contact = contacts[count]
+        _start_contact(contact, mating, crank, nx, ny, flanks.gap if sign < 0.0 else flanks.opposite)
+        contact.disc_normal, contact.disc_tangent = sign * mesh.sun_base, mesh.arm
+        contact.shaft_normal, contact.shaft_tangent = nx * ay - ny * ax + sign * error_slope, 0.0
+        contact.crank_normal = sign * (mesh.planet_base - error_slope) + nx * ry - ny * rx
+        contact.crank_tangent = -mesh.arm
+        linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
+        count += 1
+    return count
