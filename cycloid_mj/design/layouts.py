@@ -19,6 +19,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "simulate",
         "statics",
         "tolerance",
+        "view",
     ),
 }
 """The only commands that support a layout; empty: all of them."""
