@@ -11,11 +11,18 @@ from cycloid_mj.base.statistics import peak_to_peak
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND
 from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.measured import part_notes
-from cycloid_mj.geometry.rv import mesh_loss_factor
 from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_form_error, ideal_rv_loads, mean_force
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.statics.kernel import CARRYING_SHARE
-from cycloid_mj.statics.rv import RvLoads, RvSprings, compute_rv_springs, crank_misfits, phase_errors, solve_rv_loads
+from cycloid_mj.statics.rv import (
+    RvLoads,
+    RvSprings,
+    compute_rv_friction,
+    compute_rv_springs,
+    crank_misfits,
+    phase_errors,
+    solve_rv_loads,
+)
 from cycloid_mj.statics.sheet_figures import sheet_quantity
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
@@ -144,7 +151,7 @@ def _largest_mean(bearings: Array) -> float:
 
 
 def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency and losses under a torque on the output [N m], from forces of the balance without friction."""
+    """Yield efficiency and losses under a torque on the output [N m], from forces of the balance with friction."""
     powers = friction_powers(reducer, load)
     design, kind = reducer.design, reducer.design.tooth_pair
     delivered = load * abs(reducer.output_speed)
@@ -159,6 +166,7 @@ def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("output_power", delivered)
 
 
+@once
 def friction_powers(reducer: RvReducer, load: float) -> dict[str, float]:
     """Compute the mean powers lost to friction under a torque on the output [W], by part.
 
@@ -166,20 +174,21 @@ def friction_powers(reducer: RvReducer, load: float) -> dict[str, float]:
     eccentric.
     """
     design, planet = reducer.design, reducer.planet
-    balanced_loads, springs = balance_rv(reducer, load), springs_over_turn(reducer)
+    springs, torque = springs_over_turn(reducer), torque_on_carrier(reducer, load)
+    friction = compute_rv_friction(reducer, springs.crank, float(np.sign(torque)))
+    balanced_loads = solve_rv_loads(springs, torque, friction)
     output, kinematics = abs(reducer.output_speed), reducer.kinematics
     crank_speed = output * reducer.share * float(abs(kinematics.crank_per_carrier))
     sliding = np.sum(balanced_loads.pins * np.abs(springs.slip), axis=1).mean() * crank_speed
     bearing_power = (
         2.0 * balanced_loads.bearings.sum(axis=(1, 2)).mean() * reducer.cranks.eccentric_radius * reducer.crank_speed
     )
-    # the sun's torque acts at its speed against the carrier
-    mesh_power = load * output * float((kinematics.to_carrier - 1) / abs(kinematics.ratio))
-    factor = mesh_loss_factor(planet.sun_teeth, planet.planet_teeth, planet.pressure_angle)
+    mesh_speed = reducer.crank_speed * (1.0 + planet.planet_teeth / planet.sun_teeth)
+    mesh_power = np.abs(balanced_loads.meshes).sum(axis=1).mean() * reducer.planet_mesh.arm * mesh_speed
     return {
         "teeth": float(design.mesh_friction * sliding),
         "crank bearings": float(design.friction.cam_rolling * bearing_power),
-        "planets": planet.friction * factor * mesh_power,
+        "planets": float(planet.friction * mesh_power),
         "seals": design.drag.crank * abs(design.drive.speed) + design.drag.output * output,
     }
 
@@ -194,7 +203,7 @@ def assumptions(reducer: RvReducer) -> tuple[str, ...]:
         f"{1e6 * reducer.bearing_clearance:.4g} um for each crank and disc; discs do not tilt",
         f"planet mesh: {reducer.mesh_stiffness:.4g} N/m along the line of action"
         + ("" if reducer.planet.mesh_stiffness else " (ISO 6336-1, method B)"),
-        "losses: Coulomb friction of the forces without friction; "
+        "losses: Coulomb friction, with which the forces are in balance; "
         f"mesh {design.mesh_friction:g}, crank bearings {design.friction.cam_rolling:g}, "
         f"planets {reducer.planet.friction:g}",
         f"{SETTINGS.force_angles} crank angles over a turn of the carrier, {SETTINGS.rotation_angles} for backlash, "

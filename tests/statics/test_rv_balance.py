@@ -9,8 +9,14 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.geometry.rv_loads import closed_form_error, ideal_rv_loads
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics import main as statics
-from cycloid_mj.statics.rv import compute_rv_springs, crank_misfits, phase_errors, solve_rv_loads
-from cycloid_mj.statics.rv_sheet import carrier_turn
+from cycloid_mj.statics.rv import (
+    compute_rv_friction,
+    compute_rv_springs,
+    crank_misfits,
+    phase_errors,
+    solve_rv_loads,
+)
+from cycloid_mj.statics.rv_sheet import carrier_turn, friction_powers, springs_over_turn, torque_on_carrier
 
 RV80E = PRESETS["rv80e"]
 ARCSECOND = math.pi / 648000.0
@@ -46,6 +52,21 @@ def test_forces_are_in_equilibrium_and_the_planets_carry_the_input_torque() -> N
     assert on_discs + found.cranks.sum(axis=2) == pytest.approx(0.0, abs=1e-3)
     base = drive.planet.module * drive.planet.sun_teeth / 2.0 * math.cos(drive.planet.pressure_angle)
     assert found.meshes.sum(axis=1) * base == pytest.approx(784.0 / 153.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("member", ["carrier", "ring"])
+def test_power_of_the_sun_is_that_of_the_load_and_of_friction(member: str) -> None:
+    """The sun's power by the forces and the friction of its planets, against the losses of all parts."""
+    drive = reducer(f'output.member="{member}"')
+    springs, load = springs_over_turn(drive), 784.0
+    torque = torque_on_carrier(drive, load)
+    loads = solve_rv_loads(springs, torque, compute_rv_friction(drive, springs.crank, np.sign(torque)))
+    mesh = drive.planet_mesh
+    sun_torque = np.abs(loads.meshes).sum(axis=1).mean() * (mesh.sun_base + drive.planet.friction * mesh.arm)
+    supplied = sun_torque * abs(drive.design.drive.speed)
+    losses = sum(friction_powers(drive, load).values())
+    # the torque on a fixed carrier is that without losses, 0.1 % more than with them
+    assert supplied == pytest.approx(load * abs(drive.output_speed) + losses, rel=2e-3 if member == "ring" else 1e-3)
 
 
 def test_figures_of_the_rv80e() -> None:
