@@ -177,14 +177,12 @@ class Findings(Presented):
     timestep: str | None
     steps: int | None
     wall_s: float | None
-    driven_shaft: str
     crank: Crank
     gear_speed: SpeedFindings
     q_path: PathFindings
     q_speed: VelocityFindings
     transmission_error: TransmissionError
     contact_summary: ContactSummary
-    crank_bearings: CrankBearings | None
     pin1: Pin1 | None
     q_speed_magnitude: VelocityFindings
     q_acceleration: AccelerationFindings | None
@@ -193,6 +191,8 @@ class Findings(Presented):
     output_transmission_error: TransmissionError
     gear_transmission_error: TransmissionError
     discs: tuple[Disc, ...]
+    driven_shaft: str
+    crank_bearings: CrankBearings | None
     efficiency: float | None
     power: Power
     losses: tuple[Loss, ...]

@@ -22,8 +22,9 @@ MIN_CYCLE, MAX_CYCLE = 0.1, 1440.0
 CycleFlag = Annotated[
     float | None,
     Parameter(
+        metavar="N",
         help="Duration of one cycle of --duty [min], 0.1 to 1440. Its points follow in the order of the file. Default: "
-        "10, as of intermittent duty (S3, IEC 60034-1)."
+        "10, as of intermittent duty (S3, IEC 60034-1).",
     ),
 ]
 

@@ -43,8 +43,7 @@ def _turning_inertia(reducer: Reducer) -> float:
     masses, mechanism = moving_masses(reducer), reducer.mechanism
     along = [masses[body.part] for body in mechanism.turning_along]
     own = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *along))
-    carried = [body for body in mechanism.bodies if body.carrier == mechanism.turning]
-    return own + sum(masses[body.part].mass * float(body.place @ body.place) for body in carried)
+    return own + sum(masses[body.part].mass * float(body.place @ body.place) for body in mechanism.carried)
 
 
 def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:

@@ -213,6 +213,11 @@ class Mechanism:
         return {names.OUTPUT: self.discs, names.HOUSING: self.pins}[self.turning]
 
     @property
+    def carried(self) -> tuple[Body, ...]:
+        """The bodies whose joints are relative to the loaded body: pins of a ring, or cranks of a carrier."""
+        return tuple(body for body in self.bodies if body.carrier == self.turning)
+
+    @property
     def carriers(self) -> dict[str, str]:
         """Map from the name of each surface to that of its body."""
         return {name: body for group in self.surfaces for name, body in zip(group.names, group.bodies, strict=True)}

@@ -211,7 +211,9 @@ def solve_samples(
     for torque, values in zip(torques, rows, strict=True):
         figures = SampleFigures(*values[:, :-1].T.copy())
         output = {"output_mean": output_share * figures.output_mean + twist * torque}
-        solved_batches.append(replace(figures, **output, output_range=output_share * figures.output_range))
+        # with the friction force of a plain cam, as in `Loads`
+        cam = figures.cam / springs.cam_normal_share
+        solved_batches.append(replace(figures, cam=cam, **output, output_range=output_share * figures.output_range))
     return solved_batches
 
 

@@ -126,7 +126,7 @@ def crank_power(design: Design, found: Loads, springs: Springs) -> float:
     turned = springs.crank[:, np.newaxis] + 2.0 * np.pi * np.arange(found.discs) / found.discs
     ahead = np.stack([-np.cos(turned), -np.sin(turned)], axis=-1)
     held = np.sum(found.cam * ahead, axis=(1, 2)).mean() * design.gear.eccentricity
-    pressed = np.linalg.norm(found.cam, axis=-1).sum(axis=1).mean()
+    pressed = springs.cam_normal_share * np.linalg.norm(found.cam, axis=-1).sum(axis=1).mean()
     return float((held + design.friction_of("cam") * design.gear.bore_radius * pressed) * design.drive.speed)
 
 

@@ -124,5 +124,5 @@ def input_inertia(reducer: RvReducer) -> float:
 def total_output_inertia(reducer: RvReducer) -> float:
     """Compute the inertia of the output about its axis with the cranks that a carrier takes along [kg m2]."""
     mechanism, masses = reducer.mechanism, moving_masses(reducer)
-    carried = [body for body in mechanism.bodies if body.carrier == mechanism.turning and body.part == names.CRANK]
+    carried = [body for body in mechanism.carried if body.part == names.CRANK]
     return output_inertia(reducer) + sum(masses[body.part].mass * float(body.place @ body.place) for body in carried)
