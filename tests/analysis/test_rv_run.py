@@ -6,10 +6,12 @@ import pytest
 from cycloid_mj.analysis import analyze, explain, table
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import PRESETS, dump
 from cycloid_mj.reducer import RvReducer, reducer_of
 from cycloid_mj.reducer.rv_bodies import rv_motion
+from cycloid_mj.report import report
 
 LAG, FORCE = 2e-5, 5000.0
 """Lag of the output [rad], and force of each crank on each disc [N]."""
@@ -66,3 +68,9 @@ def test_words_name_the_sun_and_the_crank_bearings() -> None:
     assert "force of a crank on a disc, largest" in quantities
     assert not any("crank torque" in words or "crank speed" in words for words in quantities)
     assert "crank bearings carry up to 5000 N" in explain(findings)[-1]
+
+
+def test_a_report_of_a_run_is_refused_with_the_commands_that_take_it() -> None:
+    reducer = RvReducer(PRESETS["rv80e"].but(drive={"ramp": 0.0, "hold": 0.3}, ring={"pins": "fixed"}))
+    with pytest.raises(DesignError, match="supported by `analyze`, `build`"):
+        report({"rv80e": made_run(reducer)})
