@@ -222,6 +222,7 @@ def test_designs_of_the_requirements_pass_their_checks() -> None:
     assert len({demand.name for demand in cost_limits.DEMANDS}) == len(cost_limits.DEMANDS)
 
 
+@pytest.mark.slow
 def test_a_command_is_launched_in_a_folder_of_its_own() -> None:
     took = costs.launch("figures", "--quiet")
     assert 0.0 < took.cpu < 60.0

@@ -266,6 +266,7 @@ def locked_loops(contacts: float, off: float, seed: int) -> list[MeasuredLoop]:
     return loops
 
 
+@pytest.mark.slow
 def test_a_design_predicts_its_own_loops() -> None:
     """With the values that made them the loops are missed by their noise; with another structure by more."""
     model = locked_model(1.0)

@@ -37,6 +37,7 @@ def test_spread_of_the_transmission_error_is_that_of_the_derivation() -> None:
     assert max(shares["carrier_position"], shares["axis_position"]) < 1e-9
 
 
+@pytest.mark.slow
 def test_the_worst_sample_has_its_error_in_the_balance_of_springs() -> None:
     (worst, *_) = tolerance(toleranced(**ZONES), 200).worst
     found = {key: item.value for key, item in statics(worst).quantities.items()}

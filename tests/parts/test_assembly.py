@@ -253,6 +253,7 @@ def test_no_two_solids_of_a_whole_drive_and_its_motor_meet(name: str, crank: flo
     assert common_volumes(Reducer(design_of(name)), crank, tmp_path) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(("new_printed", "new_milled"), "new_printed"))
 def test_a_motor_with_threads_of_its_own_is_held_by_screws_from_within(name: str, tmp_path: Path) -> None:
     """Their heads are in counterbores below the cavity's floor, and reach into the motor by a thread's diameter."""
@@ -336,6 +337,7 @@ def test_all_that_a_whole_drive_buys_is_in_stock_and_its_steps_are_ten(name: str
     assert len(assembly_order(reducer, sizes)) == 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(NAMES, "new_of_two"))
 def test_a_cad_kernel_reads_named_coloured_solids_in_their_places(name: str, tmp_path: Path) -> None:
     reducer, crank = Reducer(design_of(name)), 0.7

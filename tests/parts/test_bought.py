@@ -26,11 +26,11 @@ THREE = {
 
 
 @cache
-def drawn_drives() -> tuple[Reducer, ...]:
-    """Draw ten drives at random."""
+def drawn_drives(count: int) -> tuple[Reducer, ...]:
+    """Draw a number of drives at random, the same ones each time."""
     found: list[Reducer] = []
     draw = random.Random(34)
-    while len(found) < 10:
+    while len(found) < count:
         asked = Requirement(
             ratio=draw.randint(5, 119),
             diameter=round(draw.uniform(0.03, 0.3), 4),
@@ -105,9 +105,9 @@ def test_every_size_in_the_bill_of_a_new_drive_is_in_the_tables_of_stock(name: s
     require_sizes_in_stock(reducer)
 
 
-@pytest.mark.parametrize("number", cases(range(10), *range(5)))
+@pytest.mark.parametrize("number", cases(range(10), *range(3)))
 def test_every_size_in_the_bill_is_in_the_tables_of_stock(number: int) -> None:
-    require_sizes_in_stock(drawn_drives()[number])
+    require_sizes_in_stock(drawn_drives(3 if number < 3 else 10)[number])
 
 
 def require_sizes_in_stock(reducer: Reducer) -> None:

@@ -484,6 +484,7 @@ def require_reasons(drive: SizedDrive) -> None:
     assert max(len(number) for number in re.findall(r"_mm = ([\d.]+)", text)) < 10
 
 
+@pytest.mark.slow
 def test_the_command_writes_files_and_their_figures(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     asked = ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "3", "--life-h", "10000", "--speed-rpm", "1000"]

@@ -99,7 +99,7 @@ def test_ring_as_output_has_the_same_mesh() -> None:
     [
         ("planet.backlash_um=30", 4.6),
         ("clearance.pin_gear_um=1", 6.8),
-        ("cranks.needle_clearance_um=1", 9.5),
+        pytest.param("cranks.needle_clearance_um=1", 9.5, marks=pytest.mark.slow),
     ],
 )
 def test_each_clearance_has_the_lost_motion_of_the_closed_form(change: str, arcsec: float) -> None:

@@ -137,7 +137,7 @@ def test_losses_are_what_the_crank_gives_more_than_the_output_takes() -> None:
     assert powers(Reducer(design), torque).crank == pytest.approx(crank_power(design, found, springs), rel=3e-4)
 
 
-@pytest.mark.parametrize("share", [1e-4, 1e-3])
+@pytest.mark.parametrize("share", [pytest.param(1e-4, marks=pytest.mark.slow), 1e-3])
 def test_a_ring_under_little_load_leaves_the_carrier_what_the_losses_ask_for(share: float) -> None:
     """Discs flung outwards at four times the speed rub more than the load: the carrier is held against its sense."""
     fast = override(PRESETS["twodisc"], ["gear.bearing=plain", "friction.cam=0.25", "friction.output=0.25"])
