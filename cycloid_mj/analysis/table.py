@@ -92,6 +92,7 @@ def _path_rows(phase: str, path: PathFindings, velocity: VelocityFindings) -> It
 
 
 def _contact_rows(findings: Findings) -> Iterator[FigureRow]:
+    """Yield the rows of number, penetration [um] and force [N] of the contacts, and of the forces of the cranks."""
     contact = findings.contact_summary
     yield _format_row("contacts in touch, mean", "1", contact.mean_active)
     yield _format_row("penetration, largest", "um", contact.max_penetration_um)

@@ -118,6 +118,7 @@ class LimitedConnection(H11Protocol):
         self._deadline = self.loop.call_later(self.limits.linger_s, self.transport.close)
 
     def _close_longest_waiting(self) -> None:
+        """Abort the connection that has waited longest for a complete request; do nothing if none waits."""
         waiting_since = {
             connection: connection._waiting_since
             for connection in self.connections

@@ -105,7 +105,7 @@ def parse_options(content: Any) -> BuildOptions:
 
 
 def reducer_at_reference(reducer: Reducer) -> Reducer:
-    """Return the reducer as its parts are manufactured: at 20 °C, and with the ring in one piece.
+    """Return the reducer with its parts as manufactured: at 20 °C, and with the ring in one piece.
 
     Raises
     ------

@@ -148,7 +148,7 @@ class Run(Presented):
         return f"<table>{rows}</table>"
 
     def _key_facts(self) -> tuple[tuple[str, str], ...]:
-        """Return pairs of name and text: number of samples and columns, time span, attachments and completeness."""
+        """Return name and text of the main properties: samples, columns, time span, attachments, completeness."""
         end = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
         time = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
         return (

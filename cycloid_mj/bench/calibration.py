@@ -215,7 +215,7 @@ class Calibration(Presented):
         return (*sentences, better + (remedy if best.key == "load" else ""))
 
     def _worst_stretches(self) -> Iterator[str]:
-        """Describe the worst stretch of each loop that the fitted model cannot follow, a sentence each."""
+        """Yield a sentence for each loop on its stretch (a sixth of the loop) that deviates most from the model."""
         all_stretches = self.stretches
         for loop in self.fitted.loops:
             stretches = [item for item in all_stretches if item.loop == loop.name]

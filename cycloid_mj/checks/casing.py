@@ -12,7 +12,7 @@ from cycloid_mj.reducer.sockets import is_drawn
 
 
 def casing_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the check of the joints of a drive; none if covers, bearings and screws do not fit the mechanism."""
+    """Yield the check that the drive with covers, bearings and screws can be assembled and turns freely."""
     if not is_drawn(reducer.design):
         return
     sizes, _ = casing_or_none(reducer)

@@ -154,9 +154,7 @@ def numbers(value: float, bound: float, unit: Unit) -> Numbers:
 def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
     """Format a value and its limit [SI] in a unit, with at least four digits and as many as distinguish them.
 
-    Equal numbers are written in full, so that the number of a remedy differs from them.
-
-    Where they are the same they are written in full: the number of a remedy then differs from them.
+    Equal numbers are written with all digits, so that a remedy, which is slightly larger or smaller, differs from both.
     """
     unit_symbol = SYMBOLS.get(unit.suffix, unit.suffix)
     shown_value, limit = unit.from_si(value), unit.from_si(bound)

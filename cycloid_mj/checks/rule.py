@@ -41,7 +41,7 @@ def wall_rule(
     location: str,
     depends_on_others: bool = False,
 ) -> Rule:
-    """Return the rule of a wall: thinner than the assumed share of E is a warning, no wall an error.
+    """Return the rule of a wall thickness: a warning below an assumed share of the pin circle radius E, an error at 0.
 
     Parameters
     ----------

@@ -68,7 +68,7 @@ def strength_checks(reducer: Reducer) -> Iterator[Check]:
 
 
 def _missing_balance(error: CycloidError) -> Check:
-    """Return the warning that statics found no equilibrium at the nominal torque."""
+    """Return a failed check, a warning, that statics found no equilibrium at the nominal torque, with the `error`."""
     return Check(
         name="rated_load",
         passed=False,
@@ -128,10 +128,8 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
 def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strength: str) -> tuple[str, float, float]:
     """Return key, value [Pa] and pressure ratio of the lower strength of the two surfaces of a kind of pair.
 
-    `strength` and `surface_strength` are attributes of the material. The value is that of the material over the ratio,
-    which is 1 except for bare rollers, see `roller_contacts`.
-
-    The value is that of the material over the ratio, which is 1 except for bare rollers, see `roller_contacts`.
+    `strength` and `surface_strength` are attributes of the material. The value is its strength over the pressure ratio,
+    which is 1 except for bare rollers (`roller_contacts`).
     """
     design = reducer.design
     has_bare_rollers_on_disc = kind == "cam" and has_bare_rollers(reducer)

@@ -99,6 +99,7 @@ def _pin_wall_rule(reducer: Reducer) -> Rule:
     socket = design.ring.pin_radius + play
 
     def limits(wall: float) -> tuple[Limit, ...]:
+        """Return the limits on the pins that leave a wall of a share of E between their sockets."""
         relative_radius = math.sin(math.pi / N) - wall / 2
         return (
             Limit("ring.pin_radius", "less than", E * relative_radius - play),
@@ -176,6 +177,7 @@ def _housing_wall_rule(reducer: Reducer) -> Rule:
     wall_thickness = outermost - ring.pin_circle_radius
 
     def limits(wall: float) -> tuple[Limit, ...]:
+        """Return the limits on housing and ring that leave a wall of a share of E outside the teeth."""
         return (
             Limit("housing.outer_radius", "more than", outermost + wall * ring.pin_circle_radius),
             Limit("ring.pin_circle_radius", "less than", (outer - wall_thickness) / (1 + wall)),

@@ -237,7 +237,7 @@ class SizeFlags:
         return best_ratio(requirement, low, high) if self.ratio_range else requirement
 
     def _crank_speed(self, ratio: int) -> float | None:
-        """Return the required speed of the crank [rpm], with a motor at most that of the motor; None if not required.
+        """Return the required crank speed [rpm], at most the speed of the motor at the torque; None if not required.
 
         Raises
         ------

@@ -156,7 +156,7 @@ def reduce(
 
 
 def _list_files(name: str, file_format: "Format", spread: bool) -> list[str]:
-    """Return the names of files that a joint may get in a format; with `spread`, also those for randomization."""
+    """List the names of all files that `reduce` can write in a format; with `spread`, also those for randomization."""
     from cycloid_mj.robot.description import list_description_files
     from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES
     from cycloid_mj.robot.randomization import FILES

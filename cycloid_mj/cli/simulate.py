@@ -432,6 +432,7 @@ def _findings_attachment(findings: "Findings") -> dict[str, bytes]:
 
 
 def _require_held_samples(design: Design, plan: "Schedule") -> None:
+    """Raise UsageError if the hold is too short for `FEWEST_HELD` samples at the sampling interval of the run."""
     sampling = plan.stride * plan.timestep
     if design.drive.hold < FEWEST_HELD * sampling:
         raise UsageError(

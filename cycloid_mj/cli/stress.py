@@ -215,7 +215,7 @@ def stress(
 
 
 def _require_consistent(designs: Sequence[str], logs: Sequence[str], has_changes: bool) -> None:
-    """Raise UsageError unless there are designs or logs; `has_changes`: whether flags change the designs."""
+    """Raise UsageError if neither designs nor logs are named, or if flags change designs whose runs are logged."""
     if not designs and not logs:
         raise UsageError("no design or log is given: name one, e.g. cycloid-mj stress --design pin")
     if logs and has_changes:

@@ -118,7 +118,7 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
 
 
 def _upper_hole_deviation(letter: str, grade: int, size: float) -> float:
-    """Compute the upper deviation [m] of a hole of a letter beyond H at a nominal size [m] (4.3.2.5 and table 3)."""
+    """Compute the upper deviation [m] of a hole with a letter after H at a nominal size [m] (4.3.2.5 and table 3)."""
     finest = 8 if letter in "kmn" else 7
     if letter == "n" and grade > finest:
         return 0.0 if size > 3e-3 else -_deviation(letter, grade, size)

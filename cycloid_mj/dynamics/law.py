@@ -166,10 +166,10 @@ def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impr
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
-    """Compute the ``impratio`` of a model for stock MuJoCo, whose convex cone lifts sliding contacts.
+    """Compute the ``impratio`` for MuJoCo without this package, whose convex friction cone lifts sliding contacts.
 
-    It is the largest one, up to `FRICTION.impratio`, at which friction leads the sliding by no more than the allowed
-    tangent.
+    The result is the largest value up to `FRICTION.impratio` with which the angle of `friction_leads` is within its
+    limits.
     """
     allowed = [
         (FRICTION.max_pin_lead if kind == reducer.design.seat_pair else FRICTION.max_lead) / lead

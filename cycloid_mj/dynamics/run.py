@@ -506,7 +506,7 @@ class _Recorder:
         )
 
     def tables(self, rows: Array) -> dict[str, Array]:
-        """Compute the values of samples by topic, one row for each."""
+        """Convert rows of samples to the columns of the log: values by topic, shape (samples, columns) each."""
         copied_columns, solver, drags = (
             rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags)
         )
@@ -587,7 +587,7 @@ class _Recorder:
             yield (np.abs(error) > 0.25 * 2.0 * math.pi / member.lobes, partial(_describe_skip, disc_name, error))
 
     def _jam(self, cause: str, power: Array, sample: int) -> str:
-        """Return the description of a jam at a sample; `cause` dissipates the `power` [W] of each sample."""
+        """Describe, for an error message, the jam at a sample, whose `cause` dissipates the `power` [W] (samples,)."""
         drive = self._design.drive
         return (
             f"the drive jams: {cause} {power[sample]:.3g} W, which takes {power[sample] / abs(drive.speed):.3g} N m at "

@@ -45,7 +45,7 @@ class MeasuredFigures:
 
 
 def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFigures:
-    """Collect quantities as columns: the key of the catalogue, or else the quantity's key with its unit at the end."""
+    """Collect quantities as columns by name: the catalogue's key, else the quantity's key with its unit at the end."""
     quantities_by_name = {
         quantity.key if quantity.key in FIGURES else with_unit(quantity.key, quantity.unit): quantity
         for quantity in quantities

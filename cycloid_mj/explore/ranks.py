@@ -108,7 +108,7 @@ def _finite(values: Array) -> Array:
 
 
 def _spearman(values_a: Array, values_b: Array) -> float:
-    """Compute Spearman's rank correlation over the points that have both values; NaN for fewer than 3 points."""
+    """Compute Spearman's rank correlation of two columns; NaN for fewer than 3 points that have both values."""
     from scipy.stats import spearmanr
 
     valid = np.isfinite(values_a) & np.isfinite(values_b)

@@ -122,6 +122,7 @@ def _make_torque_figure(
     """
 
     def interval(reducer: Reducer) -> Quantity:
+        """Return the torque of a reducer with its interval [N m]; NaN without the law ``film``."""
         if not reducer.design.has_film:
             return Quantity(key, name, math.nan, "N m")
         torque_spread = spread_function(reducer)

@@ -91,8 +91,6 @@ class Sigma:
         """Points (..., 2) [m] of the flank: c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l).
 
         They are on the common normal through the pitch point.
-
-        They lie on the common normal through the pitch point.
         """
         N, c, _, rho = self.gear.symbols
         h = ((N - 1) * _K(self.gear) + self._l**2) / (N * self._l)

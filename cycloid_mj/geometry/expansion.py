@@ -151,8 +151,6 @@ def tooth_play(design: Design) -> float:
     """Compute the radial play [m] between disc and ring at the temperatures of ``[thermal]``; negative if they jam.
 
     At equal temperatures and materials it is the play of `jam_difference`.
-
-    It is that of `jam_difference`, for any temperatures and materials.
     """
     ring, clearance = design.ring, warm_clearances(design)
     play = clearance[design.tooth_pair] + design.modification.equidistant

@@ -89,7 +89,7 @@ def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
 def meshing_planet_teeth(sun_teeth: int, planet_teeth: int, count: int) -> tuple[int, ...]:
     """Return the planet tooth numbers on either side of `planet_teeth` with which all planets mesh, nearest first.
 
-    The nearest comes first, the larger of two that are as near.
+    Of two numbers at the same distance, the larger one comes first.
     """
     near = [
         next(change for change in range(1, count + 1) if (sun_teeth + planet_teeth + side * change) % count == 0) * side

@@ -132,6 +132,7 @@ def _of_bench_comparison(comparison: BenchComparison) -> Figures:
 
 @figures_of.register
 def _of_comparison(comparison: Comparison) -> Figures:
+    """Draw the signals of all compared runs, their spectra, and the relative curvature of the designs."""
     if not comparison.motions:
         raise UsageError(
             "this comparison has no simulations to draw: compare designs with simulations, or use .to_frame() for its "
@@ -221,6 +222,7 @@ def _of_findings(findings: Findings) -> Figures:
 
 @figures_of.register
 def _of_rating(rating: Rating) -> Figures:
+    """Draw the smallest margins of a rating as bars: safety factor, or life over required life."""
     margins = {item.name: item.margin(rating.life) for item in rating.items.values() if item.decisive}
     finite_margins = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
     tightest = dict(sorted(finite_margins.items(), key=lambda item: item[1])[: RESULT.max_checks])

@@ -389,8 +389,6 @@ def surfaces_on_circle(
 
     `numbered` are their names, `role` their shape, `radius` and `play` in metres; `angles` (n,) [rad] are clockwise
     from +y, by default evenly spaced.
-
-    They stand at clockwise `angles` from +y [rad], shape (n,), by default evenly.
     """
     count = len(numbered)
     angle = _angles(count) if angles is None else angles

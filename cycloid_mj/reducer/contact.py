@@ -292,7 +292,7 @@ class Contact:
         return 4.0 * torque / (design.ring.teeth * gear.eccentricity * design.lobes)
 
     def _compute_stiffness(self) -> float:
-        """Compute `stiffness` [N/m], which is cached."""
+        """Compute the stiffness of a contact of the pair [N/m] by the rules of the property `stiffness`."""
         design, kind = self._reducer.design, self.kind
         value: float = getattr(design.stiffness, kind)
         if value:
@@ -321,7 +321,7 @@ class Contact:
         return float(ideal_loads.line_contact_stiffness(force, face, modulus, depth, 1.0 / depth))
 
     def _compute_curvature_law(self) -> CurvatureLaw:
-        """Compute `curvature_law`, which is cached."""
+        """Compute the stiffness of a line contact of the pair by its curvature, for the property `curvature_law`."""
         design = self._reducer.design
         if impact := self._reducer.contacts.impact:
             return CurvatureLaw(0.0, 1.0, impact.secant(self.force), 0.0)

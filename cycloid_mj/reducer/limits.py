@@ -188,8 +188,6 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
     """Return gradients (m, u) [1] and gaps (m,) [m] of the limits slope . z + gap >= 0: contacts, then cams.
 
     The play of a cam, displaced by `cams` (D, 2) [m], is a polygon of `sides` sides.
-
-    These are the cams' places [m], shape (D, 2).
     """
     slopes, widths = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
     directions = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))

@@ -50,7 +50,7 @@ def is_drawn(design: Design) -> bool:
 
 
 def require_open_sockets(design: Design, feature: str) -> None:
-    """Raise an error if a feature needs the drawn parts of a design whose sockets are closed, which have none.
+    """Raise an error if a `feature` needs solids of the parts, and the design has closed sockets, without solids.
 
     Raises
     ------

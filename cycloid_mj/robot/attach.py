@@ -70,6 +70,7 @@ def constant_polynomial(coefficient: float) -> list[float]:
 
 
 def _compile(spec: Any) -> Any:
+    """Compile a copy of a robot's editable model; raise UsageError if MuJoCo refuses it."""
     try:
         return spec.copy().compile()
     except ValueError as problem:

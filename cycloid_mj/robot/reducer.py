@@ -211,6 +211,7 @@ class ReducedJoint(Presented):
         (low, lower_deviation), (high, upper_deviation) = self._stop_deviations(angle)
 
         def stops(deviation: float) -> tuple[float, float]:
+            """Compute the deviations at the lower and the upper stop [rad] at a deviation L [rad] of the output."""
             share_below, share_above = (
                 np.interp(-deviation, lower_deviation, shares),
                 np.interp(deviation, upper_deviation, shares),

@@ -70,7 +70,7 @@ def compute_part_compliance(
 
 
 def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
-    """Compute the work of the shaft's bearing forces on their seats in the housing [J], shape (k,).
+    """Compute the work of the shaft's bearing forces on their elastic seats in the housing [J], by crank angle (k,).
 
     A seat of width w has the compliance 1/(E w) of a round part in the bore of a plate (Tate and Rosenfeld, NACA TN
     1051, 1946), with E of the housing. The forces of both bearings are by statics.

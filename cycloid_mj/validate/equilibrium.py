@@ -327,10 +327,7 @@ def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
 
 
 def _output_springs(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the springs of output pins in the holes of the disc at a pose z [m].
-
-    Pins push along the lines of centres.
-    """
+    """Compute the spring between each output pin and its hole at a pose z [m], along the line of their centres."""
     output, pose = locked.design.output, locked.pose(z)
     ideal_positions = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
     holes, pins = (

@@ -203,7 +203,7 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
 
 
 def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the gap of every arc of the internal gear, and every local minimum of the gap inside some roots.
+    """Compute the gap of every arc of the internal gear, and the local minima of the gap inside `roots`.
 
     Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only within
     the fan of its normals, |alpha| <= asin(c N / E). `flanks` are given if they are modified.

@@ -50,7 +50,7 @@ class MeshNumbers(NamedTuple):
 
 
 def mesh_numbers(mesh: PlanetMesh, planet: int) -> MeshNumbers:
-    """Return the numbers of a mesh for a planet, by its index.
+    """Return the data of the mesh of the sun with planet number `planet`, as compiled code reads them.
 
     `involute` is the involute function of the pressure angle at home; `error` is the transmission error along the line
     of action [m].

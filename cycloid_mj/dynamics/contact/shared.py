@@ -15,7 +15,7 @@ class Shared:
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Keep the change inside this ``with`` block; nested and parallel blocks are allowed."""
+        """Make the shared change for this ``with`` block; the last nested or parallel block undoes it at its end."""
         with self._lock:
             if not self._users:
                 self._make()

@@ -86,7 +86,7 @@ class _Path(NamedTuple):
 def solve_by_arclength(
     springs: KernelSprings, k: int, load: Array, z: Array, order: float, tolerance: float, system: System
 ) -> float:
-    """Solve for displacements z (u,) [m] by pseudo-arclength continuation in friction and clearance.
+    """Solve for displacements z (u,) [m] at crank angle `k` by pseudo-arclength continuation in friction and clearance.
 
     Without clearance and friction, unilateral springs have a convex energy, whose minimum Newton's method finds. The
     path begins at this unique solution and cannot return to it: it leads to the full friction and clearance, or its
@@ -168,7 +168,8 @@ def allocate_path(springs: KernelSprings, number: int, order: float) -> _Path:
 def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: System) -> float:
     """Assemble the residual at a point of the path and its derivatives, `path.matrix`; return the residual norm [N].
 
-    The point consists of displacements over `path.unit` and the parameter, shape (u + 1,).
+    `k` is the index of the crank angle. The point consists of displacements over `path.unit` and the parameter, shape
+    (u + 1,).
     """
     number, matrix, residual, z = load.size, path.matrix, system.residual, system.back
     for j in range(number):
@@ -235,7 +236,7 @@ def _add_clearance_rate(
 def _update_tangent(
     springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: _Path, system: System
 ) -> float:
-    """Set the path's tangent to that at a `point`, with a sign of the determinant; return the determinant's sign."""
+    """Write the tangent of the path at a `point` to `path`; return the sign of its determinant, 0 if it is singular."""
     number = load.size
     augmented_residual(springs, k, load, point, path, system)
     copy(path.tangent, path.matrix[number])
@@ -261,7 +262,7 @@ def _predict_and_correct(
     path: _Path,
     system: System,
 ) -> bool:
-    """Compute the next point of the path at a `length`, and its tangent; return whether the path advances."""
+    """Compute the next point of the path at a `length`, and its tangent there; return whether the path advances."""
     copy(path.tangent, path.previous_tangent)
     if not _correct(springs, k, load, length, tolerance, path, system):
         return False

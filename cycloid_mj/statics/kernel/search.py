@@ -155,13 +155,14 @@ def _continue(
     warm_start: bool,
     system: System,
 ) -> float:
-    """Solve for displacements z (u,) [m] by Newton's method from their values, or else by continuation from a `start`.
+    """Solve for displacements z (u,) [m] at crank angle `k` by Newton's method, or else by continuation from a `start`.
 
-    Returns the residual norm [N]; `scale` [N] is the load's size. For `warm_start` see `newton`. Springs so soft that
-    all contacts are closed in spite of the clearances have a convex energy, whose minimum Newton's method finds. From
-    there, friction is increased and the springs are hardened, in steps that are halved until Newton's method converges
-    at the end of each. If such a path ends, because parts snap across their clearances, the springs are hardened first,
-    by descent of the energy, and friction is increased afterwards.
+    Newton's method begins at the values of z. Returns the residual norm [N]; `scale` [N] is the load's size. For
+    `warm_start` see `newton`. Springs so soft that all contacts are closed in spite of the clearances have a convex
+    energy, whose minimum Newton's method finds. From there, friction is increased and the springs are hardened, in
+    steps that are halved until Newton's method converges at the end of each. If such a path ends, because parts snap
+    across their clearances, the springs are hardened first, by descent of the energy, and friction is increased
+    afterwards.
     """
     has_friction = springs.rubbing.shape[0] > 0
     min_factor, friction, factor, parameter, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
@@ -255,7 +256,7 @@ def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float) -> bool:
-    """Return whether a cam is deflected by far more than the load [N] at displacements z: friction wedges it."""
+    """Return whether friction wedges a cam at crank angle `k`: it is deflected far more than by the load [N] alone."""
     max_deflection = max(
         _SEARCH.wedged_depth * largest_play(springs), _SEARCH.wedged_force * load / springs.cam_stiffness
     )

@@ -434,7 +434,7 @@ def _add_bent_pins(
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_list: bool, system: System) -> bool:
-    """Return whether any disc may touch a pin, by the neighbour list; set the forces on the pin to 0."""
+    """Return whether any disc may touch a pin at crank angle `k`, by the neighbour list; reset the pin forces."""
     may_touch, first_contact = False, _independent_contacts(springs)
     for d in range(springs.cam_place.shape[1]):
         i = first_contact + d * springs.pins + pin
@@ -549,7 +549,7 @@ def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def cam_contact(x: float, y: float, clearance: float) -> _Cam:
-    """Compute the contact of a disc displaced from its cam by x and y [m]: a circle in a circle.
+    """Compute the contact of a disc's bore with its cam, whose centres are x and y [m] apart: a circle in a circle.
 
     With negative clearance, both sides are in contact.
     """
@@ -563,7 +563,7 @@ def cam_contact(x: float, y: float, clearance: float) -> _Cam:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _add_friction(springs: KernelSprings, k: int, friction: float, system: System) -> None:
-    """Add a share of the Coulomb friction of sliding contacts, from their normal forces, to residual and tangent."""
+    """Add a share of the Coulomb friction of sliding contacts at crank angle `k` to residual and tangent."""
     output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_independent_contacts(springs)):
         force, x = system.pressed[i], 3 * springs.disc[i]
