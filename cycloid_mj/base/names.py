@@ -17,6 +17,9 @@ FORCE_X, FORCE_Y, MOMENT, PEAK_FORCE = "force_x", "force_y", "moment", "peak_for
 """What acts in a pair: the wrench about the origin of the body that feels it [N], [N m], and the largest force since
 the sample before [N]."""
 
+CRANK_BEARING, PLANET_MESH = "crank_bearing", "planet_mesh"
+"""Kinds of mating pairs that only an RV reducer has."""
+
 KINDS = {
     "pin": "pin_gear",
     "lobe": "tooth",
@@ -24,8 +27,8 @@ KINDS = {
     "sleeve": "pin_sleeve",
     "cam": "cam",
     "output_pin": "output",
-    "crank": "crank_bearing",
-    "planet": "planet_mesh",
+    "crank": CRANK_BEARING,
+    "planet": PLANET_MESH,
 }
 """What a mating pair is named by, before its number -> its kind."""
 

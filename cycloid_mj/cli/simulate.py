@@ -213,16 +213,16 @@ def _draw_page(ran: "Ran", quiet: bool) -> str:
 def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> Iterator[str]:
     """Yield commands to continue with: the run under load or its rating, then one for each kind of user."""
     design = [design_options.design, *(word for change in design_options.set_ for word in ("--set", change))]
+    resolved = design_options.resolve()
     if findings.condition.load:
         yield _command(["rate", *design], "life, and the weakest part")
     else:
-        loaded_design = design_options.resolve()
-        hold = "0.05" if loaded_design.layout == "central" else "0.2"
-        load_flags = ["--load-nm", f"{loaded_design.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold]
+        hold = "0.05" if resolved.layout == "central" else "0.2"
+        load_flags = ["--load-nm", f"{resolved.rated_torque:.4g}", "--ramp-s", "0", "--hold-s", hold]
         yield _command(["simulate", *design, *load_flags], "the same drive under its nominal torque")
     yield _command(["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive to order")
     yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
-    if design_options.resolve().layout == "central":
+    if resolved.layout == "central":
         yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")
 
 

@@ -11,20 +11,21 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
 from cycloid_mj.cli.duty import DutyFlag, LoadFlag, SpeedFlag, duty_cycle
-from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions
+from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, within
 
 if TYPE_CHECKING:
     from cycloid_mj.life.thermal_state import ThermalState
 
-MIN_CYCLE, MAX_CYCLE = 0.1, 1440.0
+CYCLES = (0.1, 1440.0)
 """Smallest and largest duration of a duty cycle [min]; shorter cycles heat as their mean."""
 
 CycleFlag = Annotated[
     float | None,
     Parameter(
         metavar="N",
-        help="Duration of one cycle of --duty [min], 0.1 to 1440. Its points follow in the order of the file. Default: "
-        "10, as of intermittent duty (S3, IEC 60034-1).",
+        validator=within(*CYCLES),
+        help=f"Duration of one cycle of --duty [min], {CYCLES[0]:g} to {CYCLES[1]:g}. Its points follow in the order "
+        "of the file. Default: 10, as of intermittent duty (S3, IEC 60034-1).",
     ),
 ]
 
@@ -52,19 +53,14 @@ def thermal(
     ISO/TR 14179-2). [thermal] sets grease, gaps and joints. A disc warmer than its ring closes the clearance of the
     teeth: the difference at which it jams is printed next to the computed one. The warm-up starts at the temperature of
     the air; --duty repeats its points in cycles. Torque limits by duty are for a drive that rests for the remaining
-    time of a cycle. --json: temperatures_c,
-    jam_difference_k, losses_w, thermal_torque_nm, time_constant_s; a limit that is never reached is
-    null. The exit code is 0 even if the parts jam.
+    time of a cycle. In the output of --json (temperatures_c, jam_difference_k, losses_w, thermal_torque_nm,
+    time_constant_s), a limit that is never reached is null. The exit code is 0 even if the parts jam.
     """
     from cycloid_mj.life.thermal import thermal as compute
 
     design = design_options.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
     if cycle_min is not None:
-        if not MIN_CYCLE <= cycle_min <= MAX_CYCLE:
-            raise UsageError(
-                f"--cycle-min {cycle_min:g} is not allowed: it must be {MIN_CYCLE:g} to {MAX_CYCLE:g} minutes"
-            )
         if not duty:
             raise UsageError("--cycle-min needs a duty cycle: add --duty, or remove --cycle-min")
         cycle = replace(cycle, period=60.0 * cycle_min)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.names import CRANK_BEARING, PLANET_MESH
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import units as u
 from cycloid_mj.design.layouts import RV_TABLES, applies
@@ -1205,8 +1206,8 @@ class Design(Section, Presented):
         With the law ``film`` it is the upper limit, that of boundary lubrication, where parts slide. In an RV reducer
         needles and tapered bearing of a crank both carry the force of a disc.
         """
-        if self.planet is not None and pair in ("crank_bearing", "planet_mesh"):
-            return self.planet.friction if pair == "planet_mesh" else 2.0 * self.friction.cam_rolling
+        if self.planet is not None and pair in (CRANK_BEARING, PLANET_MESH):
+            return self.planet.friction if pair == PLANET_MESH else 2.0 * self.friction.cam_rolling
         output = self.output
         rolling = {"cam": self.gear.bearing == "rolling", "output": output.has_needles}
         if self.has_film and not rolling.get(pair):

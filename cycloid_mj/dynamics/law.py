@@ -9,10 +9,10 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from cycloid_mj.base import names
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.reducer import Reducer, RvReducer
-from cycloid_mj.reducer.rv_bodies import CRANK_BEARING
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impr
     design = reducer.design
     gear, speed = design.gear, abs(reducer.orbit_speed)
     if isinstance(reducer, RvReducer):
-        shares = {design.tooth_pair: 1.0, CRANK_BEARING: gear.eccentricity / reducer.cranks.eccentric_radius}
+        shares = {design.tooth_pair: 1.0, names.CRANK_BEARING: gear.eccentricity / reducer.cranks.eccentric_radius}
     else:
         shares = {design.tooth_pair: 1.0, "cam": gear.eccentricity / gear.bore_radius}
     if design.ring.has_pin_bodies:

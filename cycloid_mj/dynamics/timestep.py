@@ -18,7 +18,6 @@ from typing import NamedTuple
 from cycloid_mj.base import names
 from cycloid_mj.parts import moving_masses, output_inertia, turning_inertia
 from cycloid_mj.reducer import Reducer, RvReducer, once
-from cycloid_mj.reducer.rv_bodies import CRANK_BEARING, PLANET_MESH
 
 
 @dataclass(frozen=True)
@@ -178,8 +177,8 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
     design = reducer.design
     gear, _, pin = _masses(reducer)
     if isinstance(reducer, RvReducer):
-        share = gear / reducer.cranks.count
-        limits = {"the disc on its cranks": _rolling_limit(reducer, CRANK_BEARING, share, reducer.bearing_clearance)}
+        share, clearance = gear / reducer.cranks.count, reducer.bearing_clearance
+        limits = {"the disc on its cranks": _rolling_limit(reducer, names.CRANK_BEARING, share, clearance)}
     else:
         limits = {"the disc on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
     if design.ring.has_pin_bodies:
@@ -244,8 +243,8 @@ def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
     sideways = 0.5 / sun.mass if reducer.planet.sun_support == "floating" else 0.0
     by_sun = count * max(mesh.sun_base**2 / sun_inertia, sideways)
     return {
-        CRANK_BEARING: count * max(1.0 / disc.mass, float(turning)),
-        PLANET_MESH: by_sun + mesh.planet_base**2 / float(crank.inertia[2, 2]),
+        names.CRANK_BEARING: count * max(1.0 / disc.mass, float(turning)),
+        names.PLANET_MESH: by_sun + mesh.planet_base**2 / float(crank.inertia[2, 2]),
     }
 
 

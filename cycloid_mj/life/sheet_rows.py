@@ -145,7 +145,7 @@ def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     speeds = np.array(SETTINGS.speed_shares) * abs(design.drive.speed)
     curves: list[Curve] = []
     for temperature in (SETTINGS.cold, SETTINGS.warm):
-        if reducer.design.has_film or not curves:
+        if reducer.design.has_film or not curves:  # Coulomb friction is the same at both temperatures
             at_speeds = [reducer.but(drive={"speed": float(speed)}) for speed in speeds]
             contacts = np.array([_contact_torque(at, "no_load_torque_nm", temperature).value for at in at_speeds])
         idle_torques = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])

@@ -171,26 +171,27 @@ def _rate_lubricated_pitting(
     Yields nothing without the law ``film``, or for pairs without these factors. `pitting` is the item without them.
     """
     allowed, power, damage = 1e6 * pitting.limit, AGMA_2001.power, 0.0
-    each = [pitting_factors(loading, kind, allowed) for loading in loadings]
-    factors = [item for item in each if item]
+    factors = [item for loading in loadings if (item := pitting_factors(loading, kind, allowed))]
     if len(factors) < len(loadings):
         return
     for loading, item in zip(loadings, factors, strict=True):
-        loads = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
-        damage += loads / lubricated_cycles(pitting_cycles(loading.pressures[kind], allowed), item.product, power)
-    least = min(factors, key=lambda item: item.product)
+        loads_per_hour = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
+        damage += loads_per_hour / lubricated_cycles(
+            pitting_cycles(loading.pressures[kind], allowed), item.product, power
+        )
+    smallest = min(factors, key=lambda item: item.product)
     yield RatedItem(
         f"{kind}_pitting_lubricated",
         f"{NAMES[kind]}, pitting with the lubricant",
         pitting.value,
-        least.product * pitting.limit,
+        smallest.product * pitting.limit,
         "MPa",
         None,
         1.0 / damage,
         "Z_L Z_v Z_R, ISO 6336-2:2006; Z_N and S_c as without lubricant, AGMA 2001-D04; Miner",
-        f"Z_L {least.lubricant:.3g} ({least.viscosity_40:.3g} mm2/s at 40 °C), Z_v {least.speed:.3g} (v "
-        f"{least.pitch_speed:.3g} m/s, same entrainment), Z_R {least.roughness:.3g} (Rz10 {least.mean_roughness:.3g} "
-        "um); the factors are for involute gears, and 1 up to 10^5 loads",
+        f"Z_L {smallest.lubricant:.3g} ({smallest.viscosity_40:.3g} mm2/s at 40 °C), Z_v {smallest.speed:.3g} (v "
+        f"{smallest.pitch_speed:.3g} m/s, same entrainment), Z_R {smallest.roughness:.3g} (Rz10 "
+        f"{smallest.mean_roughness:.3g} um); the factors are for involute gears, and 1 up to 10^5 loads",
     )
 
 

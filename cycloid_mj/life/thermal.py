@@ -243,10 +243,13 @@ def _torques_by_duty(
     by_point, _ = _solve_losses(warm, light, steady_state.temperatures["housing"], steady_state.network.capacities)
     running = sum(point.share for point in points)
     loaded = steady_state.warm if steady_state.converged else steady_state.cold
-    full, least = (sum(_mean(points, losses).values()) / running for losses in (loaded, by_point))
-    growth = (full - least) / (1.0 - settings.light_load)
-    allowed = running * (full + growth * (factor - 1.0))
-    return {share: max(0.0, 1.0 + (allowed / share - full) / growth) * largest for share in settings.duty_shares}
+    full_loss, light_loss = (sum(_mean(points, losses).values()) / running for losses in (loaded, by_point))
+    loss_slope = (full_loss - light_loss) / (1.0 - settings.light_load)
+    allowed_loss = running * (full_loss + loss_slope * (factor - 1.0))
+    return {
+        share: max(0.0, 1.0 + (allowed_loss / share - full_loss) / loss_slope) * largest
+        for share in settings.duty_shares
+    }
 
 
 def _at(design: Design, temperatures: Mapping[str, float]) -> Design:

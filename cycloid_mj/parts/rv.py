@@ -38,6 +38,11 @@ class AxialLayout:
     flanges: tuple[tuple[float, float], tuple[float, float]]
     planets: tuple[float, float]
 
+    @property
+    def planet_middle(self) -> float:
+        """Middle of sun and planets along z [m]."""
+        return sum(self.planets) / 2.0
+
 
 def axial_layout(reducer: RvReducer) -> AxialLayout:
     """Return the ends of flanges and planets along z, with `AXIAL_GAP` between faces that turn against each other."""
@@ -74,9 +79,7 @@ def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
     """
     parts, along = rv_parts(reducer), axial_layout(reducer)
     sun, planet = (_along_planets(reducer, parts[name]) for name in (SUN, PLANET))
-    # at the crank angle 0, a tooth of each planet points at a tooth space of the sun
-    first_tooth = np.pi - np.pi / reducer.planet.planet_teeth
-    planet_stretches = [replace(item, outline=TurnedContour(item.outline, first_tooth)) for item in planet]
+    planet_stretches = [replace(item, outline=TurnedContour(item.outline, planet_angle(reducer))) for item in planet]
     flanges = [parts[name] for name in FLANGES]
     tapers = [
         Stretch(TAPERED_BEARING, outer, (CircleContour(reducer.journal_radius, outer.centre),), z0, z1)
@@ -93,9 +96,14 @@ def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
     }
 
 
+def planet_angle(reducer: RvReducer) -> float:
+    """Return the angle of a planet's teeth [rad] at the crank angle 0: a tooth points at a tooth space of the sun."""
+    return float(np.pi - np.pi / reducer.planet.planet_teeth)
+
+
 def _along_planets(reducer: RvReducer, part: Part) -> list[Stretch]:
     """Return the stretches of a gear that is centred on z = 0, at the planets along z."""
-    middle = sum(axial_layout(reducer).planets) / 2.0
+    middle = axial_layout(reducer).planet_middle
     return [replace(item, z0=item.z0 + middle, z1=item.z1 + middle) for item in part.stretches]
 
 

@@ -225,8 +225,7 @@ class RvReducer(Reducer):
     @property
     def orbit_speed(self) -> float:
         """Speed of the cranks against the ground [rad/s], with which discs orbit, at the speed of the drive."""
-        speed = self.design.drive.speed
-        return float(self.member.against_ring(speed) + self.member.ring_angle(speed))
+        return float(self.member.crank_angle(self.design.drive.speed))
 
     @property
     def play(self) -> float:

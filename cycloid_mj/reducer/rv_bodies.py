@@ -44,9 +44,6 @@ from cycloid_mj.reducer.bodies import (
 if TYPE_CHECKING:
     from cycloid_mj.reducer.rv import RvReducer
 
-CRANK_BEARING, PLANET_MESH = "crank_bearing", "planet_mesh"
-"""Kinds of mating pairs that only an RV reducer has."""
-
 SUN_ANGLE = names.planar_joints(names.SUN)[-1]
 """Joint of the sun, and column of its angle in the log; speed and torque are ``sun_speed`` and ``sun_torque``."""
 
@@ -209,7 +206,7 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
         np.full(count, -reducer.phases[disc]),
         disc=disc,
     )
-    return Mating(CRANK_BEARING, numbered(names.CRANK), bores, eccentrics, disc)
+    return Mating(names.CRANK_BEARING, numbered(names.CRANK), bores, eccentrics, disc)
 
 
 def _planet_mating(reducer: "RvReducer") -> Mating:
@@ -224,7 +221,7 @@ def _planet_mating(reducer: "RvReducer") -> Mating:
     teeth = surfaces_on_circle(
         planets, crank_names(reducer), Role.PLANET, 0.0, planet_gear.tip_radius, runout, np.zeros(count)
     )
-    return Mating(PLANET_MESH, planets, sun_teeth, teeth)
+    return Mating(names.PLANET_MESH, planets, sun_teeth, teeth)
 
 
 def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
@@ -234,11 +231,9 @@ def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str,
     joints that are left out.
     """
     member, gear = reducer.member, reducer.tooth_profile
-    mesh, mesh_speed = float(member.against_ring(sun)), float(member.against_ring(speed))
-    ring, ring_speed = float(member.ring_angle(sun)), float(member.ring_angle(speed))
+    crank, crank_speed = float(member.crank_angle(sun)), float(member.crank_angle(speed))
     position = {SUN_ANGLE: sun, names.OUTPUT_JOINT: float(member.output_angle(sun))}
     velocity = {SUN_ANGLE: speed, names.OUTPUT_JOINT: float(member.output_angle(speed))}
-    crank, crank_speed = mesh + ring, mesh_speed + ring_speed
     for name, phase in zip(reducer.gears, reducer.phases, strict=True):
         x, y = (float(value) for value in gear_centre(gear, crank + phase))
         joints = names.planar_joints(name)

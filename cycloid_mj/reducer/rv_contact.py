@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cycloid_mj.base import names
 from cycloid_mj.geometry.rv_loads import ideal_rv_loads
 from cycloid_mj.reducer.contact import CONTACT, Contact, Contacts, Source
 
@@ -45,7 +46,7 @@ class SpringContact(Contact):
     @property
     def stiffness(self) -> float:
         """Stiffness of the pair [N/m]: of needles and taper in series, or of the mesh along its line of action."""
-        return self._rv.bearing_stiffness if self.kind == "crank_bearing" else self._rv.mesh_stiffness
+        return self._rv.bearing_stiffness if self.kind == names.CRANK_BEARING else self._rv.mesh_stiffness
 
     @property
     def series(self) -> tuple[float, ...]:
@@ -56,7 +57,7 @@ class SpringContact(Contact):
         """Compute `force`, which is cached."""
         reducer = self._rv
         torque = reducer.contacts.working_load * reducer.share
-        if self.kind == "crank_bearing":
+        if self.kind == names.CRANK_BEARING:
             crank = np.linspace(0.0, reducer.crank_turn, CONTACT.cam_force_angles, endpoint=False)
             return float(ideal_rv_loads(reducer.stage, torque, crank).bearings.mean())
         sun_torque = torque / reducer.stage.to_carrier
@@ -74,7 +75,7 @@ class RvContacts(Contacts):
         self._rv = reducer
 
     def __getitem__(self, kind: str) -> Contact:
-        if kind in ("crank_bearing", "planet_mesh"):
+        if kind in (names.CRANK_BEARING, names.PLANET_MESH):
             return SpringContact(self._rv, kind)
         return Contact(self._rv, kind)
 

@@ -52,7 +52,7 @@ class RvMember(Member):
 
     def against_carrier(self, sun: npt.ArrayLike) -> Array:
         """Return the angle of the cranks relative to the carrier [rad], by which their bearings turn."""
-        return np.asarray(self.against_ring(sun) + self.ring_angle(sun) - self.gear_angle(sun))
+        return np.asarray(self.crank_angle(sun) - self.gear_angle(sun))
 
     @property
     def share(self) -> float:

@@ -45,6 +45,9 @@ NEWTON = RvNewtonSettings()
 FRICTION_STEPS = 5
 """Fixed-point iterations of friction: each changes the losses of `rv80e` by a twentieth of the one before."""
 
+FRICTION_RTOL = 1e-3
+"""Largest change of the friction forces in the last iteration over the load: 0.1 points of efficiency."""
+
 
 @dataclass(frozen=True)
 class RvSprings:
@@ -302,14 +305,23 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RvFricti
     Raises
     ------
     RunError
-        The Newton method does not converge.
+        The Newton method does not converge, or friction does not.
     """
     load = np.zeros((springs.crank.size, springs.slope.shape[2]))
     load[:, springs.carrier] = torque / springs.lever
     loads = _balance(springs, load)
-    for _ in range(FRICTION_STEPS if friction else 0):
-        assert friction is not None
-        loads = _balance(springs, load + friction.load(loads))
+    if friction is None:
+        return loads
+    previous_forces = forces = np.zeros(load.shape)
+    for _ in range(FRICTION_STEPS):
+        previous_forces, forces = forces, friction.load(loads)
+        loads = _balance(springs, load + forces)
+    change = float(np.abs(forces - previous_forces).max() / np.abs(load).max())
+    if change > FRICTION_RTOL:
+        raise RunError(
+            f"no static equilibrium with friction found: the friction forces still change by {change:.3g} of the load, "
+            f"but at most {FRICTION_RTOL:g} is allowed. Reduce the coefficients in the table [friction]"
+        )
     return loads
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.geometry.rv_loads import closed_form_error, ideal_rv_loads
 from cycloid_mj.reducer import RvReducer
@@ -52,6 +53,11 @@ def test_forces_are_in_equilibrium_and_the_planets_carry_the_input_torque() -> N
     assert on_discs + found.cranks.sum(axis=2) == pytest.approx(0.0, abs=1e-3)
     base = drive.planet.module * drive.planet.sun_teeth / 2.0 * math.cos(drive.planet.pressure_angle)
     assert found.meshes.sum(axis=1) * base == pytest.approx(784.0 / 153.0, rel=1e-4)
+
+
+def test_friction_that_does_not_converge_is_refused() -> None:
+    with pytest.raises(RunError, match=r"friction forces still change by .* Reduce the coefficients"):
+        friction_powers(reducer("friction.cam_rolling=0.2"), 784.0)
 
 
 @pytest.mark.parametrize("member", ["carrier", "ring"])

@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 from numba import njit
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.gap import Pose
-from cycloid_mj.dynamics.contact.memory import read_float
+from cycloid_mj.dynamics.contact.memory import array_at
 from cycloid_mj.reducer.rv_bodies import PlanetMesh
 
 
@@ -72,18 +73,14 @@ def mesh_numbers(mesh: PlanetMesh, planet: int) -> MeshNumbers:
 @njit(inline="always")
 def read_mesh(address: int) -> MeshNumbers:
     """Read the numbers of a mesh at an address."""
-    return MeshNumbers(
-        read_float(address),
-        read_float(address + 8),
-        read_float(address + 16),
-        read_float(address + 24),
-        read_float(address + 32),
-        read_float(address + 40),
-        read_float(address + 48),
-        read_float(address + 56),
-        read_float(address + 64),
-        read_float(address + 72),
-    )
+    return unpack_mesh(array_at(address, 1, 10)[0])
+
+
+@njit(inline="always")
+def unpack_mesh(numbers: Array) -> MeshNumbers:
+    """Return the numbers (10,) of a mesh by their names."""
+    n = numbers
+    return MeshNumbers(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9])
 
 
 @njit(inline="always")
@@ -101,3 +98,10 @@ def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
     advance -= mesh.base_pitch * round(advance / mesh.base_pitch)
     gap = mesh.half_backlash + opening
     return Flanks(gap - advance, gap + advance, dx / distance, dy / distance, cosine, sine, mesh.sun_base / cosine)
+
+
+@njit(inline="always")
+def flank_normal(flanks: Flanks, side: float) -> tuple[float, float]:
+    """Return the normal from sun to planet of a flank: of that with `gap` if `side` is 1, with `opposite` if -1."""
+    forward = side * flanks.cosine
+    return flanks.sine * flanks.x - forward * flanks.y, flanks.sine * flanks.y + forward * flanks.x

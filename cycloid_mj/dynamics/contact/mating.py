@@ -17,7 +17,7 @@ from cycloid_mj.dynamics.contact.contact_search import (
     pin_touch,
     read_touch,
 )
-from cycloid_mj.dynamics.contact.crank_train import planet_flanks, read_mesh
+from cycloid_mj.dynamics.contact.crank_train import flank_normal, planet_flanks, read_mesh
 from cycloid_mj.dynamics.contact.gap import PartialCircle, Pose, circle_in_circle
 from cycloid_mj.dynamics.contact.layout import Layout
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
@@ -169,8 +169,7 @@ def write_planet_contacts(
     count = 0
     for side, gap in ((1.0, flanks.gap), (-1.0, flanks.opposite)):
         if gap < margin:
-            forward = side * flanks.cosine
-            nx, ny = flanks.sine * flanks.x - forward * flanks.y, flanks.sine * flanks.y + forward * flanks.x
+            nx, ny = flank_normal(flanks, side)
             px, py = pitch_x + mesh.arm * nx, pitch_y + mesh.arm * ny
             write_contact(contacts + STRIDE * count, gap, px, py, z, sign * nx, sign * ny)
             count += 1

@@ -40,7 +40,6 @@ from cycloid_mj.parts import mesh, moving_masses
 from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePlacement, gear_holes, prism, surfaces
 from cycloid_mj.parts.export.triangles import stl_bytes
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
-from cycloid_mj.reducer.rv_bodies import CRANK_BEARING, PLANET_MESH
 from cycloid_mj.reducer.sockets import require_one_ring, require_open_sockets
 
 VISUAL, COLLISION = "visual", "collision"
@@ -70,7 +69,7 @@ class MeshContactSettings:
 MESH_CONTACT = MeshContactSettings()
 
 
-SPRINGS = (CRANK_BEARING, PLANET_MESH)
+SPRINGS = (names.CRANK_BEARING, names.PLANET_MESH)
 """Kinds of pairs of an RV reducer that are springs instead of surfaces."""
 
 _STEMS = {"lobe": names.LOBE, "socket": names.SOCKET, "hole": names.HOLE}

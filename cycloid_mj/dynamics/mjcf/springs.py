@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf.bodies import mujoco_position
 from cycloid_mj.dynamics.regime import stiffness_ratio
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.reducer.rv_bodies import CRANK_BEARING, PLANET_MESH, SUN_ANGLE, crank_joint, crank_names
+from cycloid_mj.reducer.rv_bodies import SUN_ANGLE, crank_joint, crank_names
 
 MAX_STIFFNESS_RATIO = 2.0
 """Largest K dt^2/m of a spring: the explicit step diverges at 4 (Hairer and others, Geometric Numerical Integration,
@@ -31,7 +31,7 @@ def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParamet
     ContactError
         The time step is too long for their stiffness.
     """
-    for kind in (CRANK_BEARING, PLANET_MESH):
+    for kind in (names.CRANK_BEARING, names.PLANET_MESH):
         ratio = stiffness_ratio(laws[kind], spec.option.timestep)
         if ratio > MAX_STIFFNESS_RATIO:
             longest = spec.option.timestep * (MAX_STIFFNESS_RATIO / ratio) ** 0.5
@@ -41,18 +41,18 @@ def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParamet
                 "less, or increase drive.rotor_inertia"
             )
     for disc, plane in enumerate(reducer.design.gear.disc_planes):
-        mating = reducer.mechanism.mating(CRANK_BEARING, disc)
+        mating = reducer.mechanism.mating(names.CRANK_BEARING, disc)
         for i, name in enumerate(mating.names):
             for side in (mating.on, mating.by):
                 position = mujoco_position(side.place[i], plane - reducer.mechanism.body(side.bodies[i]).plane)
                 spec.body(side.bodies[i]).add_site(name=side.names[i], pos=position, group=4)
-            clearance = reducer.bearing_clearance
-            tendon = _add_spring(spec, name, laws[CRANK_BEARING], 0.0, clearance, 1.0 if clearance >= 0.0 else 2.0)
+            clearance, law = reducer.bearing_clearance, laws[names.CRANK_BEARING]
+            tendon = _add_spring(spec, name, law, 0.0, clearance, 1.0 if clearance >= 0.0 else 2.0)
             tendon.wrap_site(mating.on.names[i])
             tendon.wrap_site(mating.by.names[i])
     mesh = reducer.planet_mesh
-    for crank, name in zip(crank_names(reducer), reducer.mechanism.mating(PLANET_MESH).names, strict=True):
-        tendon = _add_spring(spec, name, laws[PLANET_MESH], -mesh.half_backlash, mesh.half_backlash)
+    for crank, name in zip(crank_names(reducer), reducer.mechanism.mating(names.PLANET_MESH).names, strict=True):
+        tendon = _add_spring(spec, name, laws[names.PLANET_MESH], -mesh.half_backlash, mesh.half_backlash)
         tendon.wrap_joint(SUN_ANGLE, significant(mesh.sun_base))
         tendon.wrap_joint(crank_joint(crank), significant(mesh.planet_base))
         if not reducer.design.output.turns_ring:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.dynamics.contact.crank_train import MeshNumbers, planet_flanks
+from cycloid_mj.dynamics.contact.crank_train import flank_normal, planet_flanks, unpack_mesh
 from cycloid_mj.dynamics.contact.gap import Pose, outwards
 from cycloid_mj.dynamics.planar.contacts import (
     Contact,
@@ -146,10 +146,7 @@ def _find_planet_contacts(
 
     Their normals are those of the force on the sun, opposite to those of ``PlanetMesh``.
     """
-    sun, values = mating.disc, train.meshes[number]
-    mesh = MeshNumbers(
-        values[0], values[1], values[2], values[3], values[4], values[5], values[6], values[7], values[8], values[9]
-    )
+    sun, mesh = mating.disc, unpack_mesh(train.meshes[number])
     crank_pose = shaft_pose(q, crank)
     ax, ay = outwards(shaft_pose(q, mating.shaft), train.axes[number, 0], train.axes[number, 1])
     rx, ry = outwards(crank_pose, train.runouts[number, 0], train.runouts[number, 1])
@@ -157,14 +154,14 @@ def _find_planet_contacts(
     flanks = planet_flanks(mesh, disc_pose(q, sun, 0.0), planet)
     phase = mesh.planet_teeth * (q[crank] - math.atan2(flanks.y, flanks.x)) + mesh.phase
     error_slope = mesh.error * mesh.planet_teeth * math.cos(phase)
-    for sign in (-1.0, 1.0):
-        across = sign * flanks.cosine
-        nx, ny = -flanks.sine * flanks.x - across * flanks.y, across * flanks.x - flanks.sine * flanks.y
+    for side in (1.0, -1.0):
+        px, py = flank_normal(flanks, side)
+        nx, ny = -px, -py
         contact = contacts[count]
-        _start_contact(contact, mating, crank, nx, ny, flanks.gap if sign < 0.0 else flanks.opposite)
-        contact.disc_normal, contact.disc_tangent = sign * mesh.sun_base, mesh.arm
-        contact.shaft_normal, contact.shaft_tangent = nx * ay - ny * ax + sign * error_slope, 0.0
-        contact.crank_normal = sign * (mesh.planet_base - error_slope) + nx * ry - ny * rx
+        _start_contact(contact, mating, crank, nx, ny, flanks.gap if side > 0.0 else flanks.opposite)
+        contact.disc_normal, contact.disc_tangent = -side * mesh.sun_base, mesh.arm
+        contact.shaft_normal, contact.shaft_tangent = nx * ay - ny * ax - side * error_slope, 0.0
+        contact.crank_normal = -side * (mesh.planet_base - error_slope) + nx * ry - ny * rx
         contact.crank_tangent = -mesh.arm
         linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
         count += 1

@@ -16,13 +16,13 @@ def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Ar
     position, velocity = joint_state(reducer, crank, speed)
     discs = [joint for disc in reducer.mechanism.discs for joint in disc.joints]
     if isinstance(reducer, RvReducer):
-        order = [*discs, *names.planar_joints(names.SUN), names.OUTPUT_JOINT]
+        order, cranks = [*discs, *names.planar_joints(names.SUN), names.OUTPUT_JOINT], reducer.cranks.count
     else:
-        order = [*discs, names.OUTPUT_JOINT, names.CRANK_JOINT]
-    positions, speeds = ([joints.get(joint, 0.0) for joint in order] for joints in (position, velocity))
-    if isinstance(reducer, RvReducer):
-        positions += [float(reducer.member.crank_angle(crank))] * reducer.cranks.count
-        speeds += [float(reducer.member.crank_angle(speed))] * reducer.cranks.count
+        order, cranks = [*discs, names.OUTPUT_JOINT, names.CRANK_JOINT], 0
+    positions, speeds = (
+        [*(joints.get(joint, 0.0) for joint in order), *[float(reducer.member.crank_angle(driven))] * cranks]
+        for joints, driven in ((position, crank), (velocity, speed))
+    )
     ring_angle, ring_speed = (
         float(reducer.member.ring_and_carrier(joints[names.OUTPUT_JOINT])[0]) for joints in (position, velocity)
     )

@@ -5,8 +5,9 @@ pin, in this order, in the frame of the foundation. All other bodies are at rest
 reducer, x, y and rotation of the sun follow the discs, and the rotations of all cranks follow that of the output.
 """
 
+from collections.abc import Mapping
 from dataclasses import astuple
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -138,44 +139,21 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
     DesignError
         A part of the design is not feasible.
     """
-    design, mechanism, masses = reducer.design, reducer.mechanism, moving_masses(reducer)
-    discs = range(design.gear.discs)
-    mesh = [mechanism.mating(design.tooth_pair, disc) for disc in discs]
+    mechanism, masses, discs = reducer.mechanism, moving_masses(reducer), range(reducer.design.gear.discs)
     cams = [mechanism.mating("cam", disc) for disc in discs]
     output = [mechanism.mating("output", disc) for disc in discs]
-    teeth = [teeth_of_disc(reducer, disc) for disc in discs]
-    ring = mesh[0].by
-    seats, inner, outer, arc = seat_geometry(reducer, ring)
     shafts = {"output": masses[mechanism.turning], "crank": masses[names.SHAFT]}
     shaft_inertia = {
         "output": float(shafts["output"].inertia[2, 2]),
         "crank": crank_inertia(reducer, masses),
     }
-    unknown_of_body = {mechanism.turning: 3 * len(discs)}
-    pin = masses[names.PIN] if design.ring.has_pin_bodies else None
-    crank_drag, output_drag = drag_torques(reducer)
-    losses = {"output": output_drag, "crank": crank_drag}
+    drag, servo = drags_and_servos(reducer, held, shaft_inertia, shaft_inertia)
     return System(
         bodies=len(discs),
         shafts=np.array([3 * len(discs), 3 * len(discs) + 1]),
         cranks=0,
         floating=False,
         support=np.zeros(0),
-        teeth=teeth[0],
-        offset=np.array([tooth.flank.offset for tooth in teeth]),
-        turned=np.array([mating.on.angle[0] for mating in mesh]),
-        ring=ring_values(reducer, ring),
-        place=seats.place,
-        home=unit(seats.angle),
-        seated=np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
-        lobes=ring.role == Role.LOBE,
-        free=design.ring.has_pin_bodies,
-        sleeved=design.ring.has_pin_bodies and design.ring.has_sleeves,
-        ring_shaft=unknown_of_body.get(names.HOUSING, -1),
-        stud_shaft=unknown_of_body.get(names.OUTPUT, -1),
-        inner=inner,
-        outer=outer,
-        arc=arc,
         holes=np.array([mating.on.place for mating in output]),
         studs=output[0].by.place,
         cams=np.array([cam.by.place[0] for cam in cams]),
@@ -183,15 +161,62 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
         stud=float(output[0].by.radius[0]),
         bore=float(cams[0].on.radius[0]),
         cam=float(cams[0].by.radius[0]),
-        laws=contact_laws(reducer),
         inertia=np.array([*_disc_inertias(reducer), *shaft_inertia.values()]),
-        pin=np.array([pin.mass, pin.inertia[2, 2]]) if pin else np.zeros(2),
-        gravity=np.array([design.environment.gravity_x, design.environment.gravity_y]),
         unbalance=np.array([shaft.mass * shaft.centroid[:2] for shaft in shafts.values()]),
-        drag=np.array([[losses[name], SEAL_CREEP * shaft_inertia[name]] for name in shafts]),
         film=film_table(reducer),
-        servo=np.array([servo_gains(shaft_inertia[name]) if name == held else (0.0, 0.0) for name in shafts]),
+        **teeth_and_ring(reducer, 3 * len(discs)),
+        drag=drag,
+        servo=servo,
     )
+
+
+def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
+    """Return what a `System` of any layout has of discs, ring and gravity, by attribute.
+
+    `output_unknown` is the index of the output's rotation.
+    """
+    design, mechanism = reducer.design, reducer.mechanism
+    discs = range(design.gear.discs)
+    mesh = [mechanism.mating(design.tooth_pair, disc) for disc in discs]
+    teeth = [teeth_of_disc(reducer, disc) for disc in discs]
+    ring = mesh[0].by
+    seats, inner, outer, arc = _seat_geometry(reducer, ring)
+    unknown_of_body = {mechanism.turning: output_unknown}
+    pin = moving_masses(reducer)[names.PIN] if design.ring.has_pin_bodies else None
+    return {
+        "teeth": teeth[0],
+        "offset": np.array([tooth.flank.offset for tooth in teeth]),
+        "turned": np.array([mating.on.angle[0] for mating in mesh]),
+        "ring": _ring_values(reducer, ring),
+        "place": seats.place,
+        "home": unit(seats.angle),
+        "seated": np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
+        "lobes": ring.role == Role.LOBE,
+        "free": design.ring.has_pin_bodies,
+        "sleeved": design.ring.has_pin_bodies and design.ring.has_sleeves,
+        "ring_shaft": unknown_of_body.get(names.HOUSING, -1),
+        "stud_shaft": unknown_of_body.get(names.OUTPUT, -1),
+        "inner": inner,
+        "outer": outer,
+        "arc": arc,
+        "laws": _contact_laws(reducer),
+        "pin": np.array([pin.mass, pin.inertia[2, 2]]) if pin else np.zeros(2),
+        "gravity": np.array([design.environment.gravity_x, design.environment.gravity_y]),
+    }
+
+
+def drags_and_servos(
+    reducer: Reducer, held: Held, shaft_inertia: Mapping[str, float], servo_inertia: Mapping[str, float]
+) -> tuple[Array, Array]:
+    """Return `drag` and `servo` of a `System`.
+
+    `shaft_inertia` are the inertias of the shafts ``output`` and ``crank``, `servo_inertia` those that a servo on them
+    moves [kg m2].
+    """
+    crank_drag, output_drag = drag_torques(reducer)
+    losses = {"output": output_drag, "crank": crank_drag}
+    drag = np.array([[losses[name], SEAL_CREEP * shaft_inertia[name]] for name in losses])
+    return drag, np.array([servo_gains(servo_inertia[name]) if name == held else (0.0, 0.0) for name in losses])
 
 
 def _disc_inertias(reducer: Reducer) -> list[float]:
@@ -201,7 +226,7 @@ def _disc_inertias(reducer: Reducer) -> list[float]:
     return [value for disc in properties for value in (disc.mass, disc.mass, float(disc.inertia[2, 2]))]
 
 
-def seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
+def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
     """Return the ring's surfaces, the radii of inner and outer seat surfaces [m], and the arc of a `System`.
 
     With moving pins these are the seats, otherwise the surfaces that mate with the teeth.
@@ -215,7 +240,7 @@ def seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Ar
     return seats.by, inner.radius, outer.radius, np.array([np.cos(outer.half_angle), sine])
 
 
-def ring_values(reducer: Reducer, ring: Surfaces) -> Array:
+def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
     """Return the values of `contact_search.RingPin` for each pin, shape (N, 6); of lobes the radii only."""
     values = np.zeros((len(ring.names), len(RingPin._fields)))
     values[:, 0] = ring.radius
@@ -225,7 +250,7 @@ def ring_values(reducer: Reducer, ring: Surfaces) -> Array:
     return values
 
 
-def contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
+def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
     """Return the contact laws as records of `LAW`, shape (D, 4): one row for each disc, one column for each kind."""
     design = reducer.design
     kinds = {TEETH: design.tooth_pair, SEAT: design.seat_pair, CAM: "cam", OUTPUT: "output"}

@@ -22,6 +22,7 @@ from cycloid_mj.parts.rv import (
     SUN,
     TAPERED_BEARING,
     axial_layout,
+    planet_angle,
     rv_bearings,
     rv_parts,
 )
@@ -56,20 +57,17 @@ def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPar
     kinematics, axial, origin = reducer.kinematics, axial_layout(reducer), (0.0, 0.0, 0.0)
     carrier_angle = crank / float(kinematics.crank_per_carrier)
     sun_angle = crank / float(kinematics.crank_per_sun)
-    planet_middle = sum(axial.planets) / 2.0
+    planet_middle = axial.planet_middle
     yield PlacedPart(names.HOUSING, names.HOUSING, origin, 0.0, names.HOUSING)
     for flange in FLANGES:
         yield PlacedPart(flange, flange, origin, carrier_angle, CARRIER)
     yield PlacedPart(SUN, SUN, (0.0, 0.0, planet_middle), sun_angle, SUN)
     yield from place_discs(reducer, crank, carrier_angle)
-    # at the crank angle 0, a tooth of planet 1 points at the sun's tooth space on +y
-    first_tooth = np.pi - np.pi / reducer.planet.planet_teeth
     for number, (x, y) in enumerate(reducer.stage.crank_places([crank])[0].tolist(), start=1):
         crank_name = names.numbered_name(CRANK, number)
         yield PlacedPart(crank_name, CRANK, (x, y, 0.0), crank, crank_name)
-        yield PlacedPart(
-            names.numbered_name(PLANET, number), PLANET, (x, y, planet_middle), crank + first_tooth, crank_name
-        )
+        angle = crank + planet_angle(reducer)
+        yield PlacedPart(names.numbered_name(PLANET, number), PLANET, (x, y, planet_middle), angle, crank_name)
         for bearing, ends in enumerate(axial.flanges, start=2 * number - 1):
             name = names.numbered_name(TAPERED_BEARING, bearing)
             yield PlacedPart(name, TAPERED_BEARING, (x, y, sum(ends) / 2.0), carrier_angle, CARRIER)
