@@ -155,25 +155,30 @@ def preload_study() -> dict[str, dict[str, float | None]]:
 def format_sections(content: Mapping[str, Any]) -> dict[str, str]:
     """Return the generated sections of the page in Markdown, by name."""
     return {
-        "measured": format_measured(content),
+        "figures": format_figures(content),
         "fit": format_fits(content),
         "models": format_models(content),
-        "predicted": format_prediction(content),
         "parts": format_compliances(content),
-        "rubbing": format_friction_fits(content),
         "losses": format_losses(content),
         "preload": format_preload(content),
     }
 
 
-def format_measured(content: Mapping[str, Any]) -> str:
-    """Tabulate the figures that the authors state next to those of the measured points, in Markdown."""
-    head = ("", "Baseline, authors", "Baseline, measured", "Twin, authors", "Twin, measured")
-    both = [content[kind]["measured"] for kind in LOOPS]
-    rows = [
-        (FIGURES[key], stated[0], _interval(both[0][key]), stated[1], _interval(both[1][key]))
-        for key, stated in AUTHORS.items()
-    ]
+def format_figures(content: Mapping[str, Any]) -> str:
+    """Tabulate the figures of both drives in Markdown: stated by the authors, measured, and fitted or predicted."""
+    head = ("", *("Baseline, " + name for name in ("authors", "measured", "fitted")))
+    head += tuple("Twin, " + name for name in ("authors", "measured", "predicted"))
+    pin, nonpin = (content[kind] for kind in LOOPS)
+    rows = []
+    for key, label in FIGURES.items():
+        stated = AUTHORS[key]
+        fitted, predicted = _number(pin["model"][key]["value"]), _number(nonpin["predicted"][key])
+        measured = [_interval(drive["measured"][key]) for drive in (pin, nonpin)]
+        rows.append((label, stated[0], measured[0], fitted, stated[1], measured[1], predicted))
+    shares = zip(("play loop", "stiffness loop"), pin["predicted_shares"], nonpin["predicted_shares"], strict=True)
+    rows += (
+        (f"rms, {loop}, share of its height", "", "", f"{fit:.1%}", "", "", f"{twin:.1%}") for loop, fit, twin in shares
+    )
     return markdown_table(head, rows)
 
 
@@ -181,8 +186,8 @@ def format_fits(content: Mapping[str, Any]) -> str:
     """Tabulate the fitted values of both drives, and the residual of each fit, in Markdown."""
     pin, nonpin = (content[kind] for kind in LOOPS)
     rows: list[tuple[str, ...]] = [
-        (f"`{key}` [{one['unit']}]", _estimate(one), _estimate(nonpin["parameters"][key]))
-        for key, one in pin["parameters"].items()
+        (f"`{key}` [{parameter['unit']}]", _estimate(parameter), _estimate(nonpin["parameters"][key]))
+        for key, parameter in pin["parameters"].items()
     ]
     for name, key in (("", "shares"), (", no torque offset", "shares_without_offset")):
         for loop, *shares in zip(("play loop", "stiffness loop"), pin[key], nonpin[key], strict=True):
@@ -204,18 +209,6 @@ def format_models(content: Mapping[str, Any]) -> str:
     return markdown_table(head, rows)
 
 
-def format_prediction(content: Mapping[str, Any]) -> str:
-    """Tabulate the nonpin drive as predicted from the pin drive's fit next to its measurement, in Markdown."""
-    pin, nonpin = (content[kind] for kind in LOOPS)
-    rows = []
-    for key, label in FIGURES.items():
-        models = _number(pin["model"][key]["value"]), _number(nonpin["predicted"][key])
-        rows.append((label, _interval(pin["measured"][key]), *models, _interval(nonpin["measured"][key])))
-    shares = zip(("play loop", "stiffness loop"), pin["predicted_shares"], nonpin["predicted_shares"], strict=True)
-    rows += ((f"rms, {loop}, share of its height", "", f"{own:.1%}", f"{other:.1%}", "") for loop, own, other in shares)
-    return markdown_table(("", "Baseline, measured", "Baseline, fitted", "Twin, predicted", "Twin, measured"), rows)
-
-
 def format_compliances(content: Mapping[str, Any]) -> str:
     """Tabulate the compliance of each part by finite elements, and their stiffness together, in Markdown."""
     drives = [content[kind] for kind in LOOPS]
@@ -227,16 +220,6 @@ def format_compliances(content: Mapping[str, Any]) -> str:
     stiffness = [{"value": 1.0 / sum(drive["parts"].values()), "ci95": drive["interval"]} for drive in drives]
     rows.append(("stiffness, predicted (limits of the modulus) [N m/rad]", *map(_interval, stiffness)))
     return markdown_table(("Rotation of the output per torque [mrad/(N m)]", "Ring pins", "Internal gear"), rows)
-
-
-def format_friction_fits(content: Mapping[str, Any]) -> str:
-    """Tabulate the fits with friction in the contacts, a row for each crank angle and locked shaft, in Markdown."""
-    shaft, loops = "Crank angle [deg], locked shaft", ("Rms, play loop", "Rms, large loop")
-    rows = [
-        (held, _estimate(fit["parameters"]["friction"]), f"{fit['play']:.2f}", *map("{:.1%}".format, fit["shares"]))
-        for held, fit in content["rubbing"]["held"].items()
-    ]
-    return markdown_table((shaft, "Friction coefficient", "Play [deg]", *loops), rows)
 
 
 def format_losses(content: Mapping[str, Any]) -> str:

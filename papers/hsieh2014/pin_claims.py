@@ -99,7 +99,7 @@ def slides(motions: Motions, rated: PinMotion) -> Claim:
         lambda some: f"{100 * _spread(some, lambda one: one.rolling).high:.2g} % of the gear's at most",
     )
     return statements.PIN_1_SLIDES.judge(
-        ours=spread_value(f"its surface goes along with {percent} % of the gear's", shares, "1"),
+        ours=spread_value(f"its surface has {percent} % of the gear's surface speed", shares, "1"),
         error=spread_error(shares, "1"),
         searched=motions.ranges,
         rated=Value(f"{100 * rated.rolling:.3g} %", rated.rolling, "1"),

@@ -55,8 +55,8 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
     angles = [StartSpread.of(angles) for angles in zip(*each, strict=True)]
     return stress_peaks("pin").judge(
         ours=Value(
-            f"the cam's force peaks at {angles[0].words} and {angles[1].words} deg; over all starts at {mean[0]:g} and "
-            f"{mean[1]:g} deg",
+            f"the cam's force peaks at {angles[0].words} and {angles[1].words} deg; its mean over the starts at "
+            f"{mean[0]:g} and {mean[1]:g} deg",
             mean[0],
             "deg",
             (angles[0].low, angles[0].high),
@@ -151,8 +151,8 @@ def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Clai
     )
     return PIN_1_CYCLE.judge(
         ours=verdicts.spread_value(
-            f"of what presses it over a turn, {_percent(pin)} comes within {reach:g} deg of 0, a ninth of the turn; of "
-            f"lobe 1 without pins {_percent(lobe)}",
+            f"{_percent(pin)} of the force's integral over a turn is within {reach:g} deg of 0, a ninth of the turn; "
+            f"for lobe 1 without pins {_percent(lobe)}",
             pin,
             OF_THE_PEAKS,
         ),
