@@ -163,21 +163,14 @@ def render(folder: Path) -> None:
     """Render the arm in its pose `home` as picture.png."""
     from PIL import Image
 
-    from cycloid_mj.scene.opengl import opengl
+    from cycloid_mj.scene.render import render_model
 
     model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
-    data = mujoco.MjData(model)
+    data, camera = mujoco.MjData(model), mujoco.MjvCamera()
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     mujoco.mj_forward(model, data)
-    scene, camera, frame = mujoco.MjvScene(model, 200), mujoco.MjvCamera(), mujoco.MjrRect(0, 0, 960, 720)
     camera.lookat, camera.distance, camera.azimuth, camera.elevation = [0.1, 0.0, 0.32], 1.25, 140.0, -14.0
-    with opengl(model, frame.width, frame.height) as context:
-        everything = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, everything, scene)
-        mujoco.mjr_render(frame, scene, context)
-        pixels = np.empty((frame.height, frame.width, 3), np.uint8)
-        mujoco.mjr_readPixels(pixels, None, frame, context)
-    Image.fromarray(pixels[::-1]).save(folder / "picture.png", optimize=True)
+    Image.fromarray(render_model(model, data, camera, (960, 720))).save(folder / "picture.png", optimize=True)
 
 
 def main(arguments: list[str]) -> int:

@@ -185,24 +185,17 @@ def render(folder: Path) -> None:
     import numpy as np
     from PIL import Image
 
-    from cycloid_mj.scene.opengl import opengl
+    from cycloid_mj.scene.render import render_model
 
     model = mujoco.MjModel.from_xml_path(str(folder / SCENE))
-    data = mujoco.MjData(model)
+    data, camera = mujoco.MjData(model), mujoco.MjvCamera()
     mujoco.mj_resetDataKeyframe(model, data, model.key("rest_90").id)
     mujoco.mj_forward(model, data)
-    scene, camera, frame = mujoco.MjvScene(model, model.ngeom), mujoco.MjvCamera(), mujoco.MjrRect(0, 0, 720, 600)
     camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
     views = []
-    with opengl(model, frame.width, frame.height) as context:
-        for name in ("oblique", "output_side"):
-            camera.fixedcamid = model.camera(name).id
-            everything = mujoco.mjtCatBit.mjCAT_ALL
-            mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, everything, scene)
-            mujoco.mjr_render(frame, scene, context)
-            pixels = np.empty((frame.height, frame.width, 3), np.uint8)
-            mujoco.mjr_readPixels(pixels, None, frame, context)
-            views.append(pixels[::-1])
+    for name in ("oblique", "output_side"):
+        camera.fixedcamid = model.camera(name).id
+        views.append(render_model(model, data, camera, (720, 600)))
     Image.fromarray(np.hstack(views)).save(folder / "picture.png", optimize=True)
 
 

@@ -1,7 +1,7 @@
-"""Everything that must hold before a commit: formatting, lint, types, import contracts, tests.
+"""Run all checks of a commit: formatting, lint, types, import contracts, tests.
 
-python scripts/check.py                # all of it
-python scripts/check.py --fast measure # the tests of one room alone: those in tests/measure
+python scripts/check.py                # all checks
+python scripts/check.py --fast measure # the tests of one package only: those in tests/measure
 """
 
 import argparse
@@ -16,20 +16,20 @@ BESIDE_TESTS = (("mypy",), ("lint-imports",))
 """Checks of one process each, which run next to the first tests; their output follows that of the tests."""
 
 
-def tests(room: str | None) -> tuple[str, ...]:
+def tests(package: str | None) -> tuple[str, ...]:
     """Return the command that runs all tests, or those of one package; exit for an unknown package."""
-    if room is None:
+    if package is None:
         return ("pytest", "-n", "2", "--dist", "worksteal")
-    rooms = sorted(path.name for path in (ROOT / "tests").iterdir() if any(path.glob("test_*.py")))
-    if room not in rooms:
-        sys.exit(f"no room {room!r}: choose of {', '.join(rooms)}")
-    return ("pytest", "-n", "2", f"tests/{room}")
+    packages = sorted(path.name for path in (ROOT / "tests").iterdir() if any(path.glob("test_*.py")))
+    if package not in packages:
+        sys.exit(f"there is no package {package!r}: choose one of {', '.join(packages)}")
+    return ("pytest", "-n", "2", f"tests/{package}")
 
 
 def main() -> int:
     """Run all checks of the project; stop at the first format or lint error; return the first nonzero exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
-    parser.add_argument("--fast", metavar="ROOM", help="run the tests of one room alone")
+    parser.add_argument("--fast", metavar="PACKAGE", help="run the tests of one package only")
     test_command = tests(parser.parse_args().fast)
     for lint in LINTS:
         if code := _finish(lint, _start(lint)):

@@ -107,5 +107,5 @@ def test_the_check_of_one_package_names_the_packages(monkeypatch: pytest.MonkeyP
 
     assert not any(word.startswith("tests/") for word in check.tests(None))
     assert "tests/reducer" in check.tests("reducer")
-    with pytest.raises(SystemExit, match=r"choose of .*reducer"):
+    with pytest.raises(SystemExit, match=r"choose one of .*reducer"):
         check.tests("cellar")

@@ -166,16 +166,11 @@ def hertz_line_contact(
     return HertzContact(half_width, peak_pressure, LARGEST_SHEAR * peak_pressure, SHEAR_DEPTH * half_width)
 
 
-def palmgren_deflection(force: npt.ArrayLike, length: npt.ArrayLike) -> Array:
-    """Approach [m] of two steel bodies in line contact, 3.84e-5 F^0.9 / L^0.8 in mm and N (Palmgren).
-
-    `force` F >= 0 [N], contact `length` L > 0 [m].
-    """
-    return PALMGREN * np.asarray(force, float) ** 0.9 / np.asarray(length, float) ** 0.8
-
-
 def palmgren_stiffness(force: npt.ArrayLike, length: npt.ArrayLike) -> Array:
-    """Secant stiffness F/deflection [N/m] of a steel line contact, proportional to F^0.1 L^0.8; 0 at no force."""
+    """Compute the secant stiffness [N/m] of a steel line contact under a force F [N] over a length L [m] (Palmgren).
+
+    The approach of both bodies is 3.84e-5 F^0.9 / L^0.8 in mm and N.
+    """
     return np.asarray(force, float) ** 0.1 * np.asarray(length, float) ** 0.8 / PALMGREN
 
 

@@ -62,12 +62,6 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
     return SurfaceSpeeds(moving=travel + sliding, fixed=travel)
 
 
-def rolling_tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> SurfaceSpeeds:
-    """Compute the surface speeds of the disc on free pins or sleeves that roll on it; parameters as `tooth_speeds`."""
-    disc = tooth_speeds(gear, B, crank_speed).moving
-    return SurfaceSpeeds(moving=disc, fixed=disc)
-
-
 def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
     """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve; parameters as in `tooth_speeds`.
 

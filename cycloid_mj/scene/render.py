@@ -74,7 +74,7 @@ def render(
     set_sample(model, data, run, sample)
     camera = mujoco.MjvCamera()
     aim_camera(camera, model, *view)
-    return _render(model, data, camera, size, _arrows(run, reducer, sample))
+    return render_model(model, data, camera, size, _arrows(run, reducer, sample))
 
 
 def render_part(
@@ -100,14 +100,13 @@ def render_part(
     camera.lookat[:] = data.geom_xpos[is_visible].mean(axis=0)
     distance = np.linalg.norm(data.geom_xpos[is_visible] - camera.lookat, axis=1)
     camera.distance = IMAGE.part_distance * float((distance + model.geom_rbound[is_visible]).max())
-    return _render(model, data, camera, size, [])
+    return render_model(model, data, camera, size)
 
 
-def _render(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: list[dict[str, Any]]) -> Image:
-    """Render a MuJoCo model with arrows as an image, shape (height, width, 3).
-
-    Raise UsageError for a size out of range.
-    """
+def render_model(
+    model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: Sequence[dict[str, Any]] = ()
+) -> Image:
+    """Render a MuJoCo model with arrows as an image, shape (height, width, 3); for errors see `render`."""
     width, height = size
     if not (IMAGE.min_pixels <= width <= IMAGE.max_pixels and IMAGE.min_pixels <= height <= IMAGE.max_pixels):
         raise UsageError(
