@@ -148,7 +148,7 @@ _ORIGINS = {
     "wear": "life.accuracy_life",
     "write_log": "log:write",
 }
-"""Where each public name lives: a module, and the name there if it is another; a room itself has no origin."""
+"""Module of each public name, and its name there if it differs; empty for a package."""
 
 
 def __getattr__(name: str) -> Any:

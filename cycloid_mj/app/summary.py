@@ -226,7 +226,7 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
 
 
 def _failed_checks_json(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
-    """Convert the failed ones of some checks to JSON values.
+    """Convert the failed checks among some checks to JSON values.
 
     Remedies of `KINDS` are left to `remedies`, as they take longer.
     """

@@ -1,1 +1,1 @@
-"""What every room stands on: types, units, errors, names, results, files, processes and the compile cache."""
+"""Common basis of all packages: types, units, errors, names, results, files, processes and the compile cache."""

@@ -1,4 +1,4 @@
-"""Atomic file writing: every result file is written whole or not at all.
+"""Atomic file writing: every result file is written completely or not at all.
 
 Several files are replaced together, with signals deferred. The packages atomicwrites (1.4.1, July 2022, no longer
 maintained) and safer (6.1) replace files one by one: a signal between two of them leaves a mixture.

@@ -1,4 +1,4 @@
-"""Where compiled code is kept from one run to the next: numba's cache, in a folder named after its sources.
+"""Cache of compiled code between runs: numba's cache, in a folder named after its sources.
 
 Numba compiles a function again when its own file changes, but not when a function of another file changes that it
 calls. A change of any source with compiled code leads to another folder.

@@ -1,4 +1,4 @@
-"""The errors and warnings a user can meet: each says what is wrong, what was got, what is allowed, what to do next."""
+"""Errors and warnings for the user: each states what is wrong, where, what is allowed and what to do."""
 
 import warnings
 from collections.abc import Collection, Iterable, Iterator

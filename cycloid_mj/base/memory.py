@@ -1,4 +1,4 @@
-"""Memory of a process: how rarely Python looks for circles of objects, and freed memory handed back to the system."""
+"""Memory of a process: how rarely Python collects reference cycles, and freed memory returned to the system."""
 
 import gc
 import sys

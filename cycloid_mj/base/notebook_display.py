@@ -1,4 +1,4 @@
-"""How results show in a notebook: a line of text, a table as HTML, a figure, and a data frame of pandas or polars."""
+"""Display of results in a notebook: a line of text, a table as HTML, a figure, and a data frame of pandas or polars."""
 
 from html import escape
 from importlib import import_module

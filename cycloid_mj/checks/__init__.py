@@ -78,7 +78,7 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of `soundness` one by one, so that a search for a failed one can stop early."""
+    """Yield the checks that decide whether a design can be built, one by one, so that a search can stop early."""
     if isinstance(reducer, RvReducer):
         yield from rv_checks(reducer)
         return

@@ -1,4 +1,4 @@
-"""``cycloid-mj animate``: a logged run as a film, drawn in its plane."""
+"""``cycloid-mj animate``: an animation of a logged run, drawn in its plane."""
 
 from pathlib import Path
 from typing import Annotated

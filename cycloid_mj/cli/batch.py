@@ -1,4 +1,4 @@
-"""Several runs at once, each into a log of its own, with one progress for all of them.
+"""Several runs in parallel, each with its own log, and one progress display for all of them.
 
 Threads are enough: time steps release Python's global lock.
 """

@@ -1,4 +1,4 @@
-"""``cycloid-mj build``: a folder that stock MuJoCo opens, with the reducer in mesh contact."""
+"""``cycloid-mj build``: a model folder for any MuJoCo installation, with convex meshes in contact."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Shell completion: the scripts of cyclopts, which complete commands and flags, extended to complete files."""
+"""Shell completion: the scripts of cyclopts, which complete commands and flags, extended to file names."""
 
 import re
 from typing import Literal

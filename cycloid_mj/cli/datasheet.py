@@ -1,4 +1,4 @@
-"""``cycloid-mj datasheet``: write a data sheet as a maker's catalogue has it: three pages to print and one to read."""
+"""``cycloid-mj datasheet``: a data sheet as in a manufacturer's catalogue: three pages as PDF, and one HTML page."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated

@@ -1,4 +1,4 @@
-"""The way out of every result: an `Outcome` to the terminal, as one JSON object, as a page, and as files."""
+"""Delivery of the results of all commands: an `Outcome` as text, as a JSON object, as a page, and as files."""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator

@@ -1,4 +1,4 @@
-"""``cycloid-mj doctor``: whether this installation works, what is missing, and what to do about it."""
+"""``cycloid-mj doctor``: check this installation, and report missing components with their remedies."""
 
 import platform
 import subprocess

@@ -1,4 +1,4 @@
-"""Files for the user: CSV tables written whole or not at all, folders, and what to say when they cannot be written."""
+"""Files for the user: CSV tables written completely or not at all, folders, and errors if they cannot be written."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""Help pages: as wide as the terminal, from 60 to 80 columns; their paragraphs fill that width."""
+"""Help pages: as wide as the terminal, from 60 to 80 columns, with paragraphs that fill this width."""
 
 import re
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The process ``cycloid-mj``: what it does with signals, from its first moment to its last, and with closed streams."""
+"""The process of ``cycloid-mj``: signals and closed streams, from its start to its end."""
 
 import atexit
 import codecs

@@ -1,4 +1,4 @@
-"""How far runs are: a bar with the time left on a terminal, now and then a line elsewhere."""
+"""Progress of runs: a bar with the time left on a terminal, a line every few seconds elsewhere."""
 
 import sys
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""``cycloid-mj protocol``: what makers and standards state of a reducer, from the model and from a bench."""
+"""``cycloid-mj protocol``: standard test figures of a reducer, from the model and from a test bench."""
 
 from functools import partial
 from math import isfinite, isnan

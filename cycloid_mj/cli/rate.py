@@ -1,4 +1,4 @@
-"""``cycloid-mj rate``: how long a reducer lasts, item by item, the weakest first."""
+"""``cycloid-mj rate``: life and safety of each part of a reducer, the weakest first."""
 
 from dataclasses import replace
 from pathlib import Path

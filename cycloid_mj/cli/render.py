@@ -1,4 +1,4 @@
-"""``cycloid-mj render``: a picture of a logged run by MuJoCo, without a display."""
+"""``cycloid-mj render``: an image of a logged run by MuJoCo, without a display."""
 
 from pathlib import Path
 from typing import Annotated

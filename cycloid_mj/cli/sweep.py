@@ -1,4 +1,4 @@
-"""``cycloid-mj sweep``: a design measured at many points, a row each."""
+"""``cycloid-mj sweep``: results of a design at many points, one row per point."""
 
 from dataclasses import dataclass
 from functools import cache, partial
@@ -169,7 +169,7 @@ def sweep(
 def _choose_points(
     vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int
 ) -> "Points":
-    """Return the points of the flags: a table, or a grid or sample of varied keys; raises as `choose_points`."""
+    """Return the points of the flags: a table, a grid, or a sample of varied keys; raises as `choose_points`."""
     from cycloid_mj.explore.points import read_table
     from cycloid_mj.explore.sweeps import choose_points
 

@@ -1,4 +1,4 @@
-"""What reaches the user: results on stdout; on stderr messages, what the package logs, and warnings."""
+"""Output to the user: results on stdout; messages, log messages of the package and warnings on stderr."""
 
 import json
 import logging

@@ -189,7 +189,7 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
 
 
 def _run_json(trial: Trial) -> dict[str, Any]:
-    """Convert a trial to JSON values: measures of its first start, and at no load the spread of each figure."""
+    """Convert a trial to JSON values: measures of its first start and, without load, the spread of each figure."""
     spreads = [
         {"quantity": figure_name, "unit": unit, **spread.as_json()}
         for figure_name, unit, compared in ROWS

@@ -1,6 +1,6 @@
 """The design of a reducer: one frozen value, read from and written to TOML.
 
-This room owns every input of the project and is the only place where mm, rpm, degrees and micrometres become SI.
+The package has every input of the project. Only here, mm, rpm, degrees and micrometres are converted to SI.
 """
 
 from cycloid_mj.design.file import Named, declaration_of, dump, load, loads, override, resolve, value_of

@@ -1,4 +1,4 @@
-"""Values that a design file takes from a preset: which they are, and whether the file says so."""
+"""Values that a design file takes from a preset, and whether the file states this."""
 
 import tomllib
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The designs that have a name: the paper's two, and drives that other people have built and published."""
+"""The built-in designs: the two of the paper, and drives that other people have built and published."""
 
 from collections.abc import Mapping
 from operator import attrgetter

@@ -1,4 +1,4 @@
-"""What can be bought: dowels, pin gauges, bearings, screws and inserts, with the sizes of their standards.
+"""Parts that can be bought: dowels, pin gauges, bearings, screws and inserts, with the sizes of their standards.
 
 Sizes in the tables are millimetres and kilonewtons, as printed there; what is handed out is in SI. Dimensions are those
 of the standard that is named, load ratings of the makers' catalogues that are named: others differ by some per cent.

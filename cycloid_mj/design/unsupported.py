@@ -1,4 +1,4 @@
-"""Layouts of reducers that are not supported, recognised by the keys and words that would ask for them."""
+"""Layouts of reducers that are not supported, recognised by the keys and words that request them."""
 
 from collections.abc import Mapping
 

@@ -1,1 +1,1 @@
-"""The reducer in motion: contact as MuJoCo solves it, the model, its course and its run."""
+"""Motion of the reducer: contact in MuJoCo, the model, its drive cycle and its run."""

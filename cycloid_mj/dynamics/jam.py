@@ -1,4 +1,4 @@
-"""Detection of a jam: friction takes more torque at the crank than any motor of the drive provides."""
+"""Detection of a jam: the friction torque on the crank exceeds that of any motor of the drive."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Samples that jam, and why: parts that press into each other without a load."""
+"""Samples that jam, and the cause: parts that press against each other without a load."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

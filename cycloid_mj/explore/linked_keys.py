@@ -1,4 +1,4 @@
-"""Keys that follow: values of the design file that change together with those a sweep or an optimisation varies."""
+"""Linked keys: values of the design file that change together with those that a sweep or an optimisation varies."""
 
 import ast
 import operator

@@ -1,4 +1,4 @@
-"""Sweep: a design measured at many points, each a row of one table that is written to disk at once."""
+"""Sweep: a design evaluated at many points, each a row of a table that is written to disk at once."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -374,7 +374,7 @@ def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
 
 
 def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the continuous, intermittent and largest input speed."""
+    """Return the rows of the continuous, the intermittent and the largest input speed [rpm]."""
     return (
         _figure(
             reducer,

@@ -328,7 +328,7 @@ def _open_log(
 
 
 def _write_preamble(stream: BinaryIO, metadata: Metadata, attachments: Mapping[str, bytes]) -> Writer:
-    """Write metadata and attachments to a stream; return the MCAP writer, whose chunks end at `flush` only."""
+    """Write metadata and attachments to a stream; return the MCAP writer, whose chunks end only at `flush`."""
     mcap = Writer(stream, chunk_size=sys.maxsize, enable_data_crcs=True)
     mcap.start(library=PACKAGE)
     for name, entries in metadata.items():

@@ -1,4 +1,4 @@
-"""A reducer as a joint of a robot: identified from the full model, written as stock MJCF, attached to any model."""
+"""A reducer as a joint of a robot: identified from the full model, written as MJCF, attached to any model."""
 
 from cycloid_mj.robot.attach import attach_reducer
 from cycloid_mj.robot.identification import reduce

@@ -183,7 +183,7 @@ def _move_actuators_to_crank(spec: Any, reduced: ReducedJoint, joint: str) -> No
 def _write_keyframes(
     spec: Any, keyframes: list[tuple[list[float], list[float]]], model: Any, reduced: ReducedJoint, joint: str
 ) -> None:
-    """Insert angle and speed of the crank into all keyframes: the middle of the play, and the speed of the hinge.
+    """Insert the crank into all keyframes: its angle in the middle of the play, and the speed of the hinge.
 
     `keyframes` are positions and speeds of each keyframe before the crank was added, an empty list for the default;
     `model` is the compiled ``MjModel`` without the reducer.

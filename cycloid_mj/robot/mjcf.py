@@ -1,4 +1,4 @@
-"""The joint as stock MJCF: `joint.xml` to include, `scene.xml` to open in MuJoCo."""
+"""The joint as MJCF for MuJoCo alone: `joint.xml` to include, `scene.xml` to open."""
 
 import math
 from dataclasses import dataclass

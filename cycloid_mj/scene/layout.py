@@ -1,4 +1,4 @@
-"""Layout for Foxglove and Lichtblick, whose default 3-D view is 20 m away and clips everything nearer than 0.5 m."""
+"""Layout for Foxglove and Lichtblick, whose default 3-D view is 20 m away and hides everything nearer than 0.5 m."""
 
 import json
 from importlib.resources import files

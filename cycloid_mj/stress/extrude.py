@@ -1,4 +1,4 @@
-"""Planar grids drawn out along z: the same parts as solid bodies of quadratic tetrahedra.
+"""Planar grids extruded along z: the same parts as solid bodies of quadratic tetrahedra.
 
 Every triangle of the section becomes a prism in each layer that it fills, and every prism three tetrahedra, cut from
 the lowest of its corners to the highest. Their nodes are then those of the section, at the faces and in the middle of

@@ -1,4 +1,4 @@
-"""Findings of a stress study: for each part the maximum along a crank turn, its place and its error."""
+"""Findings of a stress study: the maximum of each part over a crank turn, with its position and its error."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Contact of the gear's flank with the ring: where a lobe's force acts, and how sharp the contact is."""
+"""Contact of the disc's flank with the ring: where the force of a lobe acts, and the relative curvature there."""
 
 import math
 

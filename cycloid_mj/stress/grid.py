@@ -1,4 +1,4 @@
-"""Grids of quadratic elements: what a grid is, how fine, and triangles on any planar region."""
+"""Grids of quadratic elements: their settings, and triangles on any planar region."""
 
 from dataclasses import dataclass
 from typing import Any

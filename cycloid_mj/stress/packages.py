@@ -1,4 +1,4 @@
-"""The optional packages of the room, imported where they are used, with one clear error that names the extra."""
+"""Optional packages of the stress calculation, imported where they are used, with one error that names the extra."""
 
 import importlib
 from collections.abc import Iterator

@@ -218,7 +218,7 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
 
 
 def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Compare the exact gaps of free pins to the nearest disc with those to their sockets."""
+    """Compare the exact gaps between free pins and the nearest disc with those between the pins and their sockets."""
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
     fit, teeth = best_fit(reducer, BALANCE.crank), design.ring.teeth

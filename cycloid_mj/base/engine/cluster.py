@@ -1,4 +1,4 @@
-"""Work on a running Dask cluster; Dask itself tries again what a lost worker had.
+"""Work on a running Dask cluster; Dask itself repeats the work of a lost worker.
 
 An item that kills its worker each time is reported. With joblib's Dask backend (1.6.0, November 2026) such an item
 hangs the program: it had not ended after 45 s, twice.

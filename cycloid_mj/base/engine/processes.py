@@ -1,4 +1,4 @@
-"""Work in processes of this machine; a process that dies is replaced, and its work tried again.
+"""Work in processes of this machine; a process that dies is replaced, and its work is repeated.
 
 By joblib (loky), which runs functions of scripts without ``if __name__ == "__main__"`` and of notebooks, and limits the
 threads of its workers. With Pebble (5.2.3, November 2026) such a script ends with BrokenProcessPool.

@@ -1,1 +1,1 @@
-"""Exact conjugate contact: gaps, the collider that hands them to MuJoCo, and the law of force in each contact."""
+"""Exact conjugate contact: gaps, the collider that passes them to MuJoCo, and the force law of each contact."""

@@ -1,4 +1,4 @@
-"""``Design`` -> a folder that any MuJoCo user can open: MJCF, meshes, scene, design and manifest, byte for byte."""
+"""A design as a folder that any MuJoCo user can open: MJCF, meshes, scene, design and manifest."""
 
 import hashlib
 import importlib.metadata

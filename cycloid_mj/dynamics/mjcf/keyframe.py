@@ -1,4 +1,4 @@
-"""The states that a model can be reset to: every part where the closed form puts it, at rest or at full speed."""
+"""Keyframes of a model: all parts in their closed-form positions, at rest or at full speed."""
 
 import math
 from typing import Any

@@ -134,9 +134,9 @@ def reducer_model(mesh: MeshSpec, reducer: Reducer, gains: tuple[float, float]) 
 
 
 def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
-    """Build an editable mesh model: bodies with visual and collision geoms, but no actuators, sensors or remainders.
+    """Build an editable mesh model: bodies with visual and collision geoms, without actuators and sensors.
 
-    The slices are as stiff as `for_slices` says.
+    The convex pieces behind the working surfaces are not included. Slices have the stiffness of `Reducer.for_slices`.
     """
     reducer = reducer.for_slices
     ring = reducer.design.ring

@@ -1,4 +1,4 @@
-"""One time step of the planar solver: implicit midpoint rule, solved by a semismooth Newton method.
+"""A time step of the planar solver: implicit midpoint rule, solved by a semismooth Newton method.
 
 With the speeds v at the midpoint of a step h, v0 at its start and the force f at the midpoint,
 
