@@ -48,6 +48,9 @@ class DefaultShares:
 SHARES = DefaultShares()
 
 
+BEARING_CORNER = 0.3e-3
+"""Smallest corner radius r_s min of the bearings in stock from 8 mm bore on [m] (ISO 15, ISO 582)."""
+
 PARTS = ("gear", "housing", "pin", "output", "shaft")
 """What may be of a material of its own; sleeves count as pins, rollers as what they turn on."""
 
@@ -303,13 +306,17 @@ class Shaft(Section):
         le=5000.0,
     )
     fillet_radius: float = quantity(
-        0.0, "fillet at the shoulders; 0: a tenth of the shaft's radius", u.MILLIMETRE, ge=0.0, le=1000.0
+        0.0,
+        "fillet at the shoulders; 0: a tenth of the shaft's radius, at most 0.3 mm, which bearings clear",
+        u.MILLIMETRE,
+        ge=0.0,
+        le=1000.0,
     )
 
     @property
     def shoulder_fillet(self) -> float:
         """Radius of the fillets at the shoulders [m]."""
-        return self.fillet_radius or SHARES.fillet * self.radius
+        return self.fillet_radius or min(SHARES.fillet * self.radius, BEARING_CORNER)
 
 
 class Housing(Section):

@@ -11,7 +11,6 @@ from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export import casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
-from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joints import JointKind, drive_joints
 from cycloid_mj.parts.export.running import running_gaps, swept_annuli
 from cycloid_mj.reducer import Reducer
@@ -75,9 +74,9 @@ def test_the_counterweight_stays_off_the_ring_of_its_bearing_that_is_at_rest(nam
     sizes = casing(reducer)
     weight = next(one for one in assembly_parts(reducer, sizes)["shaft"].stretches if one.name == "counterweight")
     assert weight.z0 - sizes.near[1] >= 0.5e-3 - 1e-12
-    ring = next(one for one in swept_annuli(reducer, sizes) if one.part == f"{CRANK_RING}_1")
-    assert (ring.low, ring.high) == pytest.approx((sizes.near[1], weight.z0))
-    assert ring.outer < 0.5 * (reducer.design.shaft.radius + sizes.seat)
+    collar = next(one for one in assembly_parts(reducer, sizes)["shaft"].stretches if one.name == "collar")
+    assert (collar.z0, collar.z1) == pytest.approx((sizes.near[1], weight.z0))
+    assert collar.outline.radius < 0.5 * (reducer.design.shaft.radius + sizes.seat)
 
 
 @pytest.mark.parametrize("name", ["printed", "twodisc"])
@@ -118,12 +117,12 @@ def test_design_check_states_the_axial_play_and_what_jams():
     assert "turns 39 times for a turn of the output, not 40" in joints.got
 
 
-def test_a_drawn_cup_does_not_rub_on_the_rings_of_the_crank():
+def test_a_drawn_cup_does_not_rub_on_the_collars_of_the_crank():
     reducer = Reducer(
         PRESETS["printed"].but(shaft={"bearing_width": 12e-3, "radius": 7.5e-3}, gear={"bore_radius": 12e-3})
     )
     assert shaft_bearing(reducer).designation == "HK1512"
     sizes = casing(reducer)
     assert all(gap.distance >= sizes.play - 1e-9 for gap in running_gaps(reducer, sizes))
-    ring = next(one for one in swept_annuli(reducer, sizes) if one.part == f"{CRANK_RING}_1")
-    assert ring.low == pytest.approx(sizes.near[1] + sizes.play)
+    collar = next(one for one in assembly_parts(reducer, sizes)["shaft"].stretches if one.name == "collar")
+    assert collar.z0 == pytest.approx(sizes.near[1] + sizes.play)

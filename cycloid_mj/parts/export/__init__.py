@@ -32,6 +32,7 @@ from cycloid_mj.parts.export.casing_rules import (
 )
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all, measure_rings
 from cycloid_mj.parts.export.dxf import DrilledThread, dxf_bytes
+from cycloid_mj.parts.export.edges import broken_edges
 from cycloid_mj.parts.export.joint import PRESSED_PIN
 from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.motor_mount import Motor
@@ -218,7 +219,11 @@ def drive_files(
             f"{name}.dxf": dxf_bytes(sections[name], drilled_threads(reducer, sizes, name), encoding.arcs)
             for name in parts_by_name
         }
-    return {f"{name}.step": step_part(name, sections[name]) for name in parts_by_name}
+    drawn = assembly_parts(reducer, sizes)
+    return {
+        f"{name}.step": step_part(name, sections[name], edges=broken_edges(reducer, sizes, drawn[name]))
+        for name in parts_by_name
+    }
 
 
 def drilled_threads(reducer: Reducer, sizes: Casing, part: str) -> Iterator[DrilledThread]:

@@ -32,6 +32,7 @@ from cycloid_mj.parts.export.casing_rules import (
 )
 from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
+from cycloid_mj.parts.export.edges import broken_edges
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.placement import place_discs, place_ring_pins, place_rotated, ring_pin_centres
 from cycloid_mj.parts.export.printing import STEEL, part_material, separate_parts
@@ -151,7 +152,8 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     parts = assembly_parts(reducer, sizes)
     sections = {name: part.sections(SPLINES) for name, part in parts.items()}
     colours = {name: tint(COLOURS[names.family(name)], name) for name in parts}
-    return step_assembly(reducer.design.name, sections, colours, place_parts(reducer, crank, sizes))
+    edges = {name: broken_edges(reducer, sizes, part) for name, part in parts.items()} if sizes else {}
+    return step_assembly(reducer.design.name, sections, colours, place_parts(reducer, crank, sizes), edges)
 
 
 def assembly_sections(

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
 from cycloid_mj.parts import Part, Stretch, lay_out_parts
+from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.contour import CircleContour
 from cycloid_mj.parts.export.bearings import pin_pieces, roller_bore, sleeve_pin_length
@@ -20,7 +21,7 @@ from cycloid_mj.parts.export.casing_rules import (
     shoulder_radius,
 )
 from cycloid_mj.parts.export.crank_joints import cam_key
-from cycloid_mj.parts.export.crank_rings import counterweight_shift, crank_rings, hub_radius
+from cycloid_mj.parts.export.crank_rings import CrankRing, counterweight_shift, crank_collars, crank_rings, hub_radius
 from cycloid_mj.parts.export.joint import PRESSED_PIN, Point
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
 from cycloid_mj.parts.export.keyway import KeywayContour
@@ -28,6 +29,9 @@ from cycloid_mj.parts.export.round_part import AXIS, Pocket, Round, RoundPart, c
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, INNER, JOURNAL
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
+
+COLLAR = "collar"
+"""Stretch of a crank in one piece that locates it between its bearings."""
 
 MIN_POCKET = 3e-3
 """Least width and depth of a pocket [m], for a cutter (assumed)."""
@@ -95,7 +99,7 @@ def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | Non
 def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     """Return a part of the mechanism as its joints in a drive require: with their clearances, bores and keyways.
 
-    The ring is wider than discs, pins and sleeves. The counterweight makes room for a ring next to its bearing. A
+    The ring is wider than discs, pins and sleeves. The counterweight makes room for a collar next to its bearing. A
     spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. Shaft, cams and spacer
     have keyways. Bearings in stock are pressed into the discs, and rollers turn on their pins.
     """
@@ -134,12 +138,13 @@ def _fit_crank_stretches(
     if family == names.SHAFT:
         stretches = (replace(stretches[0], z0=sizes.journal), *stretches[1:])
     if reducer.design.gear.discs == 1:
-        counterweight_offset = counterweight_shift(reducer)
+        counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes)
         for stretch in stretches:
             low, high = stretch.name in (COUNTERWEIGHT, INNER), stretch.name in (JOURNAL, COUNTERWEIGHT)
-            yield replace(
+            moved = replace(
                 stretch, z0=stretch.z0 + counterweight_offset * low, z1=stretch.z1 + counterweight_offset * high
             )
+            yield from _add_collars(moved, collars)
         return
     key, radius = cam_key(reducer, sizes), reducer.design.shaft.radius
     pieces = _split_spacer(reducer, sizes, stretches) if family == names.SPACER else tuple(stretches)
@@ -154,6 +159,19 @@ def _fit_crank_stretches(
     else:
         slot = KeywayContour(radius, key.bought.width, key.bought.in_hub, key.angle)
         yield from (replace(piece, holes=(slot,)) for piece in pieces)
+
+
+def _add_collars(stretch: Stretch, collars: Sequence[CrankRing]) -> Iterator[Stretch]:
+    """Yield a stretch of the crank, thicker where collars are within it."""
+    low = stretch.z0
+    for collar in collars:
+        if stretch.z0 - SAME_LENGTH < collar.low and collar.high < stretch.z1 + SAME_LENGTH:
+            if collar.low > low + SAME_LENGTH:
+                yield replace(stretch, z0=low, z1=collar.low)
+            yield Stretch(COLLAR, CircleContour(collar.radius), stretch.holes, max(collar.low, low), collar.high)
+            low = collar.high
+    if stretch.z1 > low + SAME_LENGTH:
+        yield replace(stretch, z0=low)
 
 
 def _split_spacer(reducer: Reducer, sizes: Casing, stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:

@@ -1,6 +1,7 @@
 """Rings on the crank of an assembled drive: they keep its bearings off cams and counterweight, and locate it axially.
 
-A ring touches the inner ring of a bearing only, or stands back from a drawn cup, whose whole face is at rest.
+A ring touches the inner ring of a bearing only, or stands back from a drawn cup, whose whole face is at rest. On a
+crank in one piece the rings are its collars; on the plain shaft of several discs they are separate parts.
 """
 
 from collections.abc import Iterator
@@ -35,8 +36,13 @@ class CrankRing:
 
 
 def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
-    """Return the rings of a crank: before counterweight or first cam, and beyond the last cam of a straddled shaft."""
-    return tuple(_crank_rings(reducer, sizes))
+    """Return the rings on the shaft of several discs: before the first cam, beyond the last of a straddled shaft."""
+    return tuple(_crank_rings(reducer, sizes)) if reducer.design.gear.discs > 1 else ()
+
+
+def crank_collars(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
+    """Return the collars of a crank in one piece: before its counterweight, and beyond the cam of a straddled shaft."""
+    return tuple(_crank_rings(reducer, sizes)) if reducer.design.gear.discs == 1 else ()
 
 
 def counterweight_shift(reducer: Reducer) -> float:
@@ -51,7 +57,7 @@ def hub_radius(reducer: Reducer, sizes: Casing) -> float:
 
 
 def _crank_rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
-    """Yield the rings of a crank: `crank_rings`, one by one."""
+    """Yield the rings or collars of a crank, first that on the side of the motor."""
     shaft, stretches = reducer.design.shaft, crank_stretches(reducer)
     radius = shoulder_radius(shaft.radius, sizes.seat)
     if COUNTERWEIGHT not in stretches:

@@ -29,9 +29,11 @@ from cycloid_mj.parts.export.casing_rules import (
     is_printed,
 )
 from cycloid_mj.parts.export.dxf import fixed_metadata
+from cycloid_mj.parts.export.edges import broken_edges
 from cycloid_mj.parts.export.joint import Joint, JointKind
 from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.printing import manufactured_parts, material_part, part_material
+from cycloid_mj.parts.export.step import BrokenEdge
 from cycloid_mj.reducer import Reducer
 
 ROUGHNESS = {"seat": "Ra 0.8", "raceway": "Ra 0.2", "teeth": "Ra 0.4", "other": "Ra 3.2"}
@@ -123,6 +125,7 @@ def _draw_part(
     notes = (
         *_describe_holes(name, joints),
         *_describe_tolerances(reducer, name, diameters),
+        *_describe_broken_edges(broken_edges(reducer, sizes, part)),
         *_describe_surface(reducer, name, material, is_printed_part),
     )
     title = (
@@ -223,7 +226,7 @@ def _describe_tolerances(reducer: Reducer, name: str, diameters: Sequence[Dimens
 
 
 def _describe_surface(reducer: Reducer, name: str, material: Material, is_printed_part: bool) -> Iterator[str]:
-    """Yield the notes on roughness, fillets, edges and general tolerances of a part."""
+    """Yield the notes on roughness, edges and general tolerances of a part."""
     if is_printed_part:
         yield PRINTED
     else:
@@ -231,10 +234,20 @@ def _describe_surface(reducer: Reducer, name: str, material: Material, is_printe
         is_turned = names.family(name) in (names.SHAFT, names.CAM)
         race = f"; raceways {ROUGHNESS['raceway']}" if is_turned and not material.is_plastic else ""
         yield f"{ROUGHNESS['other']} µm, seats {ROUGHNESS['seat']}{teeth}{race}"
-    if names.family(name) == names.SHAFT:
-        yield f"shoulders: fillet radius {_mm(reducer.design.shaft.shoulder_fillet)}"
     yield EDGES
     yield GENERAL
+
+
+def _describe_broken_edges(edges: Sequence[BrokenEdge]) -> Iterator[str]:
+    """Yield a note for the chamfers of the seats of a part, and one for the fillets of its shoulders."""
+    for is_fillet in (False, True):
+        broken = [edge for edge in edges if edge.is_fillet == is_fillet]
+        diameters = ", ".join(f"⌀{_mm(2.0 * radius)}" for radius in sorted({edge.radius for edge in broken}))
+        if broken:
+            size = _mm(broken[0].size)
+            yield (
+                f"shoulders next to {diameters}: fillet R{size}" if is_fillet else f"{diameters}: chamfer {size} x 45°"
+            )
 
 
 def _describe_treatment(material: Material) -> str:

@@ -32,8 +32,23 @@ class PlacedPart:
     body: str = ""
 
 
-def step_part(name: str, sections: Sequence[PartSection], solids_wanted: int = 1) -> bytes:
+@dataclass(frozen=True)
+class BrokenEdge:
+    """A circular edge of a part: centre and radius, height z and size of its chamfer or fillet [m]."""
+
+    centre: tuple[float, float]
+    radius: float
+    z: float
+    size: float
+    is_fillet: bool = False
+
+
+def step_part(
+    name: str, sections: Sequence[PartSection], solids_wanted: int = 1, edges: Sequence[BrokenEdge] = ()
+) -> bytes:
     """Encode the sections of a part as one STEP file of `solids_wanted` solids; equal sections give equal bytes.
+
+    `edges` get their chamfers and fillets.
 
     Raises
     ------
@@ -41,7 +56,7 @@ def step_part(name: str, sections: Sequence[PartSection], solids_wanted: int = 1
         The package OCP is not installed, or OpenCASCADE cannot build the solid.
     """
     document = occ.TDocStd_Document(occ.TCollection_ExtendedString("BinXCAF"))
-    _add_part(document, name, sections, solids_wanted)
+    _add_part(document, name, sections, solids_wanted, edges)
     return _encode_document(document, name)
 
 
@@ -50,8 +65,11 @@ def step_assembly(
     parts: Mapping[str, Sequence[PartSection]],
     colours: Mapping[str, Colour],
     placements: Sequence[PlacedPart],
+    edges: Mapping[str, Sequence[BrokenEdge]] | None = None,
 ) -> bytes:
     """Encode an assembly as one STEP file of named, coloured parts, each drawn once, with all its positions.
+
+    `edges` by part get their chamfers and fillets.
 
     Raises
     ------
@@ -63,7 +81,9 @@ def step_assembly(
     colouring = occ.XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     root = shapes.NewShape()
     _set_name(root, name)
-    labels = {part: _add_part(document, part, sections) for part, sections in parts.items()}
+    labels = {
+        part: _add_part(document, part, sections, edges=(edges or {}).get(part, ())) for part, sections in parts.items()
+    }
     for part, label in labels.items():
         colour = occ.Quantity_Color(*colours[part][:3], occ.Quantity_TypeOfColor.Quantity_TOC_sRGB)
         colouring.SetColor(label, colour, occ.XCAFDoc_ColorType.XCAFDoc_ColorSurf)
@@ -109,7 +129,13 @@ def _set_name(label: Any, name: str) -> None:
     occ.TDataStd_Name.Set_s(label, occ.TCollection_ExtendedString(name))
 
 
-def _add_part(document: Any, name: str, sections: Sequence[PartSection], solids_wanted: int = 1) -> Any:
+def _add_part(
+    document: Any,
+    name: str,
+    sections: Sequence[PartSection],
+    solids_wanted: int = 1,
+    edges: Sequence[BrokenEdge] = (),
+) -> Any:
     """Add the union of the sections of a part to a document; raise CycloidError unless it has the number of solids.
 
     Returns the label of the part.
@@ -117,6 +143,7 @@ def _add_part(document: Any, name: str, sections: Sequence[PartSection], solids_
     try:
         first_body, *other_bodies = [_extrude(section) for section in sections]
         shape = _fuse(first_body, other_bodies) if other_bodies else first_body
+        shape = _break_edges(shape, edges)
     except CycloidError:
         raise
     except Exception as error:
@@ -197,6 +224,43 @@ def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
     fuse.Build()
     fuse.SimplifyResult()
     return fuse.Shape()
+
+
+def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
+    """Return a solid with the chamfers and fillets of circular edges; an edge that is not a full circle stays sharp."""
+    for maker, broken in (
+        (occ.BRepFilletAPI_MakeFillet, [edge for edge in edges if edge.is_fillet]),
+        (occ.BRepFilletAPI_MakeChamfer, [edge for edge in edges if not edge.is_fillet]),
+    ):
+        if not broken:
+            continue
+        builder, explorer = maker(shape), occ.TopExp_Explorer(shape, occ.TopAbs_ShapeEnum.TopAbs_EDGE)
+        treated: list[Any] = []
+        while explorer.More():
+            edge = occ.TopoDS.Edge(explorer.Current())
+            size = _size_of(edge, broken)
+            if size and not any(edge.IsSame(other) for other in treated):
+                builder.Add(MILLIMETRES * size, edge)
+                treated.append(edge)
+            explorer.Next()
+        if treated:
+            builder.Build()
+            shape = builder.Shape()
+    return shape
+
+
+def _size_of(edge: Any, edges: Sequence[BrokenEdge]) -> float:
+    """Return the size [m] of the chamfer or fillet of an edge of OpenCASCADE; 0 if it is none of the `edges`."""
+    curve = occ.BRepAdaptor_Curve(edge)
+    if curve.GetType() != occ.GeomAbs_CurveType.GeomAbs_Circle or not curve.IsClosed():
+        return 0.0
+    circle = curve.Circle()
+    centre = circle.Location()
+    place = np.array([centre.X(), centre.Y(), centre.Z(), circle.Radius()]) / MILLIMETRES
+    matches = (
+        broken.size for broken in edges if np.allclose(place, (*broken.centre, broken.z, broken.radius), atol=1e-9)
+    )
+    return next(matches, 0.0)
 
 
 def _list(shapes: Sequence[Any]) -> Any:

@@ -1,0 +1,138 @@
+"""Chamfers and fillets of manufactured parts, in STEP files and on drawings: seats, journals and shoulders.
+
+A convex edge of a seat gets a chamfer, which leads its mate in; the shoulders of the crank get the fillet that the
+fatigue of the shaft assumes. Meshes, outlines and masses have sharp edges, up to 0.4 % more volume.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.design.model import BEARING_CORNER
+from cycloid_mj.parts import Part, Stretch
+from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
+from cycloid_mj.parts.contour import circle_of
+from cycloid_mj.parts.export.bearings import cam_radius
+from cycloid_mj.parts.export.casing import CAM_BEARING, OUTPUT_BEARING, SHAFT_BEARING, Casing
+from cycloid_mj.parts.export.joint import JointKind
+from cycloid_mj.parts.export.joints import drive_joints
+from cycloid_mj.parts.export.step import BrokenEdge
+from cycloid_mj.parts.polygon import within
+from cycloid_mj.reducer import Reducer
+
+
+@dataclass(frozen=True)
+class EdgeSettings:
+    """Sizes of broken edges, and how they are found.
+
+    Attributes
+    ----------
+    chamfer
+        Width of a chamfer at 45 deg [m]: within the 0.2 to 0.5 mm of unmarked edges on the drawings; of bearings
+        their smallest corner, which clears an equal fillet.
+    room
+        Width of a face that a chamfer or fillet needs, over its own.
+    rays
+        Number of directions in which the material around an edge is compared.
+    """
+
+    chamfer: float = BEARING_CORNER
+    room: float = 1.2
+    rays: int = 24
+
+
+EDGES = EdgeSettings()
+
+BEARINGS = CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING
+"""Parts whose corners clear the fillets of shoulders."""
+
+SEATS = {JointKind.BEARING, JointKind.PRESSED}
+"""Kinds of joints whose mates are pressed in or on along the axis."""
+
+
+def broken_edges(reducer: Reducer, sizes: Casing, part: Part) -> tuple[BrokenEdge, ...]:
+    """Return the edges of a part of a drive that have a chamfer or a fillet; a bearing has its corners."""
+    radii = _seat_radii(reducer, sizes, part)
+    return tuple(_break_edges(reducer, part, radii)) if radii.size else ()
+
+
+def _seat_radii(reducer: Reducer, sizes: Casing, part: Part) -> Array:
+    """Return the radii of the seats of a part by the joints of the drive [m], shape (n,); both radii of a bearing."""
+    name, diameters = part.name, set[float]()
+    if name in BEARINGS:
+        (ring,) = part.stretches
+        circles = [circle for contour in (ring.outline, *ring.holes) if (circle := circle_of(contour))]
+        return np.array([circle.radius for circle in circles])
+    for joint in drive_joints(reducer, sizes):
+        if joint.kind in SEATS and name in joint.parts:
+            diameters |= {joint.diameter, *(dict(one.dimensions).get("outside diameter", 0.0) for one in joint.bought)}
+    if names.family(name) in (names.SHAFT, names.CAM):
+        diameters.add(2.0 * cam_radius(reducer))
+    return 0.5 * np.array(sorted(diameters - {0.0}))
+
+
+def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenEdge]:
+    """Yield a chamfer for each convex edge of a seat, and a fillet for each shoulder of a shaft, if there is room.
+
+    `radii` (n,) [m] are those of the seats.
+    """
+    for stretch in part.stretches:
+        for contour, side in ((stretch.outline, 1.0), *((hole, -1.0) for hole in stretch.holes)):
+            circle = circle_of(contour)
+            if circle is None or np.abs(radii - circle.radius).min() > SAME_LENGTH:
+                continue
+            for z in (stretch.z0, stretch.z1):
+                beyond = [other for other in part.stretches if other is not stretch and _touches(other, z)]
+                edge = _Edge(circle.centre, circle.radius, side, stretch, beyond)
+                fillet = reducer.design.shaft.shoulder_fillet
+                if edge.is_convex(EDGES.chamfer):
+                    yield BrokenEdge(circle.centre, circle.radius, z, EDGES.chamfer)
+                elif part.name == names.SHAFT and side > 0.0 and edge.is_shoulder(fillet):
+                    yield BrokenEdge(circle.centre, circle.radius, z, fillet, is_fillet=True)
+
+
+def _touches(stretch: Stretch, z: float) -> bool:
+    """Return whether a stretch ends at a height [m]."""
+    return min(abs(stretch.z0 - z), abs(stretch.z1 - z)) <= SAME_LENGTH
+
+
+@dataclass(frozen=True)
+class _Edge:
+    """A circular edge: centre and radius [m], side of the air (1: outside, -1: inside), its stretch, those beyond."""
+
+    centre: tuple[float, float]
+    radius: float
+    side: float
+    own: Stretch
+    beyond: Sequence[Stretch]
+
+    def is_convex(self, size: float) -> bool:
+        """Return whether no other material is within a width [m] on both sides of the edge, and its own on one."""
+        width = EDGES.room * size
+        if self.own.z1 - self.own.z0 < 2.0 * width or not _covered([self.own], self._points(-self.side * width)).all():
+            return False
+        return not any(_covered(self.beyond, self._points(step)).any() for step in (-width, width))
+
+    def is_shoulder(self, size: float) -> bool:
+        """Return whether the material beyond the edge is wider by a width [m] all around, and its own long enough."""
+        width = EDGES.room * size
+        return self.own.z1 - self.own.z0 > width and bool(_covered(self.beyond, self._points(self.side * width)).all())
+
+    def _points(self, step: float) -> Array:
+        """Return points around the edge, at its radius and a step [m], shape (rays, 2)."""
+        angles = 2.0 * np.pi * (np.arange(EDGES.rays) + 0.5) / EDGES.rays
+        return np.array(self.centre) + (self.radius + step) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _covered(stretches: Iterable[Stretch], points: Array) -> Mask:
+    """Return which points (n, 2) [m] the material of stretches covers, shape (n,)."""
+    covered = np.zeros(len(points), dtype=bool)
+    for stretch in stretches:
+        is_inside = within(points, stretch.outline.polygon(VISUAL_CHORD_ERROR))
+        for hole in stretch.holes:
+            is_inside &= ~within(points, hole.polygon(VISUAL_CHORD_ERROR))
+        covered |= is_inside
+    return covered
