@@ -186,19 +186,7 @@ def compare(
     q = parse_point(options.q)
     designs = (*names, *design)
     logs = [name for name in designs if name.endswith(".mcap")]
-    if logs and len(logs) < len(designs):
-        raise UsageError(
-            f"{logs[0]} is a log, but {_first_design(designs)} is a design, and they cannot be mixed: name designs "
-            "only, or logs only"
-        )
-    if len(designs) < 2:
-        raise UsageError(
-            "a comparison needs at least two designs: name another one, e.g. cycloid-mj compare pin nonpin"
-        )
-    if logs and options.for_runs:
-        raise UsageError(
-            f"{options.for_runs[0]} applies to new simulations only and has no effect on logs: remove this flag"
-        )
+    _require_consistent(designs, logs, options)
     if logs:
         default_folder = f"{logs[0].removesuffix('.mcap')}-compare"
         destination = _claim(
@@ -217,8 +205,25 @@ def compare(
     return deliver(_compare_runs(plan, q, destination, delivery), destination, delivery)
 
 
+def _require_consistent(designs: Sequence[str], logs: Sequence[str], options: CompareOptions) -> None:
+    """Raise UsageError unless at least two designs, or only logs, are named, with flags that have an effect."""
+    if logs and len(logs) < len(designs):
+        raise UsageError(
+            f"{logs[0]} is a log, but {_first_design(designs)} is a design, and they cannot be mixed: name designs "
+            "only, or logs only"
+        )
+    if len(designs) < 2:
+        raise UsageError(
+            "a comparison needs at least two designs: name another one, e.g. cycloid-mj compare pin nonpin"
+        )
+    if logs and options.for_runs:
+        raise UsageError(
+            f"{options.for_runs[0]} applies to new simulations only and has no effect on logs: remove this flag"
+        )
+
+
 def warn_of_overloads(cases: Iterable[Design]) -> None:
-    """Warn of each design whose contacts yield under its load, before it is run under it."""
+    """Warn of each design whose contacts yield under its load, before its run."""
     for case in cases:
         load, capacity = abs(case.load.torque), capacity_of(case)
         if load > capacity:

@@ -65,15 +65,8 @@ def te(
     reducer = Reducer(resolve(design))
     require_motion(reducer)
     torques = load_cases(reducer, load, drag)
-    speed = abs(reducer.design.drive.speed)
-    speed_by_pace = (
-        {"speed": speed} if quick else {"slow": TRACE.slow_share * speed if slow is None else slow, "speed": speed}
-    )
-    directions = {"forward": 1.0, "reverse": -1.0}
-    cases = [
-        TraceCondition(item, direction, pace_name, torques[item], directions[direction] * speed_by_pace[pace_name])
-        for pace_name, item, direction in product(speed_by_pace, torques, directions)
-    ]
+    rpm = abs(reducer.design.drive.speed) / RPM
+    cases = _list_conditions(reducer, torques, slow, quick)
     reducer = reducer.working_at(torques["loaded"])
     runs = _run_traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
     traces = {case: runs[case, 1.0] for case in cases}
@@ -82,13 +75,28 @@ def te(
     return Measurement(
         measure="te",
         design=reducer.design,
-        condition=f"{describe_loads(torques)}, {speed / RPM:.0f} rpm at speed, {SOLVERS[solver]}",
+        condition=f"{describe_loads(torques)}, {rpm:.0f} rpm at speed, {SOLVERS[solver]}",
         quantities=by_key(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
         runs={case.key: trace.run for case, trace in traces.items()},
         details={"orders": te_table.order_details(reducer, traces, turns)},
     )
+
+
+def _list_conditions(
+    reducer: Reducer, torques: Mapping[str, float], slow: float | None, quick: bool
+) -> list[TraceCondition]:
+    """List the conditions of the runs: each torque [N m] in both directions, at speed and, unless `quick`, slowly."""
+    speed = abs(reducer.design.drive.speed)
+    speed_by_pace = (
+        {"speed": speed} if quick else {"slow": TRACE.slow_share * speed if slow is None else slow, "speed": speed}
+    )
+    directions = {"forward": 1.0, "reverse": -1.0}
+    return [
+        TraceCondition(load, direction, pace, torques[load], directions[direction] * speed_by_pace[pace])
+        for pace, load, direction in product(speed_by_pace, torques, directions)
+    ]
 
 
 def _run_traces(
