@@ -11,11 +11,11 @@ REDUCER, PINS, FORCES = "/reducer", "/pins", "/forces"
 """Topics of a log."""
 
 FRICTION_POWER, NORMAL_POWER = "friction_power", "normal_power"
-"""What a kind of pair, or a drag, takes by sliding and by its normal forces (damping) [W]."""
+"""Powers lost in a kind of pair, or by a drag: by sliding, and by normal forces (damping) [W]."""
 
 FORCE_X, FORCE_Y, MOMENT, PEAK_FORCE = "force_x", "force_y", "moment", "peak_force"
-"""What acts in a pair: the wrench about the origin of the body that feels it [N], [N m], and the largest force since
-the sample before [N]."""
+"""Force of a pair: the wrench about the origin of the loaded body [N], [N m], and the largest force since the previous
+sample [N]."""
 
 CRANK_BEARING, PLANET_MESH = "crank_bearing", "planet_mesh"
 """Kinds of mating pairs that only an RV reducer has."""
@@ -30,7 +30,7 @@ KINDS = {
     "crank": CRANK_BEARING,
     "planet": PLANET_MESH,
 }
-"""What a mating pair is named by, before its number -> its kind."""
+"""First word of the name of a mating pair, before its number -> kind of the pair."""
 
 SOLVERS = {"planar": "by the planar solver", "mujoco": "by MuJoCo"}
 """Solver -> words for the condition of what it ran."""
@@ -48,7 +48,7 @@ SPACER = "spacer"
 """The ring on the crank between two discs, a part of the shaft."""
 
 ROLLER = "output_roller"
-"""What turns on an output pin in a disc's hole, a part of the output."""
+"""The roller on an output pin in the hole of a disc, a part of the output."""
 
 TEETH, BORE, CAM, HOLE, OUTPUT_PIN = "teeth", "bore", "cam", "hole", "output_pin"
 ECCENTRIC = "eccentric"

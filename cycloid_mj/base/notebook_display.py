@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
 
 MOST_ROWS = 60
-"""Of a table in a notebook."""
+"""Largest number of rows of a table in a notebook."""
 
 
 class Drawn:

@@ -47,7 +47,7 @@ KINDS = {
 ANY = Kind("a file", b"")
 
 NAMED = re.compile(rb'<title>(.*?)</title>|^name = "(.*?)"|"(?:design|name)": "(.*?)"', re.MULTILINE)
-"""Where the head of a file names what it is about."""
+"""Title or name of the content in the first bytes of a file."""
 
 
 class TakenError(CycloidError):

@@ -17,7 +17,7 @@ class MessageLimits:
 MESSAGE = MessageLimits()
 
 NOTE = "...({:,} characters left out)..."
-"""What stands for the middle of a shortened text."""
+"""Replacement of the middle of a shortened text."""
 
 _LONG_WORD = re.compile(rf"\S{{{MESSAGE.word + 1},}}")
 

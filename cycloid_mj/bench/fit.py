@@ -46,11 +46,11 @@ class ProfileSettings:
     max_steps: int = 4
     """Largest number of steps of the search for all other values with one of them fixed."""
     max_doublings: int = 4
-    """How often the distance of the fixed value is doubled; an interval that does not end by then is unbounded."""
+    """Largest number of doublings of the distance of the fixed value; beyond, the interval is unbounded."""
     improvement_rtol: float = 1e-3
     """Relative improvement at which the fit restarts from a point that such a search reached."""
     max_restarts: int = 3
-    """How often the fit may start from there."""
+    """Largest number of restarts from such points."""
     bound_distance: float = 1e-3
     """Distance from a bound, of a scaled value, at which the value counts as at the bound."""
 
@@ -78,7 +78,7 @@ class Fitted:
     uncertainty: FitUncertainty
     """Uncertainty of the scaled values; 0 of those at a bound, which are no measurement."""
     at_bound: Mask
-    """Which values are at a bound, shape (values,)."""
+    """True for values at a bound, shape (values,)."""
     ends: Array
     """Ends of the 95 % interval of each scaled value (`uncertainty.CONFIDENCE`), shape (values, 2); one-sided at a
     bound."""

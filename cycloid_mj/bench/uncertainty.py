@@ -55,7 +55,7 @@ class FitUncertainty:
     influence: Array
     """Change of the values per point, over the root of 1 less its leverage, shape (n, v)."""
     point_count: Array
-    """How many points count as one at each point, shape (n,)."""
+    """Number of successive points that count as a single one, at each point, shape (n,)."""
 
     @property
     def errors(self) -> Array:

@@ -10,7 +10,7 @@ from cycloid_mj.base.judgement import Judgement, count_judgements, judge
 from cycloid_mj.base.notebook_display import Presented
 
 UPPER = ("less than", "at most")
-"""How the words of an upper limit begin."""
+"""First words of the text of an upper limit."""
 
 COLUMNS = ("name", "judgement", "passed", "severity", "key", "got", "limit", "why", "remedy", "value", "bound", "unit")
 """Columns of the frame of some checks."""

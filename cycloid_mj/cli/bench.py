@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from cycloid_mj.bench.loop import MeasuredLoop
 
 FILES = (".toml", "-residuals.csv", "-loops.png", "-loops.svg")
-"""What a calibration leaves, after the design's name."""
+"""Ends of the names of the files of a calibration, after the name of the design."""
 UNTRIED = "the calibrated design was not tested by its checks, statics and reduce"
 OUT, OUT_TE = "runs/calibrate", "runs/compare-bench"
 

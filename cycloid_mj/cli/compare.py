@@ -52,7 +52,7 @@ EXAMPLES = """Examples:
 RUNS = "runs/compare"
 STEM = "compare"
 FILES = ("compare_curvature.png", f"{STEM}.json", f"{STEM}.csv")
-"""What every comparison has."""
+"""Files of every comparison."""
 
 DesignsOrLogs = Annotated[
     str,

@@ -28,7 +28,7 @@ EXTRAS = {
 """Extra -> the modules that it installs."""
 
 MOST_ERROR = 1e-3
-"""Of the gear's angle in the self-test, against the closed form [rad]: a lobe is 0.18."""
+"""Largest deviation of the disc's angle from the closed form in the self-test [rad]; a lobe has 0.18."""
 
 EXAMPLES = """Examples:
   cycloid-mj doctor

@@ -110,7 +110,7 @@ FollowFlag = Annotated[
 ]
 
 FLAT = Parameter(name="*")
-"""Of a dataclass: its fields are flags of the command."""
+"""Marks a dataclass whose fields are flags of the command."""
 
 
 def whole(_: Any, tokens: Sequence[Token]) -> int:

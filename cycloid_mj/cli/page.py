@@ -12,7 +12,7 @@ NARROWEST, WIDEST = 60, 80
 """Columns of a help page on a narrow terminal, and on a wide one or none: below 60, names of flags would be cut off."""
 
 FLAGS = Parameter(negative=(), show_default=False)
-"""What every flag has in common: no ``--no-...`` or ``--empty-...``, and its default stands in its help."""
+"""Settings of all flags: no ``--no-...`` or ``--empty-...``, and the default is stated in the help text."""
 
 FOLD = " \\"
 """Continuation of a shell command on the next line."""

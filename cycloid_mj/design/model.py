@@ -52,7 +52,7 @@ BEARING_CORNER = 0.3e-3
 """Smallest corner radius r_s min of the bearings in stock from 8 mm bore on [m] (ISO 15, ISO 582)."""
 
 PARTS = ("gear", "housing", "pin", "output", "shaft")
-"""What may be of a material of its own; sleeves count as pins, rollers as what they turn on."""
+"""Parts that may have their own material; sleeves count as pins, and rollers as the part they turn on."""
 
 REFERENCE_TEMPERATURE = 20.0
 """Temperature at which the sizes of a design file hold [°C] (ISO 1)."""

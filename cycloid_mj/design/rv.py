@@ -10,7 +10,7 @@ YANG = "Yang et al. 2021"
 """Yang, Zhou, Chang, Chen, Mech. Mach. Theory 163 (2021), 104384: the RV-80E."""
 
 OF_ECCENTRICS = "cranks.count gear.discs"
-"""What the lists of eccentrics and crank bores have a value for: the cranks of disc 1, then those of disc 2."""
+"""Keys whose product is the length of lists of eccentrics and crank bores: cranks of disc 1, then of disc 2."""
 
 
 class Planet(Section):

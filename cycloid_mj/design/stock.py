@@ -21,7 +21,7 @@ OFF = 1.25
 """Largest ratio of the lengths of pins in stock to the requested length, or of that to them."""
 
 ROUNDING = 1e-7
-"""Within which sizes are the same [m]."""
+"""Largest difference of two sizes that count as equal [m]."""
 
 _LENGTHS: tuple[int, ...] = (
     *(3, 4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 35, 40, 45, 50, 55, 60, 65, 70, 75),

@@ -25,15 +25,15 @@ class MujocoStepSettings:
     """Limits of the time step of MuJoCo runs; the stiffness ratio is K dt^2/m."""
 
     max_stiffness_ratio: float = 6.4
-    """Of all contacts but the seats of moving pins; from 8.7 on rms speeds of the disc are over 6 % off."""
+    """Largest ratio, except for seats of moving pins; from 8.7 on, rms speeds of the disc are over 6 % off."""
     max_seat_ratio: float = 10.0
-    """Of the seats of moving pins under a load, where only the pin's own oscillation depends on it: at 9.9 mean values
-    are 0.02 % off, peak-to-peak transmission errors 0.7 %. From 15 on the run diverges."""
+    """Largest ratio for seats of moving pins under a load: only the pin's own oscillation depends on it. At 9.9
+    mean values are 0.02 % off, peak-to-peak transmission errors 0.7 %. From 15 on the run diverges."""
     max_idle_seat_ratio: float = 8.3
-    """The same without a load: at 9.5 pins start to oscillate unless their contacts settle."""
+    """Largest ratio for these seats without a load: at 9.5 pins start to oscillate unless their contacts settle."""
     max_settling_ratio: float = 32.0
-    """Of contacts of moving pins that settle within a step (`may_settle`): rms speeds, losses and forces of eight
-    starts are those at 0.7 within their standard error."""
+    """Largest ratio for contacts of moving pins that settle within a step (`may_settle`): rms speeds, losses and forces
+    of eight starts are those at 0.7 within their standard error."""
     max_rolling_share: float = 0.5
     """Share of the longest step at which a pin that rolls in its clearance stays bounded, 2 sqrt(m/k): at 0.50 the rms
     of the disc's speed is 1 % off. A stiff cam without clearance diverges at 0.55."""

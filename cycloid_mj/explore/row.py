@@ -40,7 +40,7 @@ class PointResult:
 
     values: dict[str, Cell] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
-    """By column."""
+    """Units by column."""
     error: str = ""
     """Why the point, or one of its measures, failed; empty where all succeeded."""
     warnings: tuple[str, ...] = ()

@@ -48,7 +48,7 @@ class OperatingPoint:
     run: Run
     """The run."""
     reducer: Reducer
-    """What ran, under its load."""
+    """The simulated drive under its load."""
 
     @property
     def drag(self) -> float:

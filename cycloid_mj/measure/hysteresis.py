@@ -66,13 +66,13 @@ class HysteresisLoop:
     rated: float
     """Peak of the torque [N m]."""
     phase: Array
-    """Of the torque's period, 0.25 to 1.25, shape (n,)."""
+    """Phase in the period of the torque, 0.25 to 1.25, shape (n,)."""
     torque: Array
     turn: Array
-    """On the output [N m], and the output's turn from the ideal angle [rad], counter-clockwise, shape (n,)."""
+    """Torque on the output [N m], and deviation of the output's angle from the ideal one [rad], shape (n,) each."""
     gear_turn: Array
     centre_lead: Array
-    """As in `bench` [rad], [m], shape (n,)."""
+    """Deviation of the disc's angle [rad], and `bench.centre_lead` [m], shape (n,) each."""
     run: Run
     """The whole run."""
 

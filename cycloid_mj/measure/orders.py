@@ -27,7 +27,7 @@ class Cause:
 
     key: str
     name: str
-    """For programs and for people."""
+    """Key for programs, and name for people."""
     place: Place
     """Signal in which it appears."""
     base: float

@@ -46,7 +46,7 @@ class TraceCondition:
     torque: float
     """Against the output's rotation [N m]."""
     speed: float
-    """Of the crank [rad/s], signed."""
+    """Speed of the crank [rad/s], signed."""
 
     @property
     def key(self) -> str:

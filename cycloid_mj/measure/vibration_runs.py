@@ -41,7 +41,7 @@ class VibrationRun:
     load: str
     """``unloaded`` or ``loaded``."""
     speed: float
-    """Of the crank [rad/s], signed."""
+    """Speed of the crank [rad/s], signed."""
     crank: Array
     """Swept crank angles [rad], increasing, shape (n,)."""
     signals: Mapping[str, Array]
@@ -59,7 +59,7 @@ class VibrationRun:
     sampled_rate: float
     """Samples taken per second."""
     mean_force: Array
-    """On the housing [N], shape (2,)."""
+    """Mean force on the housing [N], shape (2,)."""
     run: Run
     """The whole run."""
 

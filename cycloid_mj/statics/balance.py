@@ -27,7 +27,7 @@ class RingTorqueSettings:
     rtol: float = 1e-5
     """Largest change of the friction torque in the last iteration, relative to the load."""
     max_halvings: int = 3
-    """How often the first torque of the carrier is halved if there is no equilibrium under it."""
+    """Largest number of halvings of the first torque of the carrier if there is no equilibrium under it."""
     direct_share: float = 0.5
     """Relative residual below which the first iteration sets the friction torque to that of the losses."""
 

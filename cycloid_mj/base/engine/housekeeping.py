@@ -13,7 +13,7 @@ from typing import TypeVar
 R = TypeVar("R")
 
 SECONDS_BETWEEN_LOOKS = 1.0
-"""Between two looks at whether the parent still lives: joblib's workers have nothing to wait for it by on POSIX."""
+"""Interval of checks whether the parent process exists [s]; on POSIX, joblib's workers cannot wait for it."""
 
 
 def serve_parent() -> None:

@@ -59,7 +59,7 @@ class MeshContactSettings:
     ccd_tolerance: float = 1e-9
     ccd_iterations: int = 60
     cap_share: float = 0.1
-    """How far the cylinder of a capsule reaches beyond the faces, as a share of its width."""
+    """Length of a capsule's cylinder beyond each face, as a share of its width."""
     output_opacity: float = 0.4
     """Opacity of the output disc, which covers the gear."""
     slice_priority: int = 2
