@@ -148,15 +148,16 @@ def verdicts() -> Figure:
     colors = {"agrees": GREEN, "depends": ORANGE, "disagrees": VERMILION, "not determined": "#C8CDD2"}
     names = {
         **{"speed": "Fig. 6: speed", "path": "Fig. 7: path", "velocity": "Fig. 8: velocity, vibration"},
-        **{"pin": "Figs 9, 16: pin 1", "height": "Figs 12-15: stress", "order": "Figs 12-14: pin or nonpin"},
+        **{"pin": "Figs 9, 16: pin 1", "height": "Figs 12-15: stress", "order": "Figs 12-15: order, course"},
         **{"torque": "Fig. 19: torque", "lines": "section 2: contact lines", "steel": "Table 1: steel"},
     }
+    keys_by_section = {**docs_results.SECTIONS, "order": docs_results.DOWNLOAD_ONLY}
     figure = Figure(figsize=(WIDTH, 0.9 + ROW_HEIGHT * len(names)), layout="constrained")
     axes = figure.subplots()
     for row, section in enumerate(reversed(names)):
         left = 0
         for verdict, color in colors.items():
-            number = sum(claims[key]["verdict"] == verdict for key in docs_results.SECTIONS[section])
+            number = sum(claims[key]["verdict"] == verdict for key in keys_by_section[section])
             axes.barh(row, number, left=left, color=color, label=verdict if row == 0 else None)
             left += number
     axes.set_yticks(range(len(names)), list(names.values())[::-1])
@@ -169,7 +170,7 @@ def verdicts() -> Figure:
 def stress_heights() -> Figure:
     """Draw the stresses without load of the paper and of this model, by part and design."""
     claims = _claims()
-    keys = [key for key in docs_results.SECTIONS["height"] if key.startswith("stress_height_")][::-1]
+    keys = docs_results.SECTIONS["height"][::-1]
     figure = Figure(figsize=(WIDTH, 0.9 + ROW_HEIGHT * len(keys)), layout="constrained")
     axes = figure.subplots()
     for row, key in enumerate(keys):
