@@ -137,7 +137,7 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
     )
 
 
-def _flange_rules(reducer: RvReducer) -> Iterator[Rule]:
+def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
     """Yield the rules that tapered bearings, posts and planets have room in and next to the flanges."""
     cranks, circle, posts = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
     apart = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
@@ -178,13 +178,15 @@ def _flange_rules(reducer: RvReducer) -> Iterator[Rule]:
         ),
         "the journals of the cranks, in the bores of the planets, stay inside the roots of their teeth",
     )
-    tip = reducer.planet.module * (reducer.planet.planet_teeth / 2.0 + 1.0)
-    spacing = circle * math.sin(math.pi / cranks.count)
-    yield Rule(
-        "planets_apart",
-        Limit("planet.module", "less than", spacing / (reducer.planet.planet_teeth / 2.0 + 1.0)),
-        f"the tips of neighbouring planets, of radius {millimetres(tip)}, must not meet",
-        (Limit("planet.planet_teeth", "less than", 2.0 * (spacing / reducer.planet.module - 1.0)),),
+    tip, spacing = reducer.stage_gears[1].tip_radius, circle * math.sin(math.pi / cranks.count)
+    yield Check(
+        name="planets_apart",
+        passed=tip < spacing,
+        got=f"{reducer.planet.planet_teeth}, with a tip radius of {millimetres(tip)}",
+        limit=f"fewer: the tip radius below half of the distance of two crank axes, {millimetres(spacing)}",
+        why="the tips of neighbouring planets must not meet",
+        remedy="" if tip < spacing else "raise planet.sun_teeth, or lower planet.planet_teeth",
+        key="planet.planet_teeth",
     )
 
 

@@ -18,7 +18,7 @@ from cycloid_mj.life.duty import Duty
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating
 from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import balance_rv, ideal_rv, springs_over_turn
+from cycloid_mj.statics.rv_sheet import balance_running, ideal_rv, springs_over_turn
 
 TAPERS = RollerRow(13, 0.14, 0.24, 0.73)
 """Assumed rollers of a tapered bearing; lengths over its outer diameter."""
@@ -112,7 +112,7 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
 
 def _crank_forces(reducer: RvReducer, torque: float) -> Array:
     """Return the forces of the cranks on the discs (m, D, n, 2) [N]: those with the larger mean."""
-    shared, solved = ideal_rv(reducer, torque), balance_rv(reducer, torque)
+    shared, solved = ideal_rv(reducer, torque), balance_running(reducer, torque)
     means = [rolling.mean_load(loads.bearings) for loads in (shared, solved)]
     return (shared if means[0] >= means[1] else solved).cranks
 
@@ -181,7 +181,7 @@ def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak_torque: f
     contact = reducer.at_rated_load.contacts[kind]
     curvature = springs_over_turn(reducer).curvature
     pressures = [
-        float(contact.pressure(balance_rv(reducer, float(torque)).pins, curvature).max()) for torque in torques
+        float(contact.pressure(balance_running(reducer, float(torque)).pins, curvature).max()) for torque in torques
     ]
     worst = pressures[int(np.argmax(torques))] * math.sqrt(peak_torque / torques.max())
     limit = YIELD_PRESSURE * contact.strength
@@ -209,7 +209,7 @@ def _rate_planets(reducer: RvReducer, torques: Array, turns: Array) -> Iterator[
     radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
     curvature = sum(1.0 / (radius * math.sin(planet.pressure_angle)) for radius in radii)
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
-    forces = [float(np.abs(balance_rv(reducer, float(torque)).meshes).max()) for torque in torques]
+    forces = [float(balance_running(reducer, float(torque)).flanks.max()) for torque in torques]
     pressures = [
         float(hertz_line_contact(force, planet.face_width, curvature, modulus).peak_pressure) for force in forces
     ]
@@ -248,7 +248,7 @@ def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
     """Yield the assumptions of the rating of an RV reducer, a sentence each."""
     yield (
         "forces: the larger of ideal sharing and the balance of springs with the clearances and errors of the design, "
-        "without friction, over a turn of the carrier"
+        "with friction, over a turn of the carrier"
     )
     yield f"reliability of bearings: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"

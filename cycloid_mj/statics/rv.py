@@ -3,14 +3,12 @@
 The frame is that of the ring. The unknowns z [m] at a crank angle are the displacements x, y and R phi of each of the D
 discs, R psi of the carrier, R chi of each of the n cranks, and x and y of the sun; R is the radius of the circle of
 crank axes, rotations are counter-clockwise departures from the ideal motion. The sun does not turn, and
-moves only if it floats. Pins and planet
-teeth are unilateral springs with the gaps of `reducer.gaps`, to first order in z. A crank bearing is a spring between
-two circles: needles and taper in series, with the sum of their clearances. All springs have a convex energy, whose
-minimum a semismooth Newton method with Armijo's line search finds at all crank angles at once.
+moves only if it floats. Pins are unilateral springs with the gaps of `reducer.gaps`, for curved flanks of discs that
+turn. Planet teeth are unilateral springs, to first order in z. A crank bearing is a spring between
+two circles: needles and taper in series, with the sum of their clearances. A semismooth Newton method with Armijo's
+line search minimises the energy of all springs at all crank angles at once.
 
-Weight and inertia are left out, and friction too, unless `RvFriction` is added. At 784 N m the discs of `rv80e` move by
-50 um: with curved flanks, as in ``statics.kernel``, its largest pin force is 1 % less, crank forces and stiffness are
-the same within 0.1 %.
+Weight and inertia are left out, and friction too, unless `RvFriction` is added.
 """
 
 from dataclasses import dataclass
@@ -18,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
@@ -36,17 +34,25 @@ class RvNewtonSettings:
     armijo: float = 1e-4
     """Share of the predicted decrease of the energy that a step has to reach."""
     max_halvings: int = 40
+    rounding: float = 2e-14
+    """Rounding of energies and forces over their largest terms: that of sums of a hundred terms."""
     damping: float = 1e-9
     """Levenberg-Marquardt term over the largest stiffness, which keeps the tangent regular within clearances."""
 
 
 NEWTON = RvNewtonSettings()
 
-FRICTION_STEPS = 5
-"""Fixed-point iterations of friction: each changes the losses of `rv80e` by a twentieth of the one before."""
 
-FRICTION_RTOL = 1e-3
-"""Largest change of the friction forces in the last iteration over the load: 0.1 points of efficiency."""
+@dataclass(frozen=True)
+class RvFrictionSettings:
+    """Settings of the fixed-point iteration of friction: a step of `rv80e` changes forces by 5 % of the last change."""
+
+    max_steps: int = 50
+    rtol: float = 1e-6
+    """Largest change of a friction force over the load."""
+
+
+FRICTION = RvFrictionSettings()
 
 
 @dataclass(frozen=True)
@@ -62,6 +68,9 @@ class RvSprings:
         shape (m, c, u). The pins of all discs come first, then two flanks of each planet.
     pins
         Number of contacts with the ring.
+    disc, shift, shift_slope, bend, twist
+        Disc of each of these, shape (pins,); displacement along the flank at z = 0 [m], shape (m, pins), its gradient
+        [1], shape (m, pins, u), and curvature of the flank [1/m], shape (m, pins), as in `reducer.gaps.Gaps`.
     curvature, slip
         Relative curvature of these [1/m], and sliding of the disc per turn of the crank against the ring [m/rad], shape
         (m, pins).
@@ -79,6 +88,11 @@ class RvSprings:
     slope: Array
     stiffness: Array
     pins: int
+    disc: Integers
+    shift: Array
+    shift_slope: Array
+    bend: Array
+    twist: Array
     curvature: Array
     slip: Array
     offset: Array
@@ -121,7 +135,7 @@ class RvFriction:
         return np.asarray(
             np.einsum("mc,mcu->mu", loads.pins, self.teeth)
             + np.einsum("mdn,dnu->mu", loads.bearings, self.bearings)
-            + np.einsum("mn,nu->mu", np.abs(loads.meshes), self.meshes)
+            + np.einsum("mn,nu->mu", loads.meshes, self.meshes)
         )
 
 
@@ -135,9 +149,9 @@ class RvLoads:
         Force of each contact line with the ring [N], shape (m, D lines).
     cranks
         Force of each crank on each disc [N], shape (m, D, n, 2).
-    meshes
-        Force of each planet on the sun along the line of action [N], shape (m, n); positive if the carrier's load is
-        counter-clockwise.
+    flanks
+        Force of both flanks of each planet on the sun [N], shape (m, 2, n); the first carries a counter-clockwise load
+        on the carrier.
     carrier_turn
         Rotation of the carrier from its ideal angle [rad], shape (m,).
     compliance
@@ -146,7 +160,7 @@ class RvLoads:
 
     pins: Array
     cranks: Array
-    meshes: Array
+    flanks: Array
     carrier_turn: Array
     compliance: Array
 
@@ -154,6 +168,11 @@ class RvLoads:
     def bearings(self) -> Array:
         """Force on the bearing of each crank in each disc [N], shape (m, D, n)."""
         return np.linalg.norm(self.cranks, axis=-1)
+
+    @property
+    def meshes(self) -> Array:
+        """Total normal force of both flanks of each planet [N], shape (m, n)."""
+        return np.asarray(self.flanks.sum(axis=1))
 
 
 def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
@@ -166,14 +185,18 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     flank_gap, flank_slope = _flank_gaps(reducer, crank)
     offset, offset_slope = _crank_offsets(reducer, crank)
     unknowns = offset_slope.shape[-1]
-    slope = np.concatenate([teeth.slope, np.zeros((*teeth.slope.shape[:2], unknowns - teeth.slope.shape[2]))], axis=2)
     stiffness = tooth_stiffness(reducer, teeth.relative_curvature)
     return RvSprings(
         crank=crank,
         gap=np.concatenate([teeth.width + teeth.play, flank_gap], axis=1),
-        slope=np.concatenate([slope, flank_slope], axis=1),
+        slope=np.concatenate([_padded(teeth.slope, unknowns), flank_slope], axis=1),
         stiffness=np.concatenate([stiffness, np.full(flank_gap.shape, reducer.mesh_stiffness)], axis=1),
         pins=stiffness.shape[1],
+        disc=teeth.disc,
+        shift=teeth.shift,
+        shift_slope=_padded(teeth.shift_slope, unknowns),
+        bend=teeth.bend,
+        twist=teeth.twist,
         curvature=teeth.relative_curvature,
         slip=np.einsum("mcu,mu->mc", teeth.slip_slope, ideal_motion(reducer, crank)),
         offset=offset,
@@ -182,6 +205,11 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
         bearing_clearance=reducer.bearing_clearance,
         lever=reducer.lever,
     )
+
+
+def _padded(slope: Array, unknowns: int) -> Array:
+    """Extend a gradient by the unknowns of the teeth, shape (m, c, 3 D + 1), to all unknowns."""
+    return np.concatenate([slope, np.zeros((*slope.shape[:2], unknowns - slope.shape[2]))], axis=2)
 
 
 def _unknowns(reducer: RvReducer) -> int:
@@ -293,8 +321,7 @@ def compute_rv_friction(reducer: RvReducer, crank: npt.ArrayLike, sense: float) 
         meshes[number, carrier + 1 + number] = -sense * sliding_arm
     for disc in range(discs):
         bearings[disc, :, 3 * disc + 2] = rolling
-    padding = np.zeros((*sliding.shape[:2], count - sliding.shape[2]))
-    return RvFriction(np.concatenate([sliding, padding], axis=2), bearings, meshes)
+    return RvFriction(_padded(sliding, count), bearings, meshes)
 
 
 def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RvFriction | None = None) -> RvLoads:
@@ -305,74 +332,74 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RvFricti
     Raises
     ------
     RunError
-        The Newton method does not converge, or friction does not.
+        The Newton method or the iteration of friction does not converge.
     """
     load = np.zeros((springs.crank.size, springs.slope.shape[2]))
     load[:, springs.carrier] = torque / springs.lever
-    loads = _balance(springs, load)
+    displacements = _minimise_energy(springs, load, np.zeros(load.shape))
     if friction is None:
-        return loads
-    previous_forces = forces = np.zeros(load.shape)
-    for _ in range(FRICTION_STEPS):
-        previous_forces, forces = forces, friction.load(loads)
-        loads = _balance(springs, load + forces)
-    change = float(np.abs(forces - previous_forces).max() / np.abs(load).max())
-    if change > FRICTION_RTOL:
-        raise RunError(
-            f"no static equilibrium with friction found: the friction forces still change by {change:.3g} of the load, "
-            f"but at most {FRICTION_RTOL:g} is allowed. Reduce the coefficients in the table [friction]"
-        )
-    return loads
+        return _loads_at(springs, displacements)
+    rubbing, largest_change = np.zeros(load.shape), np.inf
+    for _ in range(FRICTION.max_steps):
+        previous, rubbing = rubbing, friction.load(_loads_at(springs, displacements))
+        displacements = _minimise_energy(springs, load + rubbing, displacements)
+        largest_change = float(np.max(np.abs(rubbing - previous) / np.max(np.abs(load), axis=1, keepdims=True)))
+        if largest_change <= FRICTION.rtol:
+            return _loads_at(springs, displacements)
+    raise RunError(
+        f"no static equilibrium with friction found: friction forces still change by {largest_change:.3g} of the load, "
+        f"but at most {FRICTION.rtol:.0e} is allowed. Reduce the friction coefficients (friction.*, planet.friction)"
+    )
 
 
-def _balance(springs: RvSprings, load: Array) -> RvLoads:
-    """Solve for the balance under generalised forces [N], shape (m, u); raises as `solve_rv_loads`."""
-    displacements = _minimise_energy(springs, load)
-    _, _, tangent = _assemble(springs, load, displacements, needs_tangent=True)
-    unit = np.zeros(load.shape)
+def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
+    """Return forces and compliance at displacements (m, u) [m] in equilibrium."""
+    unit = np.zeros(displacements.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
-    compliance = np.asarray(np.linalg.solve(tangent, unit[..., np.newaxis]))[:, springs.carrier, 0]
-    force = _contact_forces(springs, displacements)
-    flanks = force[:, springs.pins :].reshape(len(displacements), 2, -1)
+    compliance = np.asarray(np.linalg.solve(_tangent(springs, displacements), unit[..., np.newaxis]))
+    compliance = compliance[:, springs.carrier, 0]
+    gaps, _, _ = _contact_gaps(springs, displacements)
+    force = springs.stiffness * np.maximum(-gaps, 0.0)
     bearing_forces, _, _ = _bearing_forces(springs, displacements)
     return RvLoads(
         pins=force[:, : springs.pins],
         cranks=bearing_forces,
-        meshes=flanks[:, 0] - flanks[:, 1],
+        flanks=force[:, springs.pins :].reshape(len(displacements), 2, -1),
         carrier_turn=displacements[:, springs.carrier] / springs.lever,
         compliance=np.asarray(compliance / springs.lever),
     )
 
 
-def _minimise_energy(springs: RvSprings, load: Array) -> Array:
+def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
     """Return the displacements of least energy (m, u) [m], by a semismooth Newton method with Armijo backtracking.
 
-    All crank angles are solved together under `load` [N], shape (m, u).
+    All crank angles are solved together under `load` [N] from the displacements `start` [m], shape (m, u). The tangent
+    leaves out the curvature of flanks, whose share is the pin force times curvature over stiffness, below 1e-3.
 
     Raises
     ------
     RunError
         The method does not converge.
     """
-    z, load_size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
-    energy, residual, tangent = _assemble(springs, load, z, needs_tangent=True)
+    z, load_size, largest_stiffness = start, np.max(np.abs(load), axis=1), float(springs.stiffness.max())
+    energy, residual = _assemble(springs, load, z)
     for _ in range(NEWTON.max_steps):
-        active = np.max(np.abs(residual), axis=1) > NEWTON.rtol * load_size
+        force_rounding = NEWTON.rounding * largest_stiffness * np.max(np.abs(z), axis=1)
+        active = np.max(np.abs(residual), axis=1) > NEWTON.rtol * load_size + force_rounding
         if not active.any():
             return z
-        step = np.linalg.solve(tangent, residual[..., np.newaxis])[..., 0] * active[:, np.newaxis]
+        step = np.linalg.solve(_tangent(springs, z), residual[..., np.newaxis])[..., 0] * active[:, np.newaxis]
         predicted_decrease, step_length = np.sum(step * residual, axis=1), np.ones(len(z))
+        # a change of the energy below the rounding of its terms cannot be compared
+        highest = energy + NEWTON.rounding * (np.abs(energy) + np.sum(np.abs(load * z), axis=1))
         for _ in range(NEWTON.max_halvings):
             trial = z + step_length[:, np.newaxis] * step
-            trial_energy, residual, _ = _assemble(springs, load, trial, needs_tangent=False)
-            # a change of the energy below its rounding cannot be compared
-            allowed = energy - NEWTON.armijo * step_length * predicted_decrease + np.finfo(float).eps * np.abs(energy)
-            too_high = trial_energy > allowed
+            trial_energy, residual = _assemble(springs, load, trial)
+            too_high = trial_energy > highest - NEWTON.armijo * step_length * predicted_decrease
             if not too_high.any():
                 break
             step_length = np.where(too_high, 0.5 * step_length, step_length)
-        z = trial
-        energy, residual, tangent = _assemble(springs, load, z, needs_tangent=True)
+        z, energy = trial, trial_energy
     largest = float(np.max(np.max(np.abs(residual), axis=1) / load_size))
     raise RunError(
         f"no static equilibrium found: the residual is {largest:.3g} of the load, but at most {NEWTON.rtol:.0e} is "
@@ -380,10 +407,23 @@ def _minimise_energy(springs: RvSprings, load: Array) -> Array:
     )
 
 
-def _contact_forces(springs: RvSprings, z: Array) -> Array:
-    """Return the forces of pins and planet flanks [N], shape (m, c)."""
-    width = springs.gap + np.einsum("mcu,mu->mc", springs.slope, z)
-    return springs.stiffness * np.maximum(-width, 0.0)
+def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
+    """Return the gaps of pins and planet flanks [m], shape (m, c), and two changes of the pins' gradients, (m, pins).
+
+    The gap of a pin is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in ``statics.kernel``, for the
+    displacements q along the normal and p along the flank, of which p_phi is by the rotation phi of the disc. Its
+    gradient is that of q, plus the first change [1] times that of p, less the second change [m] times that of phi.
+    """
+    column = displacements[..., np.newaxis]
+    gaps = springs.gap + (springs.slope @ column)[..., 0]
+    contact, turning = np.arange(springs.pins), 3 * springs.disc + 2
+    turn = displacements[:, turning] / springs.lever
+    along = springs.shift + (springs.shift_slope @ column)[..., 0]
+    by_turn = springs.shift_slope[:, contact, turning] * displacements[:, turning]
+    rise = along * (springs.bend + 0.5 * springs.twist * along)
+    curved = along**2 * (0.5 * springs.bend + springs.twist * along / 6.0)
+    gaps[:, : springs.pins] += curved - turn * (along - 0.5 * by_turn)
+    return gaps, rise - turn, along - by_turn
 
 
 def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
@@ -407,26 +447,40 @@ def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Ar
     return magnitude[..., np.newaxis] * directions, 0.5 * stiffness * (near**2 + far**2), tangent
 
 
-def _assemble(springs: RvSprings, load: Array, displacements: Array, needs_tangent: bool) -> tuple[Array, Array, Array]:
-    """Return energy (m,) [J], residual forces (m, u) [N], and the tangent stiffness (m, u, u) [N/m] if needed."""
-    gaps = springs.gap + np.einsum("mcu,mu->mc", springs.slope, displacements)
+def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Array, Array]:
+    """Return the energy (m,) [J] and the residual forces (m, u) [N]."""
+    gaps, rise, arm = _contact_gaps(springs, displacements)
     force = springs.stiffness * np.maximum(-gaps, 0.0)
-    bearing_forces, bearing_energy, bearing_tangents = _bearing_forces(springs, displacements)
+    on_teeth = force[:, : springs.pins]
+    bearing_forces, bearing_energy, _ = _bearing_forces(springs, displacements)
     energy = 0.5 * np.sum(force * np.maximum(-gaps, 0.0), axis=1) + bearing_energy.sum(axis=(1, 2))
     energy -= np.sum(load * displacements, axis=1)
-    residual = load + np.einsum("mcu,mc->mu", springs.slope, force)
+    residual = load + _times(springs.slope, force) + _times(springs.shift_slope, on_teeth * rise)
+    for disc in range(springs.discs):
+        residual[:, 3 * disc + 2] -= np.sum((on_teeth * arm)[:, springs.disc == disc], axis=1) / springs.lever
     residual -= np.einsum("mdnju,mdnj->mu", springs.offset_slope, bearing_forces)
-    if not needs_tangent:
-        return energy, residual, np.empty(0)
-    carrying = np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis] * springs.slope
-    tangent = np.swapaxes(carrying, 1, 2) @ carrying
+    return energy, residual
+
+
+def _times(slope: Array, force: Array) -> Array:
+    """Return the generalised forces (m, u) [N] of forces (m, c) [N] along the gradients (m, c, u) of their gaps."""
+    return np.asarray((force[:, np.newaxis] @ slope)[:, 0])
+
+
+def _tangent(springs: RvSprings, displacements: Array) -> Array:
+    """Return the tangent stiffness without the curvature of flanks (m, u, u) [N/m]."""
+    gaps, rise, arm = _contact_gaps(springs, displacements)
+    slopes, turning = springs.slope.copy(), 3 * springs.disc + 2
+    slopes[:, : springs.pins] += rise[..., np.newaxis] * springs.shift_slope
+    slopes[:, np.arange(springs.pins), turning] -= arm / springs.lever
+    slopes *= np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]
+    tangent = np.swapaxes(slopes, 1, 2) @ slopes
     count = displacements.shape[1]
-    gradients = springs.offset_slope.reshape(len(displacements), -1, count)
-    weighted = np.einsum("mdnjk,mdnku->mdnju", bearing_tangents, springs.offset_slope).reshape(
-        len(displacements), -1, count
-    )
+    _, _, bearing_tangents = _bearing_forces(springs, displacements)
+    weighted = bearing_tangents @ springs.offset_slope
+    gradients, weighted = (item.reshape(len(displacements), -1, count) for item in (springs.offset_slope, weighted))
     tangent += np.swapaxes(gradients, 1, 2) @ weighted
-    return energy, residual, tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(count)
+    return np.asarray(tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(count))
 
 
 def _quarter_turned(vectors: Array) -> Array:

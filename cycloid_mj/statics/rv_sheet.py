@@ -35,6 +35,8 @@ class RvSheetSettings:
     ----------
     force_angles
         Crank angles over a turn of the carrier: peak forces are within 0.1 % of those at 3510 angles.
+    error_angles
+        The same for the range of rotations: within 1 % of that at 720 angles.
     rotation_angles
         The same for means of rotations.
     closed_angles
@@ -44,6 +46,7 @@ class RvSheetSettings:
     """
 
     force_angles: int = 720
+    error_angles: int = 241
     rotation_angles: int = 61
     closed_angles: int = 960
     stop_torque_share: float = 1e-4
@@ -53,22 +56,48 @@ SETTINGS = RvSheetSettings()
 
 
 def carrier_turn(reducer: RvReducer, count: int = SETTINGS.force_angles) -> Array:
-    """Return crank angles against the ring in order [rad], shape (count,), that cover a turn of the carrier evenly.
+    """Return crank angles against the ring [rad], shape (count,), that cover a turn of the carrier evenly.
 
-    They are multiples of the golden ratio of the turn, which cover any of its parts evenly too.
+    They are in the order in which the drive passes them, and multiples of the golden ratio of the turn, which cover any
+    of its parts evenly too.
     """
-    return np.asarray(reducer.crank_turn * np.sort(np.mod(0.5 * (np.sqrt(5.0) - 1.0) * np.arange(count), 1.0)))
+    shares = np.sort(np.mod(0.5 * (np.sqrt(5.0) - 1.0) * np.arange(count), 1.0))
+    return np.asarray(-_carrier_sense(reducer) * reducer.crank_turn * shares)
+
+
+def _carrier_sense(reducer: RvReducer) -> float:
+    """Return the direction of rotation of the carrier, seen from the ring: that of the sun; the cranks turn back."""
+    return float(np.copysign(1.0, reducer.design.drive.speed))
 
 
 def torque_on_carrier(reducer: RvReducer, torque: float) -> float:
     """Convert a torque on the output [N m] that brakes the drive to that on the carrier, seen from the ring."""
-    return reducer.share * float(np.copysign(torque, reducer.design.drive.speed)) * np.sign(torque)
+    return -_carrier_sense(reducer) * reducer.share * torque
 
 
 @once
 def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
-    """Balance the drive over a turn of the carrier under a torque on the output [N m]; raises as `solve_rv_loads`."""
+    """Balance the drive without friction over a turn of the carrier under a torque on the output [N m].
+
+    Raises as `solve_rv_loads`.
+    """
     return solve_rv_loads(springs_over_turn(reducer, count), torque_on_carrier(reducer, torque))
+
+
+@once
+def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
+    """Balance the running drive with friction over a turn of the carrier, braked by a torque on the output [N m].
+
+    Under a negative torque, the drive runs in reverse. Raises as `solve_rv_loads`.
+    """
+    springs, on_carrier = springs_over_turn(reducer, count), torque_on_carrier(reducer, torque)
+    return solve_rv_loads(springs, on_carrier, compute_rv_friction(reducer, springs.crank, np.sign(on_carrier)))
+
+
+def running_rotation(reducer: RvReducer, torque: float) -> Array:
+    """Compute the output's rotation from its ideal angle [rad] over a turn of the carrier, as `balance_running`."""
+    towards_carrier = -1.0 if reducer.design.output.turns_ring else 1.0
+    return towards_carrier * reducer.share * balance_running(reducer, torque, SETTINGS.error_angles).carrier_turn
 
 
 @once
@@ -126,15 +155,15 @@ def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
         balance_rv(reducer, load),
         springs_over_turn(reducer),
     )
+    running_loads = balance_running(reducer, load)
     kind = reducer.design.tooth_pair
-    contact, force = reducer.at_rated_load.contacts[kind], balanced_loads.pins
+    contact, force = reducer.at_rated_load.contacts[kind], running_loads.pins
     is_loaded = force > CARRYING_SHARE * force.max()
     strength_ratio = contact.strength / float(contact.pressure(force, springs.curvature).max())
-    yield sheet_quantity("crank_bearing_force", float(ideal_loads.bearings.max()))
-    yield sheet_quantity("crank_bearing_mean_force", _largest_mean(ideal_loads.bearings))
-    yield sheet_quantity("crank_bearing_balanced_force", float(balanced_loads.bearings.max()))
-    yield sheet_quantity("crank_bearing_balanced_mean_force", _largest_mean(balanced_loads.bearings))
-    yield sheet_quantity("planet_mesh_force", float(np.abs(balanced_loads.meshes).max()))
+    for name, loads in (("", ideal_loads), ("balanced_", balanced_loads), ("running_", running_loads)):
+        yield sheet_quantity(f"crank_bearing_{name}force", float(loads.bearings.max()))
+        yield sheet_quantity(f"crank_bearing_{name}mean_force", _largest_mean(loads.bearings))
+    yield sheet_quantity("planet_mesh_force", float(running_loads.flanks.max()))
     yield sheet_quantity("te_ideal", reducer.share * peak_to_peak(balanced_loads.carrier_turn) / ARCSECOND)
     yield sheet_quantity("te_errors", peak_to_peak(closed_rotation(reducer)) / ARCSECOND)
     ideal_peak = float(ideal_loads.pins.max())
@@ -174,9 +203,7 @@ def friction_powers(reducer: RvReducer, load: float) -> dict[str, float]:
     eccentric.
     """
     design, planet = reducer.design, reducer.planet
-    springs, torque = springs_over_turn(reducer), torque_on_carrier(reducer, load)
-    friction = compute_rv_friction(reducer, springs.crank, float(np.sign(torque)))
-    balanced_loads = solve_rv_loads(springs, torque, friction)
+    springs, balanced_loads = springs_over_turn(reducer), balance_running(reducer, load)
     output, kinematics = abs(reducer.output_speed), reducer.kinematics
     crank_speed = output * reducer.share * float(abs(kinematics.crank_per_carrier))
     sliding = np.sum(balanced_loads.pins * np.abs(springs.slip), axis=1).mean() * crank_speed
@@ -184,7 +211,7 @@ def friction_powers(reducer: RvReducer, load: float) -> dict[str, float]:
         2.0 * balanced_loads.bearings.sum(axis=(1, 2)).mean() * reducer.cranks.eccentric_radius * reducer.crank_speed
     )
     mesh_speed = reducer.crank_speed * (1.0 + planet.planet_teeth / planet.sun_teeth)
-    mesh_power = np.abs(balanced_loads.meshes).sum(axis=1).mean() * reducer.planet_mesh.arm * mesh_speed
+    mesh_power = balanced_loads.meshes.sum(axis=1).mean() * reducer.planet_mesh.arm * mesh_speed
     return {
         "teeth": float(design.mesh_friction * sliding),
         "crank bearings": float(design.friction.cam_rolling * bearing_power),
@@ -198,15 +225,15 @@ def assumptions(reducer: RvReducer) -> tuple[str, ...]:
     design = reducer.design
     return (
         "statics: parts are rigid, pins, planet teeth and crank bearings are springs with all clearances and "
-        "manufacturing errors, to first order in displacements; no weight and no inertia",
+        "manufacturing errors; no weight and no inertia",
         f"crank bearings: needles and taper in series, {reducer.bearing_stiffness:.4g} N/m and "
         f"{1e6 * reducer.bearing_clearance:.4g} um for each crank and disc; discs do not tilt",
         f"planet mesh: {reducer.mesh_stiffness:.4g} N/m along the line of action"
         + ("" if reducer.planet.mesh_stiffness else " (ISO 6336-1, method B)"),
-        "losses: Coulomb friction, with which the forces are in balance; "
-        f"mesh {design.mesh_friction:g}, crank bearings {design.friction.cam_rolling:g}, "
+        "friction: Coulomb friction of a running drive; none in figures without friction by name, backlash, lost "
+        f"motion and stiffness; mesh {design.mesh_friction:g}, crank bearings {design.friction.cam_rolling:g}, "
         f"planets {reducer.planet.friction:g}",
-        f"{SETTINGS.force_angles} crank angles over a turn of the carrier, {SETTINGS.rotation_angles} for backlash, "
-        "lost motion and stiffness",
+        f"{SETTINGS.force_angles} crank angles over a turn of the carrier, {SETTINGS.error_angles} for the "
+        f"transmission error, {SETTINGS.rotation_angles} for backlash, lost motion and stiffness",
         *part_notes(design),
     )

@@ -33,7 +33,6 @@ from cycloid_mj.statics.sheet_figures import (
     CASES,
     DIRECTIONS,
     INERTIA_SHARE,
-    SHAFTS,
     SheetPart,
     sheet_quantity,
     spread_quantity,
@@ -327,9 +326,9 @@ def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
                 (shaft, case, direction): float(rotation.mean()) / ARCSECOND for shaft, rotation in rotations.items()
             }
             yield from _range_figures(rotations, case, direction)
-            if (case, direction) == ("loaded", "forward"):
+            if (case, direction) == ("loaded", "forward") and not isinstance(reducer, RvReducer):
                 yield sheet_quantity(INERTIA_SHARE, inertia_share(reducer, rotations["output"][:-1], load))
-    for shaft in SHAFTS:
+    for shaft in rotations:
         unloaded_error = means[shaft, "unloaded", "forward"]
         yield sheet_quantity(f"{shaft}_reversal", unloaded_error - means[shaft, "unloaded", "reverse"])
         yield sheet_quantity(f"{shaft}_wind_up", means[shaft, "loaded", "forward"] - unloaded_error)
@@ -343,8 +342,11 @@ def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
 def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
     """Compute the rotations of disc and output from their ideal angles [rad] in a case and direction, by part.
 
-    Keys of `CASES` and `DIRECTIONS`; crank angles are even over a turn, both ends included.
+    Keys of `CASES` and `DIRECTIONS`; crank angles are even over a turn, both ends included. For an RV reducer, only the
+    output, over a turn of the carrier.
     """
+    if isinstance(reducer, RvReducer):
+        return {"output": rv_sheet.running_rotation(reducer, DIRECTIONS[direction] * CASES[case] * load)}
     count, sign = SETTINGS.angles_per_mesh_period * reducer.mesh_periods, DIRECTIONS[direction]
     moving_reducer = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
     springs = springs_of(moving_reducer, np.linspace(0.0, 2.0 * np.pi, count + 1))
@@ -494,6 +496,7 @@ def describe_self_locking(reducer: Reducer, load: float) -> str:
 
 RV_PARTS: Mapping[SheetPart, Callable[[RvReducer, float], Iterator[Quantity]]] = {
     "motions": rv_sheet.motion_figures,
+    "errors": _error_figures,
     "loads": rv_sheet.force_figures,
     "losses": rv_sheet.loss_figures,
 }

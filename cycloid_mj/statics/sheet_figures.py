@@ -52,11 +52,13 @@ BEARINGS = {
 
 INERTIA_SHARE = "inertia_torque_share"
 
+CENTRAL: tuple[Layout, ...] = ("central",)
 RV: tuple[Layout, ...] = ("rv",)
 BOTH: tuple[Layout, ...] = ("central", "rv")
 
 _IDEAL = "without friction and weight, at a locked crank: mean over a turn"
-_LOADED = "under the load, with friction, over a turn of the crank"
+_TURN = "over a turn of the crank; of an RV reducer: of the carrier"
+_LOADED = f"under the load, with friction, {_TURN}"
 _AT_SPEED = "under the load at the design's speed"
 
 
@@ -86,7 +88,7 @@ class SheetFigure:
     definition: str
     catalogue_key: str = ""
     exists: Callable[[Reducer], bool] = lambda _: True
-    layouts: tuple[Layout, ...] = ("central",)
+    layouts: tuple[Layout, ...] = CENTRAL
     part: SheetPart = "motions"
 
 
@@ -143,24 +145,25 @@ def _motion_rows() -> Iterator[SheetFigure]:
 def _error_rows() -> Iterator[SheetFigure]:
     """Yield the rows of the transmission errors of disc and output."""
     for shaft in SHAFTS:
-        prefix = "" if shaft == "output" else f"{shaft}_"
+        prefix, layouts = ("", BOTH) if shaft == "output" else (f"{shaft}_", CENTRAL)
         for case, direction in product(CASES, DIRECTIONS):
             end, condition = f"{case}_{direction}", f"{case}, {direction}"
-            angle = f"the {shaft}'s angle about the ideal one, {condition}, with friction, over a turn of the crank."
+            angle = f"the {shaft}'s angle about the ideal one, {condition}, with friction, {_TURN}."
             yield SheetFigure(
                 f"{shaft}_peak_to_peak_{end}_speed", "arcsec",
                 f"transmission error, peak to peak, {shaft}, {condition}", f"Range of {angle}",
-                f"{prefix}te_{end}_arcsec")
+                f"{prefix}te_{end}_arcsec", layouts=layouts)
             yield SheetFigure(
                 f"{shaft}_rms_{end}_speed", "arcsec",
                 f"transmission error, rms about its mean, {shaft}, {condition}", f"Standard deviation of {angle}",
-                f"{prefix}te_rms_{end}_arcsec")
+                f"{prefix}te_rms_{end}_arcsec", layouts=layouts)
         yield SheetFigure(
             f"{shaft}_reversal", "arcsec", f"mean of the {shaft}, forward minus reverse, unloaded",
-            f"Mean angle of the {shaft} forward minus that in reverse, unloaded, with friction.")
+            f"Mean angle of the {shaft} forward minus that in reverse, unloaded, with friction.", layouts=layouts)
         yield SheetFigure(
             f"{shaft}_wind_up", "arcsec", f"mean of the {shaft}, loaded minus unloaded, forward",
-            f"Mean angle of the {shaft} under the load minus that under 1 % of it, forward, with friction.")
+            f"Mean angle of the {shaft} under the load minus that under 1 % of it, forward, with friction.",
+            layouts=layouts)
     yield SheetFigure(
         INERTIA_SHARE, "1", "inertia torque of the load if it followed that error, over the load",
         "Inertia of what turns with the output times the second derivative of its loaded transmission error, forward, "
@@ -182,7 +185,7 @@ def _load_rows() -> Iterator[SheetFigure]:
             ("margin", "1", "margin against first yield", f"Pressure of first yield over the largest, {pair}."),
         ):
             yield SheetFigure(f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind),
-                              layouts=BOTH if kind in ("pin_gear", "tooth") else ("central",))
+                              layouts=BOTH if kind in ("pin_gear", "tooth") else CENTRAL)
     yield from _rv_load_rows()
     for member, (end, unit) in product(("shaft", "output", "ring"), (("net_force", "N"), ("tilting_moment", "N m"))):
         name = end.replace("_", " ")
@@ -206,17 +209,20 @@ def _rv_load_rows() -> Iterator[SheetFigure]:
     """Yield the rows of the forces of an RV reducer: crank bearings and planets."""
     ideal_condition = "ideal sharing by rigid parts without clearance and errors, over a turn of the carrier"
     balanced_condition = "by the balance of all springs with clearances and errors, over a turn of the carrier"
-    for key, name, condition in (("ideal", "", ideal_condition), ("balanced", "balanced_", balanced_condition)):
-        method_text = "ideal sharing" if key == "ideal" else "springs and clearances"
+    for name, method, condition in (
+        ("", "ideal sharing", ideal_condition),
+        ("balanced_", "springs and clearances", f"{balanced_condition}, without friction"),
+        ("running_", "springs, clearances and friction", f"{balanced_condition}, with friction"),
+    ):
         yield SheetFigure(
-            f"crank_bearing_{name}force", "N", f"largest force of a crank on a disc, {method_text}",
+            f"crank_bearing_{name}force", "N", f"largest force of a crank on a disc, {method}",
             f"Largest force of a crank on its bearing in a disc under the load: {condition}.", layouts=RV)
         yield SheetFigure(
-            f"crank_bearing_{name}mean_force", "N", f"10/3-power mean force of a crank on a disc, {method_text}",
+            f"crank_bearing_{name}mean_force", "N", f"10/3-power mean force of a crank on a disc, {method}",
             f"Mean of that force for the life of roller bearings, (mean F^(10/3))^(3/10): {condition}.", layouts=RV)
     yield SheetFigure(
         "planet_mesh_force", "N", "largest force of a planet on the sun",
-        f"Largest normal force of a planet on the sun under the load: {balanced_condition}.", layouts=RV)
+        f"Largest normal force of a planet on the sun under the load: {balanced_condition}, with friction.", layouts=RV)
     yield SheetFigure(
         "te_errors", "arcsec", "transmission error by errors of cranks, bores and planets, peak to peak",
         "Range of the output's angle by the errors of cranks, bores, carrier and planets at a fixed sun, in closed "
@@ -237,7 +243,7 @@ def _loss_rows() -> Iterator[SheetFigure]:
         yield SheetFigure(
             f"{kind}_friction_power", "W", f"friction of {kind}",
             f"Mean power lost to friction, {CONTACTS[kind]}, {_AT_SPEED}.", exists=_has_contact(kind),
-            layouts=BOTH if kind in ("pin_gear", "tooth") else ("central",))
+            layouts=BOTH if kind in ("pin_gear", "tooth") else CENTRAL)
     for key, name in (
         ("seals_power", "drag of seals and lubricant"), ("input_power", "input power"), ("output_power", "output power")
     ):

@@ -1,6 +1,7 @@
 """Commands on an RV reducer: figures of those that support it, and one sentence from all others."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,18 @@ def test_planets_that_miss_their_mesh_are_refused_with_the_nearest_that_close(
     assert "miss the sun's by 1/3 of a pitch; set planet.planet_teeth to 39 or 36" in told
     assert main(["statics", "rv80e", "--set", "planet.sun_teeth=12"]) == 1
     assert "set planet.planet_teeth to 39 or 36" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("teeth", "word"), [(53, "ok"), (62, "FAIL")])
+def test_tips_of_neighbouring_planets_are_those_of_shifted_profiles(
+    teeth: int, word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With 53 teeth, tips of a module above the pitch circles would meet; the profile shift lowers them."""
+    circle = math.sin(math.pi / 3.0) * 1.75 * (10 + teeth) / 2.0
+    assert 1.75 * (teeth / 2.0 + 1.0) > circle
+    main(["design", "check", "rv80e", "--set", f"planet.planet_teeth={teeth}", "--all"])
+    lines = [line for line in capsys.readouterr().out.splitlines() if "planets_apart" in line]
+    assert lines[0].startswith(word)
 
 
 def test_a_copy_of_the_preset_is_the_preset() -> None:

@@ -21,7 +21,8 @@ from cycloid_mj.dynamics.planar.state import start_state
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv import RvLoads, compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv import RvLoads, compute_rv_friction, compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv_sheet import loss_figures, torque_on_carrier
 
 FRICTIONLESS = {
     "friction": {"pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0},
@@ -43,10 +44,11 @@ def settled(reducer: RvReducer, timestep: float = 0.0) -> Run:
 
 
 def static_loads(reducer: RvReducer, run: Run) -> RvLoads:
-    """Balance of springs at the crank angles of a run: the load turns the carrier clockwise against the ring."""
+    """Balance of springs with friction at the crank angles of a run."""
     ring, _ = reducer.member.ring_and_carrier(run["output_angle"])
     springs = compute_rv_springs(reducer, reducer.member.mesh_angle(run["sun_angle"], ring))
-    return solve_rv_loads(springs, -reducer.design.load.torque * reducer.share)
+    torque = torque_on_carrier(reducer, reducer.design.load.torque)
+    return solve_rv_loads(springs, torque, compute_rv_friction(reducer, springs.crank, np.sign(torque)))
 
 
 def output_error(reducer: RvReducer, run: Run) -> Array:
@@ -76,14 +78,10 @@ def test_inertia_of_all_parts_is_that_seen_from_the_sun(member: str) -> None:
     ],
 )
 def test_forces_and_wind_up_without_friction_are_those_of_statics(load: float, changes: dict[str, Any]) -> None:
-    """Statics has straight flanks, and neither weight nor inertia: 1 % of the largest force at a tenth of the load."""
+    """Statics has neither weight nor inertia: 1 % of the largest force at a tenth of the load."""
     reducer = rv(load, **(FRICTIONLESS | changes))
-    run = settled(reducer)
-    sense = np.sign(reducer.design.drive.speed)
-    run = run.select(slice(0, None, 10))
-    ring, _ = reducer.member.ring_and_carrier(run["output_angle"])
-    springs = compute_rv_springs(reducer, reducer.member.mesh_angle(run["sun_angle"], ring))
-    static = solve_rv_loads(springs, -sense * load * reducer.share)
+    run = settled(reducer).select(slice(0, None, 10))
+    static = static_loads(reducer, run)
     turn = (-reducer.share if reducer.design.output.turns_ring else 1.0) * static.carrier_turn
     assert output_error(reducer, run).mean() == pytest.approx(turn.mean(), rel=2e-3)
     bearings = static.bearings.reshape(len(run), -1)
@@ -108,6 +106,27 @@ def test_transmission_error_of_part_errors_is_that_of_statics(error: dict[str, t
     static = static_loads(reducer, run).carrier_turn
     assert np.ptp(static) > 10.0 * ARCSECOND
     assert np.ptp(output_error(reducer, run)) == pytest.approx(np.ptp(static), rel=5e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", [240.0, -240.0])
+@pytest.mark.parametrize("load", [784.0, 78.4])
+def test_running_drives_have_the_figures_of_statics_with_friction(load: float, speed: float) -> None:
+    """Transmission error of a bore error of 10 um, wind-up, crank forces and efficiency."""
+    drive = {"ramp": 0.0, "hold": HOLD, "speed": speed}
+    reducer = rv(load, crank_errors={"bore_x": (0.0, 1e-5, 0.0, 0.0, 0.0, 0.0)}, drive=drive)
+    run = settled(reducer)
+    efficiency = mean_powers(run).efficiency
+    run = run.select(slice(0, None, 5))
+    error, forces, static = output_error(reducer, run), run.forces("crank_bearing"), static_loads(reducer, run)
+    simulated = np.linalg.norm(forces, axis=2)
+    assert np.ptp(static.carrier_turn) > 10.0 * ARCSECOND
+    assert np.ptp(error) == pytest.approx(np.ptp(static.carrier_turn), rel=5e-3)
+    assert error.mean() == pytest.approx(static.carrier_turn.mean(), rel=2e-3)
+    assert simulated.mean() == pytest.approx(static.bearings.mean(), rel=2e-3)
+    assert simulated.max() == pytest.approx(static.bearings.max(), rel=5e-3)
+    (expected,) = (figure.value for figure in loss_figures(reducer, load) if figure.key == "efficiency")
+    assert 100.0 * efficiency == pytest.approx(expected, abs=0.15)
 
 
 @pytest.mark.slow

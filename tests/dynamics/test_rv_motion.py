@@ -24,8 +24,8 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry.involute import InvoluteGear
 from cycloid_mj.parts.convex import ConvexSettings
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv import RvLoads, compute_rv_springs, solve_rv_loads
-from cycloid_mj.statics.rv_sheet import loss_figures
+from cycloid_mj.statics.rv import RvLoads, compute_rv_friction, compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv_sheet import loss_figures, torque_on_carrier
 
 MODELS = Path(__file__).parents[2] / "models"
 
@@ -51,10 +51,11 @@ def settled(reducer: RvReducer) -> Run:
 
 
 def static_loads(reducer: RvReducer, run: Run) -> RvLoads:
-    """Balance of springs at the crank angles of a run: the load turns the carrier clockwise against the ring."""
+    """Balance of springs with friction at the crank angles of a run."""
     ring, _ = reducer.member.ring_and_carrier(run["output_angle"])
     springs = compute_rv_springs(reducer, reducer.member.mesh_angle(run["sun_angle"], ring))
-    return solve_rv_loads(springs, -reducer.design.load.torque * reducer.share)
+    torque = torque_on_carrier(reducer, reducer.design.load.torque)
+    return solve_rv_loads(springs, torque, compute_rv_friction(reducer, springs.crank, np.sign(torque)))
 
 
 def sizes(run: Run, kind: str) -> Array:
@@ -75,6 +76,7 @@ def sizes(run: Run, kind: str) -> Array:
             marks=pytest.mark.slow,
         ),
         pytest.param({"settings": {"timestep": 5e-6}}, id="half-step", marks=pytest.mark.slow),
+        pytest.param({"friction": {}, "planet": {}}, id="friction", marks=pytest.mark.slow),
     ],
 )
 def test_forces_and_wind_up_are_those_of_statics(changes: dict[str, Any]) -> None:
@@ -86,9 +88,9 @@ def test_forces_and_wind_up_are_those_of_statics(changes: dict[str, Any]) -> Non
     np.testing.assert_allclose(error, sense * static.carrier_turn, rtol=1e-3)
     bearings = static.bearings.reshape(len(run), -1)
     np.testing.assert_allclose(sizes(run, "crank_bearing"), bearings, atol=5e-3 * bearings.max())
-    assert sizes(run, "pin_gear").max() == pytest.approx(static.pins.max(), rel=0.02)  # flanks are straight in statics
-    torque = sizes(run, "planet_mesh").mean() * reducer.cranks.count * reducer.planet_mesh.sun_base
-    assert torque == pytest.approx(784.0 / abs(reducer.design.ratio), rel=0.02)
+    assert sizes(run, "pin_gear").max() == pytest.approx(static.pins.max(), rel=5e-3)
+    # with friction, the contact of a planet stays on one side of the pitch point
+    assert sizes(run, "planet_mesh").mean() == pytest.approx(static.meshes.mean(), rel=0.02)
 
 
 @pytest.mark.parametrize("load", [pytest.param(78.4, marks=pytest.mark.slow), 784.0])
@@ -112,7 +114,7 @@ def test_powers_balance_and_losses_follow_from_the_forces(load: float) -> None:
     mesh_speed = abs(reducer.crank_speed) * (1.0 + 38.0 / 10.0) * reducer.planet_mesh.arm
     assert friction["planet_mesh"] == pytest.approx(0.05 * forces["planet_mesh"] * mesh_speed, rel=0.01)
     statics = {figure.key: figure.value for figure in loss_figures(reducer, load)}
-    assert statics["efficiency"] == pytest.approx(100.0 * delivered / supplied, abs=0.2)
+    assert statics["efficiency"] == pytest.approx(100.0 * delivered / supplied, abs=0.1)
 
 
 def flank_gap(sun: InvoluteGear, planet: InvoluteGear, poses: tuple[Pose, Pose], side: float) -> float:
