@@ -121,13 +121,13 @@ def calibrate(
     """Fit clearances, stiffness and friction to measured loops.
 
     The model is quasi-static: contacts with clearances, a compliant structure, and friction with hysteresis that
-    develops over a travel. With --fit friction, the friction acts at teeth, holes and cam and grows with the load;
-    with material_loss, the material dissipates energy too. Each loop has its own offset.
+    develops over a travel. With --fit friction, friction acts at teeth, holes and cam and grows with the load. With
+    material_loss, the material dissipates energy, too. Each loop has its own offset.
 
-    Writes the calibrated design, a JSON file, a table of residuals, a figure and a page: play, stiffness and Coulomb
-    friction of the measured and of the fitted loop, every parameter with its 95 % confidence interval, parameters
-    that the loop does not distinguish, and suggested further measurements. Exits with code 1 if the calibrated
-    design cannot be balanced at the loop's torque or reduced to a joint.
+    The command writes the calibrated design, a JSON file, a table of residuals, a figure and a page. They show play,
+    stiffness and Coulomb friction of the measured and of the fitted loops, each parameter with its 95 % confidence
+    interval, parameters that the loops do not distinguish, and suggested further measurements. The exit code is 1 if
+    the calibrated design has no static equilibrium at the torque of the loops, or cannot be reduced to a joint.
     """
     import math
 

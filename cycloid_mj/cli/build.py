@@ -64,10 +64,12 @@ def build(
 
     The parts collide by convex meshes: working surfaces are divided into slices by their curvature, the rest is
     decomposed by CoACD. The model has keyframes (home, rest_90, ..., 1640rpm_0, ...), sensors, a speed servo on the
-    crank and the load torque on the output. manifest.json lists versions, settings and the deviation of each convex
-    surface from the true surface, along its normals. In an RV reducer the teeth of the discs collide; crank bearings
-    and planet meshes are springs without friction. If a decomposition exceeds its error bound, the command fails
-    and writes nothing. The same design and settings produce identical files.
+    crank and the load torque on the output. In an RV reducer only the teeth of the discs collide; crank bearings and
+    planet meshes are springs without friction.
+
+    manifest.json lists versions, settings and the deviation of each convex surface from the true surface, along its
+    normals. If a decomposition exceeds its error bound, the command fails and writes nothing. The same design and
+    settings produce identical files.
     """
     from dataclasses import replace
 

@@ -161,25 +161,23 @@ def compare(
 ) -> int:
     """Compare designs in simulations without load and under load.
 
-    For each load: errors of disc speed, path and speed of q, transmission error, contacts and forces, and vibration
-    (acceleration of the disc centre and of the output relative to their closed forms); and the figures of geometry
-    and statics (`cycloid-mj figures`). For a pin and a nonpin design: which findings of the paper on vibration
-    (Hsieh 2014, Figs 6-8) the runs confirm. A last table lists how far each dynamic figure changes when creep speed
-    and damping ratio of the contacts, which are assumed, move to the other end of their range; it is valid for these
-    designs, load and speed only. Figures of each measure and of the relative curvature are written to --out.
+    For each load, the tables list errors of disc speed, path and speed of the point q, transmission error, contacts,
+    forces and vibration (acceleration relative to the closed form), and the figures of geometry and statics. The last
+    table shows how far each dynamic figure changes with the assumed creep speed and damping ratio of the contacts.
+    Plots are written to --out.
 
-    Without load the motion is chaotic, so each design is run from 8 independent starts (gravity turned by whole
-    tooth pitches), and each figure is printed as minimum, maximum and mean. Designs are ranked if all starts of one
-    lie beyond all starts of the other by more than 5 %; otherwise, or with fewer starts, the order is undetermined. A
-    log is one start. Under load, a rank test (5 %) on the rms values of the crank turns decides.
+    Without load, motion is chaotic, so each design is run from 8 independent starts. Figures are printed as minimum,
+    maximum and mean. One design has the larger value if all its starts exceed all starts of the other by more than 5 %;
+    otherwise, or with fewer starts, the order is undetermined. Under load, a rank test (5 %) of the crank turns
+    decides. A log counts as one start.
 
-    For a pin and a nonpin design, a third design is added: the nonpin design with the total play and series
-    stiffness of the pin design. Its difference from the pin design is the effect of the design without that of the
-    clearance.
+    For a pin and a nonpin design, a third design is added: the nonpin design with the total play and stiffness of the
+    pin design. It separates the effect of the ring from that of the clearance. The command also prints which findings
+    of Hsieh 2014 on vibration (Figs 6-8) the runs confirm.
 
-    Every design is run with the settings of the first (drive, load, environment, settings); --set changes every
-    design. Signals are logged at 20 kHz (unless --set settings.log_rate_hz), so vibration is resolved up to 10 kHz.
-    Logs of additional starts and of varied contacts contain samples and design only, no frames for viewers.
+    All designs run with drive, load, environment and settings of the first; --set changes every design. Signals are
+    logged at 20 kHz unless settings.log_rate_hz is set, so vibration is resolved up to 10 kHz. Logs of additional
+    starts and of varied contacts have no frames for viewers.
     """
     from cycloid_mj.explore.compared import list_cases
 

@@ -293,25 +293,24 @@ def export(
 ) -> int:
     """Write the parts of a design for CAD or 3-D printing.
 
-    Parts: housing, shaft, gear (the disc), output, and pin (one of N) if the ring has pins. A ring in two halves is
-    housing_1 and housing_2, with pins of half the length. Several discs are gear_1, gear_2, ..., on a crank of shaft,
-    cam_1, cam_2, ... and spacer. Rollers of output pins are output_roller (one for each pin and disc) if
-    output.core_radius_mm is set; otherwise pin and roller are one cylinder of the output. The outlines contain the
-    clearances of the design; the actual clearances are measured and reported. A part that is not watertight, or has
-    a wrong volume or clearance, is an error, and nothing is written.
+    Parts are housing, shaft, gear (the disc), output, and pin if the ring has pins. A ring in two halves is housing_1
+    and housing_2. Several discs are gear_1, gear_2, ..., on a crank of shaft, cam_1, cam_2, ... and spacer. With
+    output.core_radius_mm, the rollers of the output pins are output_roller; otherwise pin and roller are one cylinder.
+    The outlines contain the clearances of the design, which are measured and printed. If a part is not watertight, or
+    has a wrong volume or clearance, the command fails and writes nothing.
 
-    With --plate or --assembly, the parts can be assembled: the ring gets holes for screws and dowels, and a cover on
-    each side (one with motor flange and shaft bearing, one with both bearings of the output hub, to which the output
-    flange is screwed). If these do not fit, a warning states the reason and the mechanism is written without them.
-    On the plate, each part stands on its larger end; round parts are included if they are of plastic, otherwise they
-    are bought; bought output pins are pressed into bores. For plastics, coupon_block.stl and coupon_pin.stl are added:
-    the first of three sockets in which the pin turns gives --offset-um. Overhanging plastic faces get break-away
-    supports, 0.2 mm below and 0.4 mm next to them; ends of holes up to 8 mm are bridged. Thin walls, small holes and
-    faces that cannot be supported are warnings.
+    --plate and --assembly complete the drive: the ring gets holes for screws and dowels and a cover on each side. One
+    cover has the motor flange and the shaft bearing, the other both bearings of the output hub. If covers do not fit, a
+    warning states the reason, and only the mechanism is written.
 
-    JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with --plate also plate (file, size [m],
-    parts: name -> count), plates (the same of each), bom (item, count, size, material, made_or_bought, designation,
-    fit, mass_kg) and consumables.
+    On a plate, each part stands on its larger end. Round parts of metal are not printed but bought. For plastics, a
+    test coupon is added (coupon_block.stl, coupon_pin.stl): the first socket in which the pin turns states the value
+    for --offset-um. Overhanging faces get break-away supports, 0.2 mm below and 0.4 mm next to them; ends of holes up
+    to 8 mm are bridged. Thin walls, small holes and faces that cannot be supported cause warnings.
+
+    JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with --plate also plate (file, size [m], parts:
+    name -> count), plates (the same of each), bom (item, count, size, material, made_or_bought, designation, fit,
+    mass_kg) and consumables.
     """
     flags.require_consistent(format_)
     design, motor = design_options.resolve_checked().at_reference, flags.interface.chosen()

@@ -65,14 +65,18 @@ def rate(
 ) -> int:
     """Rate life, fatigue, wear and heat, the weakest item first.
 
-    Loads are computed by statics with the real clearances and friction, at the nominal torque and speed, at other
-    values, or over a duty cycle (Miner's rule; a rest has the speed 0). Bearings by ISO 281 and ISO 76; surfaces by
-    first yield, shakedown and pitting; shaft, output pins, disc and ring by Goodman with notch, surface, size and
-    reliability; wear by Archard; the temperature of the housing in still air by the first limit (grease, seals, a
-    material) and the clearance that it costs; an emergency stop; joints (screws, dowels, press fits, inserts) at that
-    stop; the cam load on the compliant bearing, which is assumed, next to ideal sharing. Values that are not in the
-    design file are assumed and stated next to the result: [bearing] and [service] take ratings and limits. The exit
-    code is 0 whatever the safety factors are, unless --check is set.
+    Loads are computed by statics with the real clearances and friction: at the nominal torque and speed, at other
+    values, or over a duty cycle (Miner's rule; a rest has the speed 0).
+
+    Bearings are rated by ISO 281 (life) and ISO 76 (static safety), surfaces by first yield, shakedown and pitting.
+    Shaft, output pins, disc and ring are rated for fatigue (Goodman, with notch, surface, size and reliability),
+    sliding surfaces for wear (Archard). The temperature of the housing in still air is compared with the lowest limit
+    of grease, seals and materials. All parts and joints (screws, dowels, press fits, inserts) are rated for an
+    emergency stop at the peak torque. The load of the cam is computed for several stiffnesses of its bearing, which are
+    assumed.
+
+    Values that the design file does not state are assumed, and printed next to the result. Set them in [bearing] and
+    [service]. The exit code is 0 for any safety factor, unless --check is set.
     """
     from cycloid_mj.life.as_built import has_tolerances
     from cycloid_mj.life.items import rate as rated

@@ -117,19 +117,21 @@ def reduce(
     """Reduce a drive to one joint for a robot model.
 
     The full model is evaluated by statics: backlash, stiffness over torque, efficiency in both directions over torque
-    and speed, no-load torque, inertia, and transmission error in both directions. Writes joint.xml to include,
-    scene.xml to open in MuJoCo (a motor, the joint, an inertia), reducer.json, bam.json (the friction models M3 and M5
-    of BAM), and reducer.html, which compares the joint with the full model and lists suitable time steps: those that
-    reproduce an impact (the output driven across its play by the rated load) within 5 %. ReducedJoint.step in Python
-    adds effects that MJCF cannot express; attach_reducer adds the joint to any model. lossy_joint.xml and
-    lossy_scene.xml are the same joint with a load-dependent loss in MuJoCo alone; joint.py is that step with NumPy
-    only.
+    and speed, no-load torque, inertia, and transmission error in both directions.
 
-    --spread draws samples within the tolerances of the design ([tolerance]), and friction and stiffness of the cam
-    within the ranges that measure efficiency states: samples.csv has play, stiffness, friction, loss and transmission
-    error of each; "spread" in reducer.json their mean, standard deviation, percentiles and correlation. Joint.varied
-    of joint.py makes a joint of a row. randomize_mjx.py (Brax, MuJoCo Playground), randomize_gymnasium.py and, with
-    --format isaaclab, randomize_isaaclab.py randomize a joint with play during training.
+    Include joint.xml in a robot, or open scene.xml in MuJoCo (a motor, the joint, an inertia). lossy_joint.xml and
+    lossy_scene.xml are the same joint with load-dependent friction in MuJoCo alone. reducer.json has all values of the
+    joint, and bam.json the friction models M3 and M5 of BAM. reducer.html compares the joint with the full model and
+    lists suitable time steps. With these, the peak of an impact (the rated load drives the output across its play) is
+    accurate to 5 %.
+
+    In Python, attach_reducer adds the joint to any model. ReducedJoint.step adds load-dependent friction and
+    transmission error, which MJCF cannot express; joint.py is this step with NumPy only.
+
+    --spread draws many drives within the tolerances ([tolerance]), with friction and cam stiffness within the ranges
+    that `measure efficiency` states. samples.csv has the joint of each drive (Joint.varied of joint.py applies a row);
+    "spread" in reducer.json has mean, standard deviation, percentiles and correlations. randomize_mjx.py,
+    randomize_gymnasium.py and (--format isaaclab) randomize_isaaclab.py use these ranges for training.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.robot.comparison import compare_with_full_model

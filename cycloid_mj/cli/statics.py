@@ -71,10 +71,10 @@ def statics(
 ) -> int:
     """Compute data-sheet figures without a simulation, in a second.
 
-    Backlash, lost motion, torsional stiffness; transmission error, loaded and unloaded, in both directions; forces
-    and Hertz pressures by kind of contact; the torque at which a contact first yields; efficiency and losses by pair,
-    and the same for back-driving. All clearances, manufacturing errors, modifications and friction of the design are
-    included. Keys are those of `cycloid-mj measure` and of `cycloid-mj figures`.
+    The figures are backlash, lost motion and torsional stiffness; transmission error, loaded and unloaded, in both
+    directions; forces and Hertz pressures by kind of contact; the torque at which a contact first yields; efficiency
+    and losses by pair, also for back-driving. They include all clearances, manufacturing errors, modifications and
+    friction of the design. Keys are those of `cycloid-mj measure` and `cycloid-mj figures`.
 
     The crank turns so slowly that the centrifugal force of the disc is the only effect of inertia. Known differences
     from simulations are printed next to each figure.

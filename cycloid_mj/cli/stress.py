@@ -175,20 +175,22 @@ def stress(
 ) -> int:
     """Compute the stress of the parts by finite elements.
 
-    The loads are the contact forces of a logged run, with friction, applied as Hertz-wide patches, and inertia, at
-    each degree of a crank turn. For each part, the tables list the largest von Mises stress away from the contacts
-    (bulk) and below them (Hertz), its position and crank angle, the safety factor against yield, and its change under
-    one more refinement of the grid; below, the stress at fillets and under other supports. A second table compares
-    the designs of the paper without load with its figures (Hsieh 2014, Figs 10-16). stress.json, a VTU file of each
-    part for ParaView, and the selected figures (png, svg) are written to --out.
+    The loads are the contact forces of a logged run, with friction, and inertia, at each degree of a crank turn.
+    Contact forces act on Hertz-wide patches. Without --log, each design is simulated first: at full speed, for one turn
+    after the load has settled.
 
-    Bulk stress is the maximum beyond a distance d from narrow contacts and sharp inner corners, where it is on a
-    plateau. The table lists d and the effect of its choice: the decrease of the stress to 2d, or its change for half
-    or twice the distance from corners. Where the nominal stress times the notch factor of a fillet is larger, the
-    safety factor is that of the fillet.
+    For each part, the tables list the largest von Mises stress away from the contacts (bulk) and below them (Hertz),
+    with position, crank angle, safety factor against yield, and the change with a finer grid. Stress at fillets and
+    with other supports is listed below. For the designs of Hsieh 2014 without load, a further table compares the
+    stresses with Figs 10-16 of this paper.
 
-    Without --log, each design is simulated first: no ramp, and one turn after the load has settled. Requires the
-    extra `fem`: gmsh, scikit-fem.
+    The bulk begins at a distance d from narrow contacts and sharp inner corners, where the largest stress reaches a
+    plateau. The tables list d and the effect of its choice: the decrease of the stress to 2d, or its change with half
+    or twice the distance from corners. If the nominal stress times the notch factor of a fillet is larger, the safety
+    factor is that of the fillet.
+
+    stress.json, a VTU file of each part for ParaView, and the selected figures are written to --out. Requires the extra
+    `fem`: gmsh, scikit-fem.
     """
     names = (*designs, *design)
     _require_consistent(names, log, has_changes=bool(set_ or load_nm is not None))

@@ -47,14 +47,17 @@ def thermal(
 ) -> int:
     """Compute temperatures, warm-up and thermal limits of a drive.
 
-    A network of five parts (disc, ring, crank, output, housing) and the air: losses heat the parts, temperatures change
-    the clearances, and these the losses, until all agree. Conductances follow from line contacts, grease gaps, bearings
-    and clamped faces; the housing cools by service.film_coefficient_w_m2_k (0: convection and radiation by
-    ISO/TR 14179-2). [thermal] sets grease, gaps and joints. A disc warmer than its ring closes the clearance of the
-    teeth: the difference at which it jams is printed next to the computed one. The warm-up starts at the temperature of
-    the air; --duty repeats its points in cycles. Torque limits by duty are for a drive that rests for the remaining
-    time of a cycle. In the output of --json (temperatures_c, jam_difference_k, losses_w, thermal_torque_nm,
-    time_constant_s), a limit that is never reached is null. The exit code is 0 even if the parts jam.
+    A thermal network connects disc, ring, crank, output, housing and air. Losses heat the parts, temperatures change
+    the clearances, and clearances change the losses; this is repeated until all three agree. Heat flows through line
+    contacts, grease gaps, bearings and clamped faces. The housing is cooled by service.film_coefficient_w_m2_k; 0
+    selects convection and radiation by ISO/TR 14179-2. The table [thermal] sets grease, gaps and joints.
+
+    A disc that is warmer than its ring closes the clearance of the teeth. The command prints the temperature difference
+    and the difference at which the teeth jam; the exit code is 0 even if they jam.
+
+    The warm-up starts at the temperature of the air. With --duty, the points of the file repeat in cycles. Torque
+    limits by duty are for a drive that rests for the remaining time of a cycle. The JSON has temperatures_c,
+    jam_difference_k, losses_w, thermal_torque_nm and time_constant_s; a limit that is never reached is null.
     """
     from cycloid_mj.life.thermal import thermal as compute
 

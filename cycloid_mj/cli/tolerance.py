@@ -75,27 +75,22 @@ def tolerance(
 ) -> int:
     """Draw samples within the tolerances: yield and error budget.
 
-    Tolerances are read from the table [tolerance] of the design file: "normal 2",
-    "uniform 5" or "between -1 4" (in um), a grade "IT6", or for clearances a fit
-    "H7/g6"; waves of the disc's profile by order, "2: normal 1, 35: uniform 2".
-    Every sample is balanced at 360 crank angles: against both stops, and under the
-    nominal torque without friction. A sample jams if its parts press each other without
-    a load (teeth, output pins or cam): it counts in the yield only. If 99 % or more of
-    the first 200 samples jam, the study ends with exit code 1 and an error that names
-    the pair that interferes, and by how much.
+    Tolerances are read from the table [tolerance] of the design file: "normal 2", "uniform 5" or "between -1 4" (in
+    um), a grade "IT6", for clearances a fit "H7/g6", and for waves of the disc's profile their orders "2: normal 1, 35:
+    uniform 2". An RV reducer has its tolerances in [crank_tolerance]; its samples are computed in closed form and never
+    jam.
 
-    The error budget ("tighten first") states the share of each tolerance in the
-    variance of the first limit's figure, or of the backlash, by Sobol indices. It takes
-    64 samples or more; below, its confidence intervals would not hold.
+    Every sample is solved by statics at 360 crank angles: against both stops, and under the nominal torque without
+    friction. A sample jams if its parts press against each other without a load. Jammed samples count in the yield
+    only. If 99 % or more of the first 200 samples jam, the command names the pair that interferes and ends with exit
+    code 1.
 
-    An RV reducer has its tolerances in [crank_tolerance]; its samples are computed in
-    closed form (te_errors_arcsec), and none jams.
+    The error budget ("tighten first") is the share of each tolerance in the variance of a figure, by Sobol indices. The
+    figure is that of the first --limit, or the backlash. The budget needs at least 64 samples.
 
-    The five worst samples that do not jam are written as design files; --verify runs
-    them at speed under the nominal torque, with friction and inertia, and compares the
-    result with statics. The CSV file lists for each sample the departures from the
-    design in um (drawn_cam_um, drawn_pin_position_1_x_um) and the figures. Ctrl-C
-    writes the samples balanced so far, which are those of a smaller --samples.
+    The five worst samples that do not jam are written as design files. --verify simulates them at speed under the
+    nominal torque, with friction and inertia. The CSV file has the departures of each sample in um (drawn_cam_um, ...)
+    and its figures. Ctrl-C writes the samples that are finished.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.explore.constraints import parse_limit

@@ -43,14 +43,18 @@ def wear(
 ) -> int:
     """Compute the wear of a drive over its running hours, and its accuracy life.
 
-    Every point of flanks, pins, holes and plain bearings is worn by Archard's law: coefficient times pressure times
-    sliding distance over a turn. After each step, statics is solved again with the worn parts. New surfaces run in: the
-    coefficient falls from 30 times its value while the roughness is worn off. The drive turns half of the time each
-    way. Coefficients follow from the materials, or service.wear_coefficient_mm3_nm and service.run_in_depth_um; they
-    are known within a factor of ten, so three courses are computed: typical, and all coefficients at 5 and 95 %. A
-    course ends when the lost motion has grown by --growth-percent; a longer life is extrapolated with the rate at the
-    end of the hours. --json: accuracy_life_h, accuracy_life_extrapolated, accuracy_life_interval_h; records over time;
-    surfaces with their depths. Ctrl-C keeps the finished steps.
+    Flanks, pins, holes and plain bearings wear at each point by Archard's law: wear coefficient times pressure times
+    sliding distance over a turn. After each step, statics is solved again with the worn parts. New surfaces run in:
+    their coefficient starts at 30 times its final value and falls while the roughness is worn off. The drive turns half
+    of the time in each direction.
+
+    Wear coefficients follow from the materials, or are set by service.wear_coefficient_mm3_nm and
+    service.run_in_depth_um. They are known only within a factor of ten. Wear is therefore computed three times: with
+    the typical coefficients, and with all coefficients at their 5 and 95 % percentiles.
+
+    A computation ends when the lost motion has grown by --growth-percent. If this takes longer than --hours, the
+    accuracy life is extrapolated with the last rate. The JSON has accuracy_life_h, accuracy_life_interval_h,
+    accuracy_life_extrapolated, records over time and the depths of all surfaces. Ctrl-C keeps the finished steps.
     """
     from cycloid_mj.life.accuracy_life import wear as compute
     from cycloid_mj.life.wear_course import CASES
