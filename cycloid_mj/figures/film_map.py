@@ -10,6 +10,7 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.figures.statics import back_driving_spread, no_load_spread, starting_spread
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film import state_seals
 from cycloid_mj.statics.film_spread import Spread, efficiency_spread
 
 
@@ -101,7 +102,7 @@ def compute_film_map(
             f'--map needs friction.law = "film", but {design.name} has friction.law = "{design.friction.law}", which '
             "does not depend on speed or temperature: add --set friction.law=film, or remove --map"
         )
-    points = []
+    points, reducer = [], state_seals(reducer)
     for temperature in temperatures:
         warm = reducer.but(thermal=dict.fromkeys(HEATED, temperature))
         points.append(MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm, MAP.samples)))

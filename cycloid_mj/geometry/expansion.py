@@ -19,6 +19,11 @@ BODY_OF = {"gear": "disc", "pin": "ring", "housing": "ring", "output": "output",
 """Part of a material -> key of its temperature in ``[thermal]``."""
 
 
+def at_temperatures(design: Design, temperatures: Mapping[str, float]) -> Design:
+    """Return the design with other temperatures of its parts [°C], not expanded; they may exceed those of a file."""
+    return design.model_copy(update={"thermal": design.thermal.model_copy(update=dict(temperatures))})
+
+
 def strain(design: Design, part: str) -> float:
     """Compute the expansion of a part of `design.PARTS` relative to that of the ring's circle [1]."""
     return (1.0 + _expansion(design, part)) / (1.0 + _expansion(design, "housing")) - 1.0

@@ -1,6 +1,7 @@
 """Loads on the parts over a turn at one point of a duty cycle: statics with friction and the disc's inertia force."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,6 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.expansion import at_temperatures
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts import crank_solid, mass_properties
@@ -139,7 +141,13 @@ def speed_past_ring(reducer: Reducer, speed: float) -> float:
     return relative_speed(reducer, speed, ("shaft", "housing"))
 
 
-def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES, with_wind_up: bool = True) -> Loading:
+def solve_loading(
+    reducer: Reducer,
+    point: DutyPoint,
+    crank_angles: int = POSES,
+    with_wind_up: bool = True,
+    temperatures: Mapping[str, float] | None = None,
+) -> Loading:
     """Solve contact forces, shaft forces, sliding and losses over a turn at one point of a duty cycle.
 
     The load always brakes, whatever the signs of torque and speed.
@@ -150,6 +158,9 @@ def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES,
         The reducer of a sound design, a point of its duty, and the number of crank angles.
     with_wind_up
         Whether the wind-up is solved for, which only emergency stops need.
+    temperatures
+        Temperature of each part [°C] for clearances, moduli and lubricant; by default those of the reducer. The sizes
+        of shaft and covers remain those of the reducer.
 
     Raises
     ------
@@ -158,7 +169,9 @@ def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES,
     """
     design = reducer.design
     speed = math.copysign(point.speed, design.drive.speed)
-    turning_reducer = reducer.but(drive={"speed": speed})
+    cold_reducer = turning_reducer = reducer.but(drive={"speed": speed})
+    if temperatures is not None:
+        turning_reducer = Reducer(at_temperatures(cold_reducer.design, temperatures))
     crank = design.lobes * turn_evenly(reducer, crank_angles)
     springs, torque = springs_of(turning_reducer, crank), math.copysign(abs(point.torque), speed)
     try:
@@ -173,7 +186,7 @@ def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES,
         ) from error
     cam = contact_loads.cam.reshape(crank_angles, -1, 2)
     shaft = shaft_dimensions(reducer)
-    stations, forces = _shaft_forces(turning_reducer, shaft, springs.crank, cam)
+    stations, forces = _shaft_forces(cold_reducer, shaft, springs.crank, cam)
     return Loading(
         point=point,
         reducer=turning_reducer,

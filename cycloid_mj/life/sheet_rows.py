@@ -2,16 +2,17 @@
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design.model import HEATED
-from cycloid_mj.figures import quantity
+from cycloid_mj.figures import compute, quantity
 from cycloid_mj.life import rolling
 from cycloid_mj.life.bearings import bearing_forces, bearings_of
 from cycloid_mj.life.duty import constant_duty
@@ -24,6 +25,7 @@ from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film import state_seals
 from cycloid_mj.statics.friction_path import Losses, follow_torque_path
 from cycloid_mj.statics.sheet import Sheet
 from cycloid_mj.statics.springs import turn_evenly
@@ -134,6 +136,19 @@ def _contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
         return Quantity(key, key, math.nan, "N m", note=str(error))
 
 
+def _contact_torques(reducer: Reducer, speeds: Array, temperature: float) -> Array:
+    """Compute the no-load torque of the contacts [N m] at speeds of the crank [rad/s], shape (n,).
+
+    Torques are NaN if the parts jam at the temperature [°C], or where there is no equilibrium.
+    """
+    key, torques = "no_load_torque_nm", np.full(len(speeds), math.nan)
+    for index, speed in enumerate(speeds):
+        with suppress(DesignError, RunError):
+            at_speed = state_seals(reducer).but(drive={"speed": float(speed)})
+            torques[index] = compute(_at_temperature(at_speed, temperature), [key])[key]
+    return torques
+
+
 def _at_temperature(reducer: Reducer, temperature: float) -> Reducer:
     """Return a reducer with the law ``film`` with all parts at a temperature [°C]; with ``coulomb`` it is unchanged."""
     return reducer.but(thermal=dict.fromkeys(HEATED, temperature)) if reducer.design.has_film else reducer
@@ -146,8 +161,7 @@ def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     curves: list[Curve] = []
     for temperature in (SETTINGS.cold, SETTINGS.warm):
         if reducer.design.has_film or not curves:  # Coulomb friction is the same at both temperatures
-            at_speeds = [reducer.but(drive={"speed": float(speed)}) for speed in speeds]
-            contacts = np.array([_contact_torque(at, "no_load_torque_nm", temperature).value for at in at_speeds])
+            contacts = _contact_torques(reducer, speeds, temperature)
         idle_torques = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])
         name = f"{temperature:g} °C"
         panel = "No-load torque"

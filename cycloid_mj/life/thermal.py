@@ -9,16 +9,18 @@ import numpy as np
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design, Named, resolve
-from cycloid_mj.design.model import HEATED
-from cycloid_mj.geometry.expansion import jam_difference, tooth_play, warm_clearances
+from cycloid_mj.design.model import HEATED, REFERENCE_TEMPERATURE
+from cycloid_mj.geometry.expansion import at_temperatures, jam_difference, tooth_play, warm_clearances
 from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty
 from cycloid_mj.life.heat import heat_limits, mean_losses
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.loading import POSES, Loading, solve_loading
+from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
 from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node, heat_capacities
 from cycloid_mj.life.thermal_state import ThermalState
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film import state_seals
+from cycloid_mj.statics.springs import POSES
 
 
 @dataclass(frozen=True)
@@ -36,8 +38,14 @@ class ThermalSettings:
     largest
         Largest multiple of torque or speed that is searched.
     solved, corrections, resolution
-        Up to this multiple a limit is corrected by the steady state there, so many times at most, or until it changes
-        by no more than the relative resolution.
+        Up to this multiple a limit is corrected by the losses there, so many times at most, or until it changes by no
+        more than the relative resolution.
+    approach
+        Share of the temperature rises at a limit at which these losses are computed: the parts do not yet jam.
+    smallest_step
+        Smallest share of the way to the temperatures of the next round if the parts would jam there.
+    crank_angles
+        Number of crank angles of the losses and conductances.
     samples, time_constants
         Steps of the warm-up, and its duration over the slowest time constant.
     duty_shares
@@ -53,6 +61,9 @@ class ThermalSettings:
     solved: float = 1.5
     corrections: int = 5
     resolution: float = 0.01
+    approach: float = 0.99
+    smallest_step: float = 0.125
+    crank_angles: int = POSES
     samples: int = 120
     time_constants: float = 4.0
     duty_shares: tuple[float, ...] = (0.15, 0.25, 0.4, 0.6, 1.0)
@@ -84,7 +95,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     RunError
         No static equilibrium at 20 °C under a torque of the duty.
     """
-    reducer = Reducer(resolve(design).at_reference)
+    reducer = state_seals(Reducer(resolve(design).at_reference))
     duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
     points = [point for point in duty.points if point.speed]
     if not points:
@@ -94,7 +105,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         )
     steady_state = _solve_steady_state(reducer, points, settings)
     temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
-    warm = _at(reducer.design, temperatures)
+    warm = at_temperatures(reducer.design, temperatures)
     by_torque, limited_by = _largest_duty_factor(
         reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady_state, settings
     )
@@ -156,47 +167,59 @@ class _Steady:
     warm_temperature: float
 
 
-def _solve_steady_state(
-    reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings, start: _Steady | None = None
-) -> _Steady:
-    """Solve losses and temperatures that agree with each other, by successive substitution.
+def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
+    """Solve losses and temperatures that agree with each other, by successive substitution from 20 °C.
 
-    It begins at the temperature of the air, or at the temperatures of a converged state `start` of a similar duty.
-    Losses and conductances are those of the warm clearances. If the parts jam at the temperatures of a round, the
-    losses of the round before it remain, and the state is not converged.
+    Losses and conductances are those of the warm clearances. A cold lubricant has larger losses: where the parts would
+    jam at the temperatures of a round, only a part of the way is taken. If they jam at any, the losses of that round
+    remain, and the state is not converged.
     """
-    ambient = reducer.design.service.ambient_temperature
-    temperatures, capacities = dict.fromkeys(HEATED, ambient), start.network.capacities if start else None
-    warm, has_converged, cold = reducer, False, None
-    if start and start.converged:
-        temperatures = start.temperatures
-        warm = Reducer(_at(reducer.design, temperatures))
-    capacities = capacities or heat_capacities(reducer)
+    ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
+    temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
     for _ in range(settings.rounds):
-        by_point, network = _solve_losses(warm, points, temperatures["housing"], capacities)
-        losses, cold = _mean(points, by_point), cold or by_point
-        warm_temperature = warm.design.thermal.disc
+        by_point, network = _solve_losses(reducer, points, temperatures, capacities, settings)
+        losses, cold, previous = _mean(points, by_point), cold or by_point, temperatures
         rises = network.rises(heat_by_node(reducer, losses))
-        previous, temperatures = temperatures, {part: ambient + rise for part, rise in rises.items()}
+        temperatures = {part: ambient + rise for part, rise in rises.items()}
         if max(abs(temperatures[part] - previous[part]) for part in HEATED) < settings.tolerance:
             has_converged = True
             break
-        hot_design = _at(reducer.design, temperatures)
-        jams = tooth_play(hot_design) <= 0.0 or min(warm_clearances(hot_design).values()) <= 0.0
-        if jams or max(temperatures.values()) > settings.hottest:
+        share = 1.0
+        while share >= settings.smallest_step and _is_inadmissible(reducer.design, temperatures, settings):
+            share *= 0.5
+            temperatures = {part: 0.5 * (previous[part] + value) for part, value in temperatures.items()}
+        if share < settings.smallest_step:
             break
-        warm = Reducer(hot_design)
-    return _Steady(temperatures, losses, network, has_converged, cold or by_point, by_point, warm_temperature)
+    final = {part: ambient + rise for part, rise in rises.items()}
+    return _Steady(final, losses, network, has_converged, cold or by_point, by_point, previous["disc"])
+
+
+def _is_inadmissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
+    """Return whether the parts jam at temperatures [°C], or are hotter than the rounds allow."""
+    if max(temperatures.values()) > settings.hottest:
+        return True
+    hot_design = at_temperatures(design, temperatures)
+    return tooth_play(hot_design) <= 0.0 or min(warm_clearances(hot_design).values()) <= 0.0
 
 
 def _solve_losses(
-    reducer: Reducer, points: Sequence[DutyPoint], wall: float, capacities: Mapping[str, float]
+    reducer: Reducer,
+    points: Sequence[DutyPoint],
+    temperatures: Mapping[str, float],
+    capacities: Mapping[str, float],
+    settings: ThermalSettings,
 ) -> tuple[tuple[dict[str, float], ...], Network]:
-    """Return the losses by source at each point of a duty [W], and the network under its largest torque."""
-    loadings = [solve_loading(reducer, replace(point, share=1.0), POSES, with_wind_up=False) for point in points]
+    """Return the losses by source at each point of a duty [W], and the network under its largest torque.
+
+    Both are those at temperatures of the parts [°C].
+    """
+    loadings = [
+        solve_loading(reducer, replace(point, share=1.0), settings.crank_angles, False, temperatures)
+        for point in points
+    ]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     by_point = tuple(mean_losses(reducer, [loading]) for loading in loadings)
-    return by_point, build_network(reducer, worst, wall, capacities)
+    return by_point, build_network(reducer, worst, temperatures["housing"], capacities)
 
 
 def _mean(points: Sequence[DutyPoint], by_point: Sequence[Mapping[str, float]]) -> dict[str, float]:
@@ -211,14 +234,15 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
     """Solve the temperatures over time from a start at the temperature of the air.
 
     The losses of each point of the duty change linearly with the temperature of the disc, between their values at 20 °C
-    and in the steady state.
+    and in the steady state. If the parts jam on the way, they are the last ones before that at any temperature.
     """
     design = reducer.design
     duration = settings.time_constants * steady_state.network.time_constant
     cycle = duty.period if len(duty.points) > 1 else duration
     reference = design.thermal.disc
     span = steady_state.warm_temperature - reference
-    states = iter(zip(steady_state.cold, steady_state.warm, strict=True))
+    cold_losses = steady_state.cold if steady_state.converged else steady_state.warm
+    states = iter(zip(cold_losses, steady_state.warm, strict=True))
     heating = []
     for point in duty.points:
         cold, warm = (heat_by_node(reducer, losses) for losses in (next(states) if point.speed else ({}, {})))
@@ -236,11 +260,12 @@ def _torques_by_duty(
 
     The mean losses are those at the limit of the duty, `factor` times its torques; losses are linear in the torque.
     """
-    largest, warm = max(abs(point.torque) for point in points), reducer
+    largest = max(abs(point.torque) for point in points)
+    temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     if steady_state.converged:
-        warm = Reducer(_at(reducer.design, steady_state.temperatures))
+        temperatures = steady_state.temperatures
     light = [replace(point, torque=settings.light_load * point.torque) for point in points]
-    by_point, _ = _solve_losses(warm, light, steady_state.temperatures["housing"], steady_state.network.capacities)
+    by_point, _ = _solve_losses(reducer, light, temperatures, steady_state.network.capacities, settings)
     running = sum(point.share for point in points)
     loaded = steady_state.warm if steady_state.converged else steady_state.cold
     full_loss, light_loss = (sum(_mean(points, losses).values()) / running for losses in (loaded, by_point))
@@ -252,18 +277,13 @@ def _torques_by_duty(
     }
 
 
-def _at(design: Design, temperatures: Mapping[str, float]) -> Design:
-    """Return the design with the temperatures of its parts [°C], not yet expanded; they may exceed those of a file."""
-    return design.model_copy(update={"thermal": design.thermal.model_copy(update=dict(temperatures))})
-
-
 def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tuple[str, float]]:
     """Yield each thermal limit in words with its relative margin at part temperatures [°C]; negative: exceeded."""
     design = reducer.design
     hottest = max(temperatures.values())
     for limit in heat_limits(reducer):
         yield f"{limit.temperature:g} °C, {limit.name}", (limit.temperature - hottest) / max(limit.temperature, 1.0)
-    warm = _at(design, temperatures)
+    warm = at_temperatures(design, temperatures)
     yield "thermal expansion closes the teeth", tooth_play(warm) / max(tooth_play(design), 1e-12)
     for pair, clearance in warm_clearances(warm).items():
         yield (
@@ -280,47 +300,71 @@ def _largest_duty_factor(
 ) -> tuple[float, str]:
     """Return the largest factor on a duty that keeps all thermal limits, and the limit that is then reached.
 
-    Losses in proportion to the factor give the first estimate; the steady state at the estimate corrects it. Beyond
-    `ThermalSettings.solved` times the duty, where statics would be extrapolated, the estimate is not corrected.
-    `scale_duty` returns the points of the duty times a factor.
+    Losses in proportion to the factor give the first estimate. The secant method corrects it, with the losses at the
+    factor and the temperatures of the limit. Beyond `ThermalSettings.solved` times the duty, where statics would be
+    extrapolated, the estimate is not corrected. `scale_duty` returns the points of the duty times a factor.
     """
-    duty_factor, limit_text = _largest_loss_factor(reducer, steady_state, settings)
+    network, previous = steady_state.network, None
+    limit = _find_loss_limit(reducer, network, steady_state.losses, settings)
+    duty_factor = limit.factor
     for _ in range(settings.corrections):
         if not 0.0 < duty_factor < settings.solved:
             break
+        points = scale_duty(duty_factor)
         try:
-            correction, limit_text = _largest_loss_factor(
-                reducer, _solve_steady_state(reducer, scale_duty(duty_factor), settings, steady_state), settings
-            )
+            by_point, network = _solve_losses(reducer, points, limit.temperatures, network.capacities, settings)
         except RunError:
             break
-        duty_factor *= correction
-        if abs(correction - 1.0) < settings.resolution:
+        limit = _find_loss_limit(reducer, network, _mean(points, by_point), settings)
+        excess = 1.0 / limit.factor - 1.0  # relative; linear in the factor where losses are
+        step = (limit.factor - 1.0) * duty_factor
+        if previous is not None and excess != previous[1]:
+            secant = -excess * (duty_factor - previous[0]) / (excess - previous[1])
+            step = secant if secant * step > 0.0 and duty_factor + secant > 0.0 else step
+        previous, duty_factor = (duty_factor, excess), duty_factor + step
+        if abs(step) < settings.resolution * duty_factor:
             break
-    return duty_factor, limit_text
+    return duty_factor, limit.name
 
 
-def _largest_loss_factor(reducer: Reducer, steady_state: _Steady, settings: ThermalSettings) -> tuple[float, str]:
-    """Return the factor on the losses of a steady state at which the first limit is reached, and that limit in words.
+@dataclass(frozen=True)
+class _LossLimit:
+    """Factor on losses at which the first thermal limit is reached, its name, and temperatures [°C] close to it.
 
-    Temperature rises are in proportion to the losses; the root is found by Brent's method.
+    `factor` is inf if no limit is reached; the temperatures are then those of the losses themselves.
+    """
+
+    factor: float
+    name: str
+    temperatures: dict[str, float]
+
+
+def _find_loss_limit(
+    reducer: Reducer, network: Network, losses: Mapping[str, float], settings: ThermalSettings
+) -> _LossLimit:
+    """Find the factor on losses by source [W] at which the first thermal limit is reached, by Brent's method.
+
+    Temperature rises are in proportion to the losses.
     """
     from scipy.optimize import brentq
 
     ambient = reducer.design.service.ambient_temperature
-    rises = steady_state.network.rises(heat_by_node(reducer, steady_state.losses))
+    rises = network.rises(heat_by_node(reducer, losses))
+
+    def temperatures_at(loss_factor: float) -> dict[str, float]:
+        """Return the temperatures [°C] for rises times a factor."""
+        return {part: ambient + loss_factor * rise for part, rise in rises.items()}
 
     def tightest_margin(loss_factor: float) -> tuple[float, str]:
         """Return the smallest margin and its limit in words, for temperature rises times a factor."""
-        margins = _thermal_margins(reducer, {part: ambient + loss_factor * rise for part, rise in rises.items()})
-        return min((margin, limit) for limit, margin in margins)
+        return min((margin, limit) for limit, margin in _thermal_margins(reducer, temperatures_at(loss_factor)))
 
     if tightest_margin(0.0)[0] <= 0.0:
-        return 0.0, tightest_margin(0.0)[1]
+        return _LossLimit(0.0, tightest_margin(0.0)[1], temperatures_at(0.0))
     if tightest_margin(settings.largest)[0] > 0.0:
-        return math.inf, "none"
-    share = float(brentq(lambda share: tightest_margin(share)[0], 0.0, settings.largest, xtol=1e-6))
-    return share, tightest_margin(share)[1]
+        return _LossLimit(math.inf, "none", temperatures_at(1.0))
+    factor = float(brentq(lambda factor: tightest_margin(factor)[0], 0.0, settings.largest, xtol=1e-6))
+    return _LossLimit(factor, tightest_margin(factor)[1], temperatures_at(settings.approach * factor))
 
 
 def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:

@@ -174,7 +174,7 @@ def build_network(
     all are 1 J/K: such a network is for `Network.rises` only.
     """
     links = (
-        *_contact_links(reducer, loading.contacts),
+        *_contact_links(loading.reducer, loading.contacts),
         *_bearing_links(reducer, loading),
         *_face_links(reducer.design),
         *_housing_links(reducer, wall_temperature),

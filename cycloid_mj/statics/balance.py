@@ -110,7 +110,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     RunError
         There is no equilibrium.
     """
-    contact_loads = _solve_with_friction(reducer, springs, torque, follow)
+    contact_loads = solve_at_friction(reducer, springs, torque, follow)
     if springs.film is None:
         return contact_loads
     loss = math.inf
@@ -118,7 +118,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
         cam = np.linalg.norm(contact_loads.cam, axis=-1)
         film = springs.film.displaced(contact_loads.departures)
         springs = springs.with_friction(film.friction(contact_loads.teeth, contact_loads.output, cam))
-        contact_loads = _solve_with_friction(reducer, springs, torque, follow)
+        contact_loads = solve_at_friction(reducer, springs, torque, follow, contact_loads)
         previous_loss, loss = (
             loss,
             sum(float(np.mean(power)) for power in friction_losses(reducer, springs, contact_loads).values()),
@@ -128,15 +128,22 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     return contact_loads
 
 
-def _solve_with_friction(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool) -> Loads:
-    """Solve for equilibrium with the friction coefficients of the springs; arguments as those of `loads`."""
+def solve_at_friction(
+    reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None = None
+) -> Loads:
+    """Solve for equilibrium with the friction coefficients of the springs; arguments and errors as those of `loads`.
+
+    `start` is the solution for similar friction coefficients, from whose displacements the search starts.
+    """
     if reducer.design.output.turns_ring:
-        return _solve_ring_output(reducer, springs, torque, warm_start)
-    contact_loads = _solve_carrier_output(reducer, springs, torque, warm_start)
+        return _solve_ring_output(reducer, springs, torque, warm_start, start)
+    contact_loads = _solve_carrier_output(reducer, springs, torque, warm_start, start)
     return replace(contact_loads, output_turn=contact_loads.output_turn + wind_up(reducer) * torque)
 
 
-def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool) -> Loads:
+def _solve_ring_output(
+    reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None
+) -> Loads:
     """Solve for equilibrium under a torque on the ring [N m], a number or of shape (m,).
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
@@ -155,7 +162,7 @@ def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array
     for halvings in range(settings.max_halvings + 1):
         try:
             contact_loads = _solve_carrier_output(
-                reducer, springs, (torque - friction_torque) / torque_ratio, warm_start
+                reducer, springs, (torque - friction_torque) / torque_ratio, warm_start, start
             )
             break
         except RunError:
@@ -175,7 +182,9 @@ def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array
         else:  # losses in proportion to the supported torque
             step = (mean_torque - friction_torque) * residual / (mean_torque - friction_torque + loss_torque)
         previous, friction_torque = (friction_torque, residual), friction_torque + step
-        contact_loads = _solve_carrier_output(reducer, springs, (torque - friction_torque) / torque_ratio, warm_start)
+        contact_loads = _solve_carrier_output(
+            reducer, springs, (torque - friction_torque) / torque_ratio, warm_start, start and contact_loads
+        )
         if abs(step) < settings.rtol * abs(mean_torque):
             break
     carrier_torque = (torque - friction_torque) / torque_ratio
@@ -185,15 +194,19 @@ def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array
     )
 
 
-def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool) -> Loads:
+def _solve_carrier_output(
+    reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None
+) -> Loads:
     """Solve for equilibrium under a torque on the carrier [N m], in the frame of the ring and without torsion."""
     contacts, radius = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
     disc_displacements = z[:, :-1].reshape(len(z), -1, 3)
     disc_displacements[..., :2] = contacts.cam_place
+    if start is not None:
+        z[:] = start.departures
     with announce_compilation():
-        residual = balance(contacts, load, z, force, warm_start)
+        residual = balance(contacts, load, z, force, warm_start and start is None)
     require_balance(residual, contacts, load)
     cam_offsets = disc_displacements[..., :2] - contacts.cam_place
     distance = np.maximum(np.linalg.norm(cam_offsets, axis=-1), np.finfo(float).tiny)

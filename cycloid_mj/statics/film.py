@@ -16,7 +16,7 @@ from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, hole_speeds, seat_speeds, tooth_speeds
 from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.lubrication.mixed import FilmLaw, MixedFriction, journal_friction, line_friction
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.gaps import Gaps
 
 
@@ -98,6 +98,10 @@ class FilmFriction:
     output: MixedFriction | None
     rolls: Mask
 
+    def scaled(self, factor: float) -> "FilmFriction":
+        """Return the friction with all coefficients times a factor."""
+        return replace(self, contacts=factor * self.contacts, cam=factor * self.cam)
+
 
 @dataclass(frozen=True, eq=False)
 class FilmSurfaces:
@@ -121,6 +125,15 @@ class FilmSurfaces:
     seat: SurfaceSpeeds | None
     radius: Array
     inputs: FilmInputs = DESIGN_INPUTS
+
+    def at(self, selected: Mask) -> "FilmSurfaces":
+        """Return the surfaces of selected contact lines only."""
+        flank, seat = (
+            None if speeds is None else SurfaceSpeeds(speeds.moving[selected], speeds.fixed[selected])
+            for speeds in (self.flank, self.seat)
+        )
+        assert flank is not None
+        return replace(self, flank=flank, seat=seat, radius=self.radius[selected])
 
     @property
     def seat_scale(self) -> float:
@@ -197,6 +210,11 @@ class FilmSurfaces:
         law, play = film_law(self.reducer, "cam", self.inputs), design.clearance.cam
         return journal_friction(law, force, 0.5 * speed, speed, radius, play, design.line_length("cam")).coefficient
 
+    def mean_cam_friction(self, force: Array) -> float:
+        """Return the mean of `cam_friction` weighted by the forces [N]."""
+        total = max(float(np.sum(force)), np.finfo(float).tiny)
+        return float(np.sum(self.cam_friction(force) * force) / total)
+
 
 @dataclass(frozen=True, eq=False)
 class FilmContacts:
@@ -259,9 +277,7 @@ class FilmContacts:
         rolling = self.surfaces.reducer.design.friction_of("output")
         coefficient = rolling if output_friction is None else output_friction.coefficient
         contacts = np.concatenate([tooth_friction.coefficient, np.broadcast_to(coefficient, output.shape)], axis=1)
-        total_cam = max(float(np.sum(cam)), np.finfo(float).tiny)
-        mean_cam = float(np.sum(self.surfaces.cam_friction(cam) * cam) / total_cam)
-        return FilmFriction(contacts, mean_cam, tooth_friction, output_friction, rolls)
+        return FilmFriction(contacts, self.surfaces.mean_cam_friction(cam), tooth_friction, output_friction, rolls)
 
     def friction_at_working_forces(self) -> FilmFriction:
         """Compute the film friction of all contacts under the working force of each kind of pair."""
@@ -377,8 +393,7 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         return crank, output
     speed = abs(mesh_speed(reducer))
     if not (crank or output):
-        crank, output = seal_torques(reducer)
-        crank *= speed / abs(design.drive.speed) if design.drive.speed else 1.0
+        crank, output = _seals_on_shafts(reducer)
     crank, output = inputs.seals * crank, inputs.seals * output
     if design.gear.bearing == "rolling":
         cam_speed = speed * design.ring.teeth / design.lobes
@@ -391,6 +406,26 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
     return crank, output
 
 
+def state_seals(reducer: Reducer) -> Reducer:
+    """Return the reducer with the drag of its seals under the law ``film`` as a value of its design.
+
+    Reducers of the same parts at other speeds and temperatures then need no search for covers, which takes 0.05 s.
+    """
+    drag = reducer.design.drag
+    if not reducer.design.has_film or drag.crank or drag.output:
+        return reducer
+    crank, output = _seals_on_shafts(reducer)
+    return reducer.but(drag={"crank": crank, "output": output})
+
+
+def _seals_on_shafts(reducer: Reducer) -> tuple[float, float]:
+    """Return the torques of the seals on crank and output [N m]; the seal on the shaft turns against the ring."""
+    crank, output = seal_torques(reducer)
+    crank_speed = reducer.design.drive.speed
+    return crank * (abs(mesh_speed(reducer) / crank_speed) if crank_speed else 1.0), output
+
+
+@once
 def seal_torques(reducer: Reducer) -> tuple[float, float]:
     """Return the friction torques of the radial seals on the shaft and on the hub of the output [N m].
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.balance import Loads, friction_losses, loads
-from cycloid_mj.statics.film import FilmInputs, drag_torques
+from cycloid_mj.statics.balance import Loads, friction_losses, loads, solve_at_friction
+from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs, FilmSurfaces, drag_torques
 from cycloid_mj.statics.springs import Springs, springs_of
 
 SAMPLES, SEED = 128, 58
@@ -104,44 +104,103 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
 def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
     """Compute the power lost under an output torque [N m] with the law ``film``: of the design, and of samples [W].
 
-    Samples keep the contact forces of the design's own inputs; that forces grow with friction is included by a second
-    equilibrium, at `PROBE`. Errors as `balance.powers`.
+    Samples keep the contact forces of the design's own inputs; that forces grow with friction is included in the first
+    order, by `_compute_loss_growth`. Errors as `balance.powers`.
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
-    springs, sign = springs_of(reducer), np.sign(design.drive.speed)
-    assert springs.film is not None
-    contact_torque = float(sign) * (torque + drag_torques(reducer)[1])
-    own_loads = loads(reducer, springs, contact_torque, follow=True)
-    film = springs.film.displaced(own_loads.departures)
-    springs = replace(springs, film=film)
-    own_loss = _contact_losses(reducer, springs, own_loads)
-    probe_springs = replace(springs, film=film.with_inputs(PROBE))
-    fixed_loss = _contact_losses(reducer, probe_springs, own_loads)
-    raised_loss = _contact_losses(reducer, probe_springs, loads(reducer, probe_springs, contact_torque, follow=True))
-    growth = (raised_loss / fixed_loss - 1.0) / (fixed_loss / own_loss - 1.0) if fixed_loss != own_loss else 0.0
+    springs, sign = springs_of(reducer), float(np.sign(design.drive.speed))
+    contact_torque = sign * (torque + drag_torques(reducer)[1])
+    contact_loads = loads(reducer, springs, contact_torque, follow=True)
+    contacts = _select_loaded_contacts(reducer, springs, contact_loads)
+    own_loss, growth = contacts.lost_power(), _compute_loss_growth(reducer, springs, contact_torque, contact_loads)
+
+    def drag_power(inputs: FilmInputs) -> float:
+        """Compute the power of the drag on crank and output [W]."""
+        crank, output = drag_torques(reducer, inputs)
+        return speed * (crank + output / design.reduction)
+
     outcomes = []
     for inputs in sample_inputs(samples)[0]:
-        sample_loss = _contact_losses(reducer, replace(springs, film=film.with_inputs(inputs)), own_loads)
-        crank, output = drag_torques(reducer, inputs)
-        outcomes.append(
-            sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + speed * (crank + output / design.reduction)
-        )
-    crank, output = drag_torques(reducer)
-    return own_loss + speed * (crank + output / design.reduction), np.array(outcomes)
+        sample_loss = contacts.lost_power(inputs)
+        outcomes.append(sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + drag_power(inputs))
+    return own_loss + drag_power(DESIGN_INPUTS), np.array(outcomes)
 
 
-PROBE = FilmInputs(boundary=1.25, viscosity=0.8, load_friction=1.25)
-"""Inputs with more friction, for the growth of the forces with it."""
+RAISED_FRICTION = 1.1
+"""Factor on all friction coefficients that determines how the losses grow with them."""
 
 
-def _contact_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> float:
-    """Compute the friction power of all contacts [W] with the film law of some springs, under known forces."""
-    assert springs.film is not None
-    friction = springs.film.friction(
-        contact_loads.teeth, contact_loads.output, np.linalg.norm(contact_loads.cam, axis=-1)
+def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
+    """Compute the growth of the contact forces with friction: relative change of forces over that of coefficients [1].
+
+    Forces are weighted by their losses; `torque` [N m] is that on the contacts.
+    """
+    assert contact_loads.friction is not None
+    raised_springs = springs.with_friction(contact_loads.friction.scaled(RAISED_FRICTION))
+    raised_loads = solve_at_friction(reducer, raised_springs, torque, True, contact_loads)
+    own_loss, raised_loss = (
+        sum(float(np.mean(power)) for power in friction_losses(reducer, springs, solution).values())
+        for solution in (contact_loads, raised_loads)
     )
-    losses = friction_losses(reducer, springs, replace(contact_loads, friction=friction))
-    return sum(float(np.mean(power)) for power in losses.values())
+    return (raised_loss / (RAISED_FRICTION * own_loss) - 1.0) / (RAISED_FRICTION - 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _LoadedContacts:
+    """Contacts that carry load, at all crank angles together, whose friction depends on the inputs of the film law.
+
+    Attributes
+    ----------
+    surfaces
+        Surfaces of the k loaded contact lines with the ring.
+    teeth, output, cam
+        Normal forces of contact lines, shape (k,), output pins, shape (p,), and cams [N].
+    tooth_power, output_power, cam_power
+        Friction power at a coefficient of 1 of each contact line, of each output pin, and of all cams, divided by the
+        number of crank angles [W].
+    """
+
+    surfaces: FilmSurfaces
+    teeth: Array
+    output: Array
+    cam: Array
+    tooth_power: Array
+    output_power: Array
+    cam_power: float
+
+    def lost_power(self, inputs: FilmInputs = DESIGN_INPUTS) -> float:
+        """Compute the mean friction power of all contacts [W] under these forces."""
+        surfaces = replace(self.surfaces, inputs=inputs)
+        output_friction = surfaces.output_friction(self.output)
+        output = (
+            surfaces.reducer.design.friction_of("output") if output_friction is None else output_friction.coefficient
+        )
+        return float(
+            np.sum(surfaces.smaller_friction(self.teeth)[0].coefficient * self.tooth_power)
+            + np.sum(output * self.output_power)
+            + surfaces.mean_cam_friction(self.cam) * self.cam_power
+        )
+
+
+def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> _LoadedContacts:
+    """Select the contacts that carry load in a solution of the equilibrium under the law ``film``."""
+    assert springs.film is not None
+    assert contact_loads.friction is not None
+    count = springs.teeth
+    teeth, output = contact_loads.teeth > 0.0, contact_loads.output > 0.0
+    slip = np.abs(springs.slip) / len(springs.crank)
+    unit_friction = replace(contact_loads.friction, contacts=np.ones_like(springs.slip), cam=1.0)
+    with_unit_friction = replace(contact_loads, friction=unit_friction)
+    solved_springs = springs.with_friction(contact_loads.friction)
+    return _LoadedContacts(
+        surfaces=springs.film.displaced(contact_loads.departures).surfaces.at(teeth),
+        teeth=contact_loads.teeth[teeth],
+        output=contact_loads.output[output],
+        cam=np.linalg.norm(contact_loads.cam, axis=-1),
+        tooth_power=(contact_loads.teeth * slip[:, :count])[teeth],
+        output_power=(contact_loads.output * slip[:, count:])[output],
+        cam_power=float(np.mean(friction_losses(reducer, solved_springs, with_unit_friction)["cam"])),
+    )
 
 
 def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
