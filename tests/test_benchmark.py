@@ -81,7 +81,7 @@ def test_two_discs_are_held_against_one_under_the_same_load_a_disc(monkeypatch) 
 
 
 @pytest.mark.slow
-def test_scaling_holds_steps_that_resolve_the_pins_alike(monkeypatch) -> None:
+def test_scaling_uses_steps_that_resolve_the_pins_equally(monkeypatch) -> None:
     seen = {}
 
     def cost(design, compiled):

@@ -35,7 +35,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[set[str], Path]:
 
 
 @pytest.mark.slow
-def test_the_source_archive_has_everything_and_nothing_that_was_made_of_it(built: tuple[set[str], Path]) -> None:
+def test_the_source_archive_has_all_sources_and_no_build_output(built: tuple[set[str], Path]) -> None:
     files, _ = built
     folders = {"cycloid_mj", "papers", "docs", "examples", "models", "scripts", "tests"}
     pages = {"README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"}
@@ -103,7 +103,7 @@ def test_the_installed_wheel_finds_its_assets_and_its_papers(installed: Path) ->
 
 
 @pytest.mark.slow
-def test_the_installed_command_tells_its_version(installed: Path) -> None:
+def test_the_installed_command_states_its_version(installed: Path) -> None:
     assert told(installed, str(installed / "bin" / "cycloid-mj"), "--version") == __version__
 
 

@@ -39,7 +39,7 @@ def made(monkeypatch, tmp_path: Path) -> ModuleType:
         pytest.param("tutorial", marks=pytest.mark.slow),
     ],
 )
-def test_what_is_printed_is_what_the_model_says_now(name: str) -> None:
+def test_printed_figures_are_those_of_the_present_model(name: str) -> None:
     """Where this fails: `python scripts/docs_figures.py --list` says by how much, without --list it writes it anew."""
     assert docs_figures.stale(docs_figures.ARTEFACTS[name], docs_figures.stamps().get(name)) == []
 

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 
 
-def test_the_page_says_what_was_measured() -> None:
+def test_the_page_states_what_was_measured() -> None:
     page = docs_measured.PAGE.read_text(encoding="utf-8")
     found = json.loads(docs_measured.KEPT.read_text(encoding="utf-8"))
     assert docs_measured.fill_page(page) == page
@@ -19,7 +19,7 @@ def test_the_page_says_what_was_measured() -> None:
             assert sum(key in quantities for key in keys) == 1, (design, label)
 
 
-def test_the_page_says_what_was_compared() -> None:
+def test_the_page_states_what_was_compared() -> None:
     """Two idle starts and a loaded run, as the command's JSON has them."""
     levels = {name: {"rms": value} for name, value in (("gear_speed_rad_s", 0.002), ("q_path_um", 0.03))}
     vibration = {"gear_centre_m_s2": {"rms": 1.7}, "output_rad_s2": {"rms": 55.0}}
@@ -39,7 +39,7 @@ def test_the_page_says_what_was_compared() -> None:
     assert "| efficiency [%] | 88.0 | 88.0 |" in told
 
 
-def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands() -> None:
+def test_the_page_states_the_order_of_designs_of_both_commands() -> None:
     def run(design: str, load: float, *figures: list[float] | float) -> dict[str, Any]:
         told = dict(zip((label for label, *_ in docs_measured.LEVELS), figures, strict=True))
         return {"design": design, "load_nm": load, "figures": told}
@@ -66,7 +66,7 @@ def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands()
     assert [row[4:] for row in rows] == [["nonpin", "pin"]] * 5
 
 
-def test_a_number_stands_with_its_error_and_its_closed_form() -> None:
+def test_a_number_is_printed_with_its_error_and_its_closed_form() -> None:
     one = {"value": 1.23456, "unit": "m", "numerical_error": 0.0123, "reference": 1.2}
     table = docs_measured.table({"pin": dict.fromkeys([key for _, keys in docs_measured.ROWS for key in keys], one)})
     assert "| 1.235 ± 0.01 (1.2) |" in table

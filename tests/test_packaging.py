@@ -86,7 +86,7 @@ def test_what_is_imported_is_required_or_of_an_extra() -> None:
         ),
     ],
 )
-def test_without_its_extra_a_command_says_what_to_install(module, words, told, monkeypatch, tmp_path, capsys) -> None:
+def test_without_its_extra_a_command_states_what_to_install(module, words, told, monkeypatch, tmp_path, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, module, None)
     assert main([*words]) == 1
@@ -178,7 +178,7 @@ def test_a_paper_with_a_fault_is_named_in_one_line_and_stops_no_command(value, f
     assert line.startswith(f"warning: paper zebra: ignored: {FAULTY[value]}")
 
 
-def test_a_paper_that_fails_when_it_is_asked_is_passed_over(found, capsys):
+def test_a_paper_that_fails_is_skipped(found, capsys):
     found(leaving="test_packaging:LEAVING")
     for ask, nothing in ((published_torques, []), (stress_references, {})):
         with pytest.warns(CycloidWarning, match="paper leaving: passed over: it ends the program"):
@@ -208,7 +208,7 @@ def test_a_second_paper_makes_reproduce_a_group_of_commands(found, capsys):
     assert main(["reproduce", "second"]) == 7
 
 
-def test_without_a_paper_reproduce_says_what_it_is_for(found, capsys):
+def test_without_a_paper_reproduce_states_its_purpose(found, capsys):
     found()
     assert main(["reproduce"]) == 2
     told = " ".join(capsys.readouterr().err.split())

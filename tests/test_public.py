@@ -25,7 +25,7 @@ def test_every_public_name_is_there() -> None:
     assert dir(cm) == sorted(cm.__all__), "the public names alone"
 
 
-def test_a_room_completes_to_its_public_names_alone() -> None:
+def test_a_package_completes_to_its_public_names_alone() -> None:
     for room in (cm.measure, cm.stress, cm.statics, cm.report):
         assert dir(room) == sorted(room.__all__)
 
@@ -86,7 +86,7 @@ def test_the_python_page_begins_with_lines_that_work(capsys, monkeypatch: pytest
     assert rows["power.load_torque_nm"] == pytest.approx(36.0)
 
 
-def test_a_design_is_given_by_its_name_too() -> None:
+def test_a_design_is_accepted_by_its_name_too() -> None:
     by_name, by_design = cm.statics("printed", load_nm=2.0), cm.statics(cm.load("printed"), 2.0)
     assert by_name == by_design
     assert by_name.condition.startswith("2 N m")
@@ -117,7 +117,7 @@ def test_whatever_takes_a_design_takes_its_name(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_drives_from_what_is_asked_and_the_data_sheet_of_one() -> None:
+def test_drives_of_a_requirement_and_the_data_sheet_of_one() -> None:
     answer = cm.new(15, 100.0, 1.0, process="printed", life_h=100.0)
     assert str(answer).startswith("<Answer: 15:1, 100 mm, 1 N m; ")
     assert len(answer.frame["title"]) == len(answer.drives)
@@ -138,7 +138,7 @@ def test_a_table_shows_in_a_line_and_as_html_with_its_text_escaped() -> None:
 
 
 @pytest.mark.parametrize("package", ["pandas", "polars"])
-def test_a_data_frame_is_of_the_package_that_is_there(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_data_frame_is_of_the_installed_package(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cycloid_mj.base.notebook_display.find_spec", lambda name: name == package or None)
     monkeypatch.setitem(sys.modules, package, SimpleNamespace(DataFrame=lambda columns: (package, columns)))
     made, columns = TABLE.to_frame()
@@ -146,7 +146,7 @@ def test_a_data_frame_is_of_the_package_that_is_there(package: str, monkeypatch:
     assert columns["name"] == ["<b>", "c"]
 
 
-def test_without_either_a_data_frame_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_either_a_data_frame_states_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cycloid_mj.base.notebook_display.find_spec", lambda name: None)
     with pytest.raises(CycloidError, match="pip install pandas"):
         TABLE.to_frame()
@@ -174,7 +174,7 @@ def test_a_result_is_drawn_by_one_call() -> None:
         TABLE.plot()
 
 
-def test_a_run_and_a_measurement_are_drawn_and_say_what_they_are_in_a_line() -> None:
+def test_a_run_and_a_measurement_are_drawn_and_describe_themselves_in_a_line() -> None:
     still = cm.load("pin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.002, "load.torque_nm": 5.0, "load.rise_s": 0.001})
     run = cm.simulate(still)
     assert run.plot("fig6_gear_speed").axes
@@ -201,7 +201,7 @@ def test_a_run_and_a_measurement_are_drawn_and_say_what_they_are_in_a_line() -> 
     assert backlash.plot().axes[0].get_title("left") == "play"
 
 
-def test_a_measured_loop_is_drawn_and_says_what_it_is_in_a_line() -> None:
+def test_a_measured_loop_is_drawn_and_describes_itself_in_a_line() -> None:
     loop = cm.read_loop(str(Path(__file__).parent / "data" / "bench" / "play_loop.csv"))
     assert repr(loop).startswith(f"<MeasuredLoop: {loop.name}, {len(loop.torque)} points, ")
     assert loop.plot().axes[0].get_ylabel() == "deflection [deg]"
@@ -209,7 +209,7 @@ def test_a_measured_loop_is_drawn_and_says_what_it_is_in_a_line() -> None:
     assert loop._repr_html_().count("<tr>") <= 61
 
 
-def test_a_design_and_its_checks_say_what_they_are_have_a_frame_and_are_drawn() -> None:
+def test_a_design_and_its_checks_describe_themselves_have_a_frame_and_are_drawn() -> None:
     design = cm.load("pin", {"clearance.cam_um": 98.0})
     checks = cm.check(design)
     warned = [check.name for check in checks if not check.passed]
@@ -225,14 +225,14 @@ def test_a_design_and_its_checks_say_what_they_are_have_a_frame_and_are_drawn() 
     assert design.plot().axes
 
 
-def test_files_of_parts_say_what_they_are_have_a_frame_and_their_clearances_are_drawn() -> None:
+def test_files_of_parts_describe_themselves_have_a_frame_and_their_clearances_are_drawn() -> None:
     files = cm.export(cm.load("pin"), "stl")
     assert repr(files).startswith("<Export: ")
     assert files.frame.columns["bytes"].tolist() == [len(content) for content in files.files.values()]
     assert files.plot().axes[0].patches
 
 
-def test_a_prediction_and_a_spectrum_say_what_they_are_and_are_drawn() -> None:
+def test_a_prediction_and_a_spectrum_describe_themselves_and_are_drawn() -> None:
     loop = cm.read_loop(Path(__file__).parent / "data" / "bench" / "play_loop.csv")
     found = cm.predict_loops(cm.Reducer(cm.load("pin")), [loop])
     assert (
@@ -308,7 +308,7 @@ def test_designs_are_compared_and_drawn() -> None:
     assert comparison.plot("compare_tooth_force").axes
 
 
-def test_the_protocol_of_a_design_is_drawn_and_says_what_it_is_in_a_line() -> None:
+def test_the_protocol_of_a_design_is_drawn_and_describes_itself_in_a_line() -> None:
     protocol = cm.protocol("pin", 20.0, angles=1)
     assert re.match(r"<Protocol: pin, rated torque 20 N m; lost motion [01]\.\d+ arcmin, ", repr(protocol))
     assert protocol.frame.rows > 5
@@ -321,7 +321,7 @@ def test_a_validation_step_has_rows_and_no_failure() -> None:
     assert not validation.failed
 
 
-def test_a_room_that_is_called_shows_what_it_takes() -> None:
+def test_a_callable_package_shows_its_parameters() -> None:
     assert list(inspect.signature(cm.statics).parameters) == ["design", "load_nm"]
     assert list(inspect.signature(cm.report).parameters) == ["runs", "q", "settle"]
 
@@ -338,7 +338,7 @@ def test_a_curve_and_a_table_show_in_a_line_and_as_a_frame() -> None:
     assert "&lt;weight&gt;" in table._repr_html_()
 
 
-def test_studies_say_in_a_line_what_came_of_them() -> None:
+def test_studies_state_their_result_in_a_line() -> None:
     made = cm.tolerance(cm.load("pin", {"tolerance.cam": "uniform 0.1"}), samples=20)
     assert re.fullmatch(
         r"<Tolerances: pin, 20 samples; yield 100.00%, backlash_arcmin 0.9\d+ \+- 0.0\d+ arcmin>", repr(made)

@@ -165,7 +165,7 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
 ROOMS = sorted((ROOT / "cycloid_mj").rglob("__init__.py")) + sorted((ROOT / "cycloid_mj").glob("[a-z]*.py"))
 
 
-def test_each_room_says_what_it_owns_in_a_sentence_of_its_own() -> None:
+def test_each_package_states_its_content_in_a_sentence() -> None:
     said = {}
     for path in ROOMS:
         sentence = (ast.get_docstring(nodes(path)[0]) or "").split("\n\n")[0].split("\n")[0]

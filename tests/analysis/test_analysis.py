@@ -122,7 +122,7 @@ def test_speed_errors_of_gear_and_output():
     assert found.output_speed.rms_error_rad_s == near(0.001 / math.sqrt(2))
 
 
-def test_gear_speed_is_held_against_the_measured_crank_sample_by_sample():
+def test_gear_speed_is_compared_with_the_measured_crank_at_each_sample():
     design = designed()
     ripple = 0.5 * wave(design, 3)
     found = analyze(ideal(design, crank_speed=ripple, gear_speed=-ripple / 35), settle=0.0)
@@ -198,7 +198,7 @@ def test_acceleration_of_q_holds_to_the_order_of_its_differences_in_hold_and_ram
     assert math.log2(double[1] / double[0]) == pytest.approx(4.0, abs=0.02)  # h^2 and, in the acceleration, speed^2
 
 
-def test_coarse_samples_tell_no_acceleration():
+def test_coarse_samples_have_no_acceleration():
     run = ideal(designed())
     assert analyze(run.select(slice(0, None, 4))).q_acceleration is not None
     coarse = analyze(run.select(slice(0, None, 6)))
@@ -324,7 +324,7 @@ def test_what_happens_while_it_settles_is_not_judged():
     assert analyze(run, settle=0.0).gear_speed.peak_error_rad_s == near(1.0)
 
 
-def test_ramp_and_hold_are_told_apart():
+def test_ramp_and_hold_are_distinguished():
     design = designed(ramp=0.05)
     ramping = np.arange(500 + 720) < 500
     found = analyze(ideal(design, gear_x=np.where(ramping, 7e-6, 2e-6), gear_vx=np.where(ramping, 7e-3, 2e-3)))
@@ -423,7 +423,7 @@ def test_the_output_comes_first_and_the_headline_is_its_own():
     assert [row for group in groups for row in group.rows] == table(found)
 
 
-def test_table_says_what_the_findings_say():
+def test_the_table_has_the_values_of_the_findings():
     design = designed("load.torque_nm=35.0", ramp=0.05)
     run = ideal(design, crank_torque=1.25, load_torque=35.0, gear_x=3e-6, gear_y=4e-6, cam_friction_power=0.5)
     rows = {row.quantity: row for row in table(analyze(run))}

@@ -26,7 +26,7 @@ def test_eight_sentences_at_most_with_the_figures_of_the_run(findings: Findings)
     assert any(f"{findings.contact_summary.peak_force_n:.4g} N" in sentence for sentence in sentences)
 
 
-def test_under_load_torque_stands_beside_that_without_losses_and_the_efficiency_is_told(findings: Findings) -> None:
+def test_under_load_the_torque_without_losses_and_the_efficiency_are_printed(findings: Findings) -> None:
     power = replace(findings.power, load_torque_nm=36.0, crank_torque_nm=1.2, ideal_crank_torque_nm=36.0 / 35.0)
     loaded = replace(findings, condition=Condition(36.0, 100.0), power=power, efficiency=0.857)
     told = " ".join(explain(loaded))

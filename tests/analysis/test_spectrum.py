@@ -65,7 +65,7 @@ def test_straight_lines_between_samples_would_not_do():
         assert read(crank, order) == pytest.approx(1.0, abs=0.01)
 
 
-def test_the_band_is_stated_and_nothing_is_told_beyond_it():
+def test_the_band_is_stated_and_nothing_is_reported_beyond_it():
     crank = swept(3.4)
     found = tapered_orders(crank, np.cos(36.0 * crank))
     assert found.band == pytest.approx((1.0, SPECTRUM.band * PER_TURN), rel=1e-3)
@@ -73,7 +73,7 @@ def test_the_band_is_stated_and_nothing_is_told_beyond_it():
     assert tapered_orders(crank, np.cos(36.0 * crank), most=80.0).band[1] == 80.0
 
 
-def test_a_backward_crank_gives_the_same_spectrum():
+def test_a_backward_crank_has_the_same_spectrum():
     crank = swept(3.4)
     forward, back = (tapered_orders(sign * crank, np.cos(36.0 * crank)) for sign in (1.0, -1.0))
     assert back.amplitude == pytest.approx(forward.amplitude, abs=1e-9)

@@ -72,7 +72,7 @@ def test_other_designs_run_without_a_warning(name: str) -> None:
 # The command line
 
 
-def test_simulate_analyze_and_report_tell_what_the_log_keeps(tmp_path: Path, capsys) -> None:
+def test_simulate_analyze_and_report_state_what_the_log_keeps(tmp_path: Path, capsys) -> None:
     found, shown = command(capsys, "simulate", "--design", "nonpin", *SHORT, "--out", str(tmp_path))
     assert [text for text in found["warnings"] if text.startswith(NO_EFFECT)]
     assert shown.count(NO_EFFECT) == 1
@@ -93,7 +93,7 @@ def test_quiet_keeps_stderr_empty_and_warnings_in_the_json(tmp_path: Path, capsy
 
 
 @pytest.mark.slow
-def test_compare_tells_of_every_run(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compare_reports_every_run(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cycloid_mj.cli.compare._draw_figures", lambda comparison, motions: {})
     short = ["--ramp-s", "0", "--hold-s", "0.045", "--timestep-us", "5", "--out", str(tmp_path)]
     assert main(["simulate", "--design", "nonpin", *short, "--set", UNUSED]) == 0
@@ -106,7 +106,7 @@ def test_compare_tells_of_every_run(tmp_path: Path, capsys, monkeypatch: pytest.
 
 
 @pytest.mark.slow
-def test_a_measure_tells_in_json_and_file(tmp_path: Path, capsys) -> None:
+def test_a_measure_prints_json_and_writes_a_file(tmp_path: Path, capsys) -> None:
     words = [
         "measure",
         "loads",
@@ -127,7 +127,7 @@ def test_a_measure_tells_in_json_and_file(tmp_path: Path, capsys) -> None:
 
 
 @pytest.mark.slow
-def test_validate_tells_of_its_processes(monkeypatch, capsys) -> None:
+def test_validate_reports_its_progress(monkeypatch, capsys) -> None:
     found, shown = command(capsys, "validate", "--quick", "--only", "friction", "two-body")
     assert found["warnings"] == []
     assert "warning" not in shown
@@ -186,7 +186,7 @@ def test_within_its_regime_a_run_at_speed_has_no_warning() -> None:
 
 
 @pytest.mark.parametrize("rate", [100.0, 1000.0])
-def test_a_coarse_log_is_told_of(rate: float) -> None:
+def test_a_coarse_log_is_reported(rate: float) -> None:
     found = analyze(simulate(fast(1640.0, "drive.hold_s=0.05", f"settings.log_rate_hz={rate}")))
     assert [text for text in found.warnings if f"settings.log_rate_hz = {rate:g}: only" in text]
 
@@ -195,7 +195,7 @@ def loaded_run() -> Run:
     return simulate(fast(5000.0))
 
 
-def test_an_open_balance_and_an_impossible_efficiency_are_told_of() -> None:
+def test_an_open_balance_and_an_impossible_efficiency_are_reported() -> None:
     run = loaded_run()
     design = design_of(run)
     judged = run.select(run.time > 0.006)
@@ -233,7 +233,7 @@ def test_an_idling_drive_is_judged_by_what_it_takes() -> None:
 
 
 @pytest.mark.parametrize("crank", [1e-9, 0.0, -1e-9])
-def test_a_load_that_does_not_bear_has_no_efficiency(crank: float) -> None:
+def test_a_load_that_does_not_act_yet_has_no_efficiency(crank: float) -> None:
     """Parts that crossed their play were told to have an efficiency of 72839730070.09 %, or of nan %."""
     run = loaded_run()
     columns = dict(run.columns) | {"crank_torque": crank * run["crank_torque"]}

@@ -360,7 +360,7 @@ def test_drives_whose_covers_are_too_large_do_not_meet_the_requirement(monkeypat
             assert ("≤ 70 mm required" in shown["verdict"]["words"]) == large
 
 
-def test_stress_below_yield_stands_next_to_the_items_that_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stress_below_yield_is_next_to_the_items_that_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     """A pin drive at its rated torque pits within hours, although no part yields in its bulk."""
     entry = SimpleNamespace(name="stress", definition="largest", value=lambda _: 100.0)
     monkeypatch.setattr(part_stress, "figure", lambda _: entry)

@@ -132,7 +132,7 @@ def test_without_a_home_and_a_writable_folder_nothing_is_kept(tmp_path, monkeypa
     assert compile_cache.cache_folder.__wrapped__() is None
 
 
-def test_full_disk_is_said_once_and_the_code_runs(kernels, tmp_path):
+def test_a_full_disk_is_reported_once_and_the_code_runs(kernels, tmp_path):
     limit, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, most))
     try:
@@ -157,7 +157,7 @@ def test_folder_in_the_place_of_a_file_is_passed_over(kernels, tmp_path):
 
 
 @pytest.mark.slow
-def test_run_on_a_damaged_cache_says_one_line(tmp_path):
+def test_run_on_a_damaged_cache_states_one_line(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     first = ran(tmp_path, *RUN, **cache)
     assert first.returncode == 0, first.stderr

@@ -20,7 +20,7 @@ from cycloid_mj.dynamics.run import simulate
 
 
 @pytest.mark.slow
-def test_first_run_says_that_it_compiles_and_the_next_has_it(tmp_path):
+def test_first_run_states_that_it_compiles_and_the_next_has_it(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     first, second = (ran(tmp_path, *RUN, **cache) for _ in range(2))
     assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr
@@ -29,7 +29,7 @@ def test_first_run_says_that_it_compiles_and_the_next_has_it(tmp_path):
     assert "compiling" not in second.stderr
 
 
-def test_it_is_said_of_any_code_but_once_and_not_when_quiet(capsys, monkeypatch, tmp_path):
+def test_compilation_is_reported_once_and_not_when_quiet(capsys, monkeypatch, tmp_path):
     for quiet, lines in ((), 1), (("--quiet",), 0):
         monkeypatch.setattr(compile_cache, "_said", set())
 
@@ -45,7 +45,7 @@ def test_it_is_said_of_any_code_but_once_and_not_when_quiet(capsys, monkeypatch,
         assert capsys.readouterr().err.count("compiling the contact code") == lines
 
 
-def test_it_is_said_of_planar_steps_and_of_code_for_c(capsys, caplog, monkeypatch, tmp_path):
+def test_compilation_of_planar_steps_and_c_functions_is_reported(capsys, caplog, monkeypatch, tmp_path):
     monkeypatch.setattr(compile_cache, "_said", set())
 
     def advance(*given):
@@ -65,7 +65,7 @@ def test_it_is_said_of_planar_steps_and_of_code_for_c(capsys, caplog, monkeypatc
 
 @pytest.mark.slow
 @pytest.mark.parametrize("argv", [RUN, ("design", "check", "pin")])
-def test_installation_that_cannot_be_written_runs_and_says_so_once(argv, tmp_path):
+def test_installation_that_cannot_be_written_runs_and_states_so_once(argv, tmp_path):
     shutil.copytree(
         Path(cycloid_mj.__file__).parent, tmp_path / "code" / "cycloid_mj", ignore=shutil.ignore_patterns("__pycache__")
     )
@@ -96,7 +96,7 @@ def test_pins_do_without_the_collider_of_lobes():
 
 
 @pytest.mark.parametrize("ring", [(), ('ring.pins="fixed"',)])
-def test_pins_meet_alike_in_either_collider(ring):
+def test_pins_have_the_same_contacts_in_either_collider(ring):
     design = override(PRESETS["pin"], ["drive.ramp_s=0", "drive.hold_s=0.002", "load.torque_nm=36", *ring])
     alone = simulate(design)
     with install(lobes=True):

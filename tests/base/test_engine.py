@@ -70,7 +70,7 @@ def test_a_loop_that_is_left_early_warns_of_nothing(engine: Engine) -> None:
 
 
 @pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
-def test_a_piece_of_work_takes_one_core(engine: Engine) -> None:
+def test_a_piece_of_work_uses_one_core(engine: Engine) -> None:
     assert inner_workers(0) == 8
     assert engine.each(inner_workers, range(3)) == [1, 1, 1]
 
@@ -83,7 +83,7 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_what_kills_its_process_each_time_is_given_up_alone() -> None:
+def test_only_the_item_that_kills_its_process_fails() -> None:
     found = dict(Engine(2).stream(die_always, range(12), on_lost=lambda place, why: -place))
     assert found == {n: n**2 for n in range(12)} | {5: -5}
     with pytest.raises(RunError, match="job 6 cannot be computed: its worker process died"):
@@ -126,7 +126,7 @@ def test_other_versions_are_refused() -> None:
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_none_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_that_is_none_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     from cycloid_mj.base.engine import cluster as module
 
     monkeypatch.setattr(module, "SECONDS_TO_CONNECT", 0.5)

@@ -139,7 +139,7 @@ def test_every_command_is_known_to_write_or_not_to() -> None:
 
 
 @pytest.mark.parametrize("name", WRITING)
-def test_what_stands_there_is_told_and_not_replaced(name: str, here: Path) -> None:
+def test_an_existing_file_is_reported_and_not_replaced(name: str, here: Path) -> None:
     words, file = WRITING[name]
     Path(file).parent.mkdir(exist_ok=True)
     Path(file).write_bytes(STANDING.get(Path(file).suffix, b"another"))
@@ -164,7 +164,7 @@ def test_force_replaces_results_of_the_same_kind(name: str, here: Path) -> None:
     assert Path(file).read_bytes() != old
 
 
-def test_kinds_that_begin_alike_are_told_by_their_names(tmp_path: Path) -> None:
+def test_kinds_with_the_same_beginning_are_reported_by_their_names(tmp_path: Path) -> None:
     """A picture and a VTK file are both XML: each may be replaced where --force says so, and is called what it is."""
     for name, kind in (("a.svg", "a picture"), ("a.vtu", "a VTK file")):
         path = tmp_path / name
@@ -270,7 +270,7 @@ def test_a_command_that_claims_nothing_replaces_nothing(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"old.csv": b"old", "new.csv": b"second"}
 
 
-def test_a_sweep_goes_on_in_its_folder_and_begins_anew_by_force(here: Path) -> None:
+def test_a_sweep_continues_in_its_folder_and_begins_anew_by_force(here: Path) -> None:
     words = ["sweep", "--vary", "clearance.cam_um=1,2", "--measure", "mass", "--out", "d"]
     assert called(*words)[0] == 0
     first = Path("d/sweep.rows.jsonl").read_bytes()

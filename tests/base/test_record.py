@@ -33,7 +33,7 @@ def assert_same(left: Run, right: Run) -> None:
         assert getattr(left, name) == getattr(right, name), name
 
 
-def test_holds_what_it_was_given_in_order():
+def test_a_run_contains_its_values_in_order():
     angle = np.array([0.5, np.nan, -0.0])
     run = Run(np.arange(3.0), {"z": angle, "a": [1, 2, 3]}, {"a": "1", "z": "rad"})
     assert list(run.columns) == ["z", "a"]
@@ -141,7 +141,7 @@ def test_refuses_what_does_not_fit(changes, message):
         make_run(**changes)
 
 
-def test_a_run_tells_itself_in_a_line_however_many_samples_it_has() -> None:
+def test_a_run_describes_itself_in_a_line_however_many_samples_it_has() -> None:
     time = np.arange(100_000) * 1e-4
     columns = {f"column_{n}": np.zeros(time.size) for n in range(50)}
     run = Run(time, columns, dict.fromkeys(columns, "1"), attachments={"a<b>.toml": b"x" * 10_000}, complete=False)
@@ -154,7 +154,7 @@ def test_a_run_tells_itself_in_a_line_however_many_samples_it_has() -> None:
     assert len(html) < 500
 
 
-def test_a_run_without_samples_tells_itself() -> None:
+def test_a_run_without_samples_describes_itself() -> None:
     assert repr(Run(np.zeros(0), {}, {})) == "Run(samples 0, columns 0, time none, attachments none, complete yes)"
 
 

@@ -20,7 +20,7 @@ from cycloid_mj.base.result import Claim, Condition, Quantity, Table, Value, Ver
         ),
     ],
 )
-def test_a_condition_is_told_by_what_the_test_gives(condition: Condition, words: str, told: dict[str, float]) -> None:
+def test_a_condition_is_named_by_its_test(condition: Condition, words: str, told: dict[str, float]) -> None:
     assert condition.words == words
     assert condition.as_json() == told
 

@@ -11,7 +11,7 @@ from cycloid_mj.base.interrupt import check_interrupt
 LONG = 60.0
 
 
-def test_results_come_in_order_and_every_piece_is_told() -> None:
+def test_results_are_in_order_and_progress_counts_every_item() -> None:
     told: list[tuple[int, int]] = []
     found = each_in_threads(
         lambda wait: (time.sleep(wait), wait)[1], [0.03, 0.0, 0.01], lambda *one: told.append(one), workers=3
@@ -45,7 +45,7 @@ def test_the_first_error_stops_the_pieces_under_way(error: type[BaseException]) 
     assert len(stopped) <= 2
 
 
-def test_a_piece_that_does_not_give_way_comes_to_its_end() -> None:
+def test_a_rigid_piece_ends() -> None:
     """It may hold a lock: nothing is raised in its midst."""
     ended: list[bool] = []
 

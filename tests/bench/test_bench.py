@@ -134,7 +134,7 @@ def test_parts_stick_before_they_slide_back() -> None:
     assert 0.0 < after < 0.25 * before
 
 
-def test_a_loop_takes_the_work_of_its_constant_friction() -> None:
+def test_a_loop_dissipates_the_work_of_its_constant_friction() -> None:
     """Friction that acts at once takes twice its torque times the turn from one end to the other."""
     drag = 2.0
     torque = course(0, 20, -20, 20, count=400)
@@ -143,7 +143,7 @@ def test_a_loop_takes_the_work_of_its_constant_friction() -> None:
     assert work == pytest.approx(2.0 * drag * float(np.ptp(turn[400:])), rel=0.02)
 
 
-def test_a_loop_takes_work_that_grows_with_friction() -> None:
+def test_a_loop_dissipates_work_that_grows_with_friction() -> None:
     areas = []
     for friction in (0.05, 0.1, 0.2):
         design = soft().but(friction={"pin_gear": friction})
@@ -291,7 +291,7 @@ def missed(contacts: float, off: float, seeds: int) -> tuple[Counter[str], Count
 
 
 @pytest.mark.slow
-def test_two_loops_tell_play_and_stiffness_within_their_intervals() -> None:
+def test_two_loops_state_play_and_stiffness_within_their_intervals() -> None:
     identified, outside = missed(1.0, 0.0, 1)
     assert identified["structure_stiffness"] == 1
     assert not outside
@@ -658,7 +658,7 @@ def test_an_interval_covers_a_model_that_is_off() -> None:
     assert moved == pytest.approx(MODEL_ERROR * inverse[0, 0] ** 0.5)
 
 
-def test_a_loop_without_any_balance_is_told_by_name() -> None:
+def test_a_loop_without_an_equilibrium_is_reported_by_name() -> None:
     """Before anything is searched further: one loop that no model follows, beside one that it does."""
     loops = locked_loops(1.0, 0.0, 0)
 
@@ -824,7 +824,7 @@ def test_what_is_found_before_ctrl_c_is_kept(
 
 
 @pytest.mark.slow
-def test_play_in_teeth_and_holes_is_not_told_apart() -> None:
+def test_play_in_teeth_and_holes_is_not_distinguished() -> None:
     """With a clearance each they are open, and the loop to measure next is named."""
     found = calibrate(resolve("printed"), [read_loop(path) for path in BENCH], APART)
     assert {"mesh_play", "output_play", "cam_play"} & set(found.unidentified)
@@ -1011,7 +1011,7 @@ def test_the_command_writes_the_design_and_the_rest(tmp_path: Path, capsys: pyte
 
 
 @pytest.mark.slow
-def test_teeth_too_soft_to_run_are_told_with_what_to_fit_in_their_place(
+def test_a_fit_with_teeth_too_soft_to_run_names_other_parameters(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def no_balance(reducer: Reducer, torque: float) -> None:
@@ -1028,7 +1028,7 @@ def test_teeth_too_soft_to_run_are_told_with_what_to_fit_in_their_place(
 
 
 @pytest.mark.slow
-def test_a_design_of_no_use_is_told_with_the_value_to_blame(
+def test_a_design_of_no_use_is_reported_with_the_value_to_blame(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Statics stops where it finds no balance: here as soon as there is the constant friction that was not drawn."""

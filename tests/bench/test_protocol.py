@@ -45,7 +45,7 @@ def loop_of(coulomb: float, noise: float = 0.0, most: float = RATED) -> Measured
 
 
 @pytest.mark.parametrize("coulomb", [0.3, 4.0])
-def test_a_made_loop_has_the_figures_that_it_was_made_of(coulomb: float) -> None:
+def test_a_synthetic_loop_has_its_known_figures(coulomb: float) -> None:
     """Friction above 3 % of the rated torque hides the play from the lost motion; let go, the branches show it."""
     loop, level = loop_of(coulomb), LOST_MOTION_SHARE * RATED
     shown = PLAY if coulomb < level else 0.0

@@ -133,7 +133,7 @@ def test_first_advice_on_the_eccentricity_passes_every_check_of_the_profile() ->
     assert reducer.design.ring.teeth == 50
 
 
-def test_value_and_limit_are_told_apart_or_written_in_full() -> None:
+def test_value_and_limit_are_distinguished_or_written_in_full() -> None:
     """A pin of 1.5708 mm that must be more than 1.5708 mm read 1.571, more than 1.571, raise to 1.571."""
     socket = next(one for one in check_design(load(CASES / "31-eccentricity-advice.toml")) if one.name == "socket")
     assert (socket.got, socket.limit) == ("1.5708 mm", "more than 1.5708 mm")
@@ -153,7 +153,7 @@ def test_torque_and_speed_of_the_preset_are_stated_before_the_warnings() -> None
     assert "default" not in told("design", "check", "pin")[1]
 
 
-def test_few_lobes_are_warned_of_and_the_advice_mends_them() -> None:
+def test_few_lobes_are_warned_of_and_the_advice_resolves_them() -> None:
     """5:1 with K1 = 0.24: a mean pressure angle of 77.5 deg; with the advice 70.0 deg and no warning is left."""
     design = load(CASES / "44-few-lobes.toml")
     checks = {one.name: one for one in check_design(design).warnings}

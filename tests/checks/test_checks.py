@@ -282,7 +282,7 @@ def test_every_remedy_helps_and_is_as_small_as_it_can_be(changes: list[str], nam
                 assert name in failed(override(design, [f"{path}={short}"])), f"{path}={short}"
 
 
-def test_the_limits_are_told_in_the_words_of_the_file() -> None:
+def test_the_limits_are_reported_in_the_words_of_the_file() -> None:
     found = failed(override(PRESETS["pin"], ["ring.pin_radius_mm=2.7", "clearance.pin_gear_um=0.001"]))["undercut"]
     assert (found.got, found.limit, found.key) == ("2.7 mm", "less than 2.608 mm", "ring.pin_radius_mm")
     assert "lower ring.pin_radius_mm to 2.607 or less, or lower gear.eccentricity_mm to " in found.remedy
@@ -295,7 +295,7 @@ def test_the_limits_are_told_in_the_words_of_the_file() -> None:
     assert (holes.got, holes.limit) == ("2", "at least 3")
 
 
-def test_too_small_and_too_large_holes_are_told_apart_by_the_remedy() -> None:
+def test_too_small_and_too_large_holes_are_distinguished_by_the_remedy() -> None:
     for radius, turn in (("4.99999", "raise"), ("5.00001", "lower")):
         found = failed(override(PRESETS["pin"], [f"output.hole_radius_mm={radius}"]))["hole_size"]
         assert found.remedy == f"{turn} output.hole_radius_mm to 5"

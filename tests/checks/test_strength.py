@@ -50,7 +50,7 @@ def changes_of(remedy: str) -> list[str]:
 
 
 @pytest.mark.parametrize(("changes", "name"), cases(FAILING, *FAILING[2::4]))
-def test_a_design_fails_its_check_and_each_remedy_mends_it(changes, name):
+def test_a_design_fails_its_check_and_each_remedy_resolves_it(changes, name):
     design = override(PIN, changes)
     assert not [str(item) for item in soundness(Reducer(design)) if not item.passed and item.severity == "error"]
     item = failed(design)[name]
@@ -128,7 +128,7 @@ def test_a_housing_too_small_for_its_ring_names_both_remedies():
             assert "housing" not in failed(override(design, changes_of(remedy)))
 
 
-def test_numbers_are_told_without_the_noise_of_their_last_bit():
+def test_numbers_are_reported_without_the_noise_of_their_last_bit():
     told = {item.name: item for item in check(PIN)}
     assert told["neighbouring_holes"].limit == "less than 9.745 mm"
     assert not [str(item) for item in told.values() if re.search(r"\d\.\d{8,}", str(item))]
@@ -156,7 +156,7 @@ def test_each_check_has_its_numbers():
         {"environment.gravity_y_m_s2": -1000.0, "drive.torque_nm": 1e-4},
     ],
 )
-def test_extreme_loads_are_judged_or_the_reason_is_told(changes):
+def test_extreme_loads_are_judged_or_the_reason_is_reported(changes):
     found = check(override(PIN, changes))
     names = {item.name: item for item in found}
     assert "tooth_yield" in names or names["rated_load"].why

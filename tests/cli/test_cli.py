@@ -111,7 +111,7 @@ def test_version_and_bare_command():
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_help_tells_purpose_flags_and_an_example(command):
+def test_help_states_purpose_flags_and_an_example(command):
     code, out, err = told(*command.split(), "--help")
     assert (code, err) == (0, "")
     examples = out.split("Example")[-1]
@@ -119,7 +119,7 @@ def test_help_tells_purpose_flags_and_an_example(command):
     assert max(map(len, out.splitlines())) <= 80, "lines of help would be broken on a plain terminal"
 
 
-def test_every_flag_of_the_fixed_interface_tells_unit_and_default():
+def test_every_flag_of_the_fixed_interface_states_unit_and_default():
     out = " ".join(told("simulate", "--help")[1].replace("│", " ").split())
     for flag, unit in [
         ("--timestep-us", "[us]"),
@@ -192,7 +192,7 @@ def test_log_holds_the_design_the_model_and_the_settings(run):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("between_lines", "progress"), [(math.inf, False), (-1.0, True)])
-def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch, between_lines, progress):
+def test_the_table_of_a_run_is_on_stdout_and_messages_are_on_stderr(here, monkeypatch, between_lines, progress):
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", between_lines)
     code, out, err = told("simulate", "--design", "pin", *SHORT, "--all")
     assert code == 0
@@ -341,7 +341,7 @@ def test_main_runs_in_another_thread(here, two_samples):
     assert codes == [0]
 
 
-def test_ctrl_c_before_the_run_is_told(here, monkeypatch):
+def test_ctrl_c_before_the_run_is_reported(here, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
@@ -378,7 +378,7 @@ def test_progress_without_a_terminal_is_an_occasional_line(monkeypatch, capsys):
     assert captured.out == ""
 
 
-def test_progress_tells_before_the_first_sample_that_work_goes_on(monkeypatch, capsys):
+def test_progress_is_reported_before_the_first_sample(monkeypatch, capsys):
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_COUNTS", 0.01)
     told_so_far = threading.Event()
     monkeypatch.setattr("cycloid_mj.cli.progress.tell", lambda text: "so far" in text and told_so_far.set())
@@ -418,7 +418,7 @@ def test_analyze_finds_in_the_log_what_simulate_told(run):
     assert again == {key: value for key, value in found.items() if key != "wall_s"}
 
 
-def test_analyze_follows_the_point_asked_for(run):
+def test_analyze_follows_the_point_requested(run):
     _, log = run
     found = one_object(told("analyze", str(log), "--q", "-3,4.5", "--json")[1])
     assert found["q_path"]["q_mm"] == [-3, 4.5]
@@ -635,7 +635,7 @@ def test_a_change_that_no_design_takes_is_wrong_usage(words):
 # --- files ------------------------------------------------------------------------------------------------------------
 
 
-def test_csv_goes_to_stdout_alone():
+def test_csv_is_written_to_stdout_only():
     code, out, err = told(
         "design", "kinematics", "--design", "pin", "--csv", "-", "--until-s", "0.01", "--step-s", "0.005"
     )
@@ -747,7 +747,7 @@ def test_warnings_do_not_fail_a_design(tmp_path):
     assert out.splitlines()[-1].endswith("0 failed, 6 warnings")
 
 
-def test_unsound_design_is_not_simulated_and_every_reason_is_told(unsound, here):
+def test_unsound_design_is_not_simulated_and_every_reason_is_reported(unsound, here):
     code, out, err = told("simulate", "--design", unsound)
     assert (code, out) == (1, "")
     assert err.startswith("error: the design 'pin' cannot be built:")
@@ -851,7 +851,7 @@ LIMITS = {
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "1e300", "-1e300", "-1e9"])
 @pytest.mark.parametrize("flag", LIMITS)
-def test_absurd_value_of_a_flag_is_told_with_its_range(flag, value):
+def test_absurd_value_of_a_flag_is_reported_with_its_range(flag, value):
     code, message = rejected(*SIMULATE, flag, value)
     assert code == 2
     assert f"{flag} {value}: must be {LIMITS[flag]}" in message
@@ -861,7 +861,7 @@ def test_absurd_value_of_a_flag_is_told_with_its_range(flag, value):
     ("flag", "value"),
     [("--timestep-us", "-1"), ("--speed-rpm", "0"), ("--hold-s", "0"), ("--ramp-s", "-1")],
 )
-def test_zero_and_negative_values_are_told_with_their_range(flag, value):
+def test_zero_and_negative_values_are_reported_with_their_range(flag, value):
     code, message = rejected(*SIMULATE, flag, value)
     assert code == 2
     assert f"{flag} {value}: must be {LIMITS[flag]}" in message
@@ -869,7 +869,7 @@ def test_zero_and_negative_values_are_told_with_their_range(flag, value):
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-1", "0", "1e300"])
 @pytest.mark.parametrize("flag", ["--until-s", "--step-s"])
-def test_absurd_times_of_kinematics_are_told(flag, value):
+def test_absurd_times_of_kinematics_are_reported(flag, value):
     code, message = rejected(*MOTION, flag, value)
     assert code == 2
     assert f"{flag} {value}: must be from 1e-12 to 1000000" in message
@@ -940,14 +940,14 @@ def test_a_name_where_there_is_no_file_is_a_mistake_in_the_command(argv, words, 
     assert "Errno" not in message
 
 
-def test_a_table_without_a_name_is_told_by_the_flag_that_it_has(run, here):
+def test_a_table_without_a_name_is_reported_by_the_flag_that_it_has(run, here):
     code, message = rejected("log", "csv", str(run[1]), "")
     assert code == 2
     assert "--out ''" in message
     assert "--csv" not in message
 
 
-def test_plot_into_a_file_is_told(run, tmp_path):
+def test_plot_into_a_file_is_reported(run, tmp_path):
     file = tmp_path / "file"
     file.write_text("")
     code, message = rejected("log", "plot", str(run[1]), "--out", str(file))
@@ -1007,7 +1007,7 @@ process.run()
     [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3"), ({"OMP_NUM_THREADS": "3"}, "None")],
     ids=["none", "openblas", "omp"],
 )
-def test_matrices_are_multiplied_by_one_thread_unless_others_are_asked_for(own: dict[str, str], taken: str) -> None:
+def test_matrices_are_multiplied_by_one_thread_unless_others_are_requested(own: dict[str, str], taken: str) -> None:
     there = {name: value for name, value in os.environ.items() if name not in BLAS_THREADS} | own
     done = subprocess.run(
         [sys.executable, "-c", THREADS_OF_BLAS], env=there, capture_output=True, text=True, check=True
@@ -1032,7 +1032,7 @@ def test_ctrl_c_while_a_module_in_c_is_loaded_is_one_line() -> None:
     assert (done.returncode, done.stderr) == (130, "error: stopped by Ctrl-C\n")
 
 
-def test_the_first_start_says_what_it_waits_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_first_start_states_what_it_waits_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
     monkeypatch.setattr(sys, "pycache_prefix", str(tmp_path))
     assert first_start(["statics", "pin"])

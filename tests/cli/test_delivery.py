@@ -79,7 +79,7 @@ def test_a_headline_is_a_dozen_figures_at_most() -> None:
         outcome(headline={str(number): "1" for number in range(MOST_FIGURES + 1)})
 
 
-def test_files_are_what_was_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_are_what_was_requested(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     found = outcome(pictures={"drawn": lambda form: f"<{form}>".encode()}, files={"more.txt": b"more"})
     for wanted, names in (
@@ -164,7 +164,7 @@ def test_columns_are_json_where_no_file_is_named_and_ranges_with_all(
     assert err == f"wrote 3 rows of 8 columns to {file}\n"
 
 
-def test_a_new_design_goes_to_its_folder_and_a_design_shown_to_files(
+def test_a_new_design_is_written_to_its_folder_and_a_shown_design_to_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -188,7 +188,7 @@ def test_a_new_design_goes_to_its_folder_and_a_design_shown_to_files(
     ],
     ids=lambda value: value if isinstance(value, str) else value[0],
 )
-def test_wrong_usage_is_told_before_a_file_in_the_way(
+def test_wrong_usage_is_reported_before_an_existing_file(
     words: tuple[str, ...], taken: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -99,7 +99,7 @@ def test_the_summary_has_the_numbers_of_the_catalogue(name):
     assert {"backlash_arcmin", "capacity_nm", "loaded_teeth_per_disc"} <= found.keys() & FIGURES.keys()
 
 
-def test_a_crank_that_stands_still_is_summed_up_too():
+def test_a_design_with_its_crank_at_rest_is_summarized():
     standing = PRESETS["pin"].but(drive={"speed": 0.0})
     found, turning = summarize(Reducer(standing)), summarize(Reducer(PRESETS["pin"]))
     assert found.backlash == pytest.approx(turning.backlash, rel=1e-6)

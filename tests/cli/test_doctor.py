@@ -27,7 +27,7 @@ def test_a_sound_installation(capsys) -> None:
 
 
 @pytest.mark.slow
-def test_what_is_missing_is_told_with_its_remedy(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_components_are_reported_with_remedies(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken() -> str:
         raise ContactError("MuJoCo 9.9 is not one that was tested: pip install another")
 
@@ -42,7 +42,7 @@ def test_what_is_missing_is_told_with_its_remedy(capsys, monkeypatch: pytest.Mon
 
 
 @pytest.mark.slow
-def test_a_gear_off_its_closed_form_is_no_success(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_gear_off_its_closed_form_is_a_failure(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "MOST_ERROR", 0.0)
     assert main(["doctor"]) == 1
     assert "from the closed form" in capsys.readouterr().out

@@ -114,7 +114,7 @@ def test_the_list_imports_no_command() -> None:
 
 
 @pytest.mark.parametrize("name", [name for commands in GROUPS.values() for name in commands])
-def test_a_command_stands_where_the_list_says(name: str) -> None:
+def test_a_command_is_where_the_list_says(name: str) -> None:
     """What is asked for is the same command alone as among all others."""
     alone, among_all = application([name])[name], application()[name]
     assert commands(alone) == commands(among_all)
@@ -232,7 +232,9 @@ def designs_of(bound: BoundArguments) -> tuple[str, ...]:
     return (*given.get("names", ()), *given.get("designs", ()), *given.get("design", ()))
 
 
-def test_a_flag_that_was_renamed_still_works_and_tells_its_name(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_flag_that_was_renamed_still_works_and_states_its_name(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["compare", "pin", "--jobs=2"]) == 2
     assert capsys.readouterr().err.splitlines() == [
         "warning: the flag --jobs is deprecated: use --workers; the old name will be removed in the next release",
@@ -280,7 +282,7 @@ HELPS = {
 """Every argument of every command, and its help."""
 
 
-def test_what_holds_without_a_flag_stands_beside_it() -> None:
+def test_the_default_of_each_flag_is_next_to_it() -> None:
     nothing = (None, False, (), "")
     untold = [
         place
@@ -292,7 +294,7 @@ def test_what_holds_without_a_flag_stands_beside_it() -> None:
     assert untold == []
 
 
-def test_a_help_gives_the_value_of_a_design_with_its_name() -> None:
+def test_help_names_the_design_of_a_default_value() -> None:
     """A preset has values of its own: none stands for all of them."""
     texts = [text for _, text in HELPS.values()]
     told = [float(number) for text in texts for number in re.findall(r"times the ratio \(([\d.]+) of pin", text)]

@@ -66,7 +66,7 @@ def bombed(path: Path, chunk: bytes) -> None:
 
 @pytest.mark.parametrize("compression", ["zstd", "lz4", ""])
 @pytest.mark.parametrize("says", [1000, 10**7 - 1, 10**7 + 1])
-def test_chunk_that_holds_more_than_it_says_is_not_inflated(compression, says, tmp_path):
+def test_a_chunk_larger_than_its_stated_size_is_not_inflated(compression, says, tmp_path):
     true = 10**7
     compressors = {"zstd": zstandard.ZstdCompressor().compress, "lz4": lz4.frame.compress, "": bytes}
     data = compressors[compression](bytes(true))
@@ -299,7 +299,7 @@ ODD = "odd\udcff"
 """A name with a byte that is no UTF-8, as Python has it."""
 
 
-def test_names_that_are_no_utf8_are_names_and_told_as_escapes(tmp_path):
+def test_names_that_are_not_utf8_are_names_and_reported_as_escapes(tmp_path):
     log, design = tmp_path / f"{ODD}.mcap", tmp_path / f"{ODD}.toml"
     write(log, DESIGNS["pin"], samples=200)
     design.write_text(dump(DESIGNS["pin"]))
@@ -342,7 +342,7 @@ def test_names_that_are_no_utf8_are_names_and_told_as_escapes(tmp_path):
 
 
 @pytest.mark.slow
-def test_loops_whose_names_are_no_utf8_are_told_in_the_residuals(tmp_path):
+def test_loops_whose_names_are_no_utf8_are_reported_in_the_residuals(tmp_path):
     loop = Path(__file__).parents[1] / "data" / "bench" / "play_loop.csv"
     first, *rows = loop.read_text().splitlines()
     (tmp_path / f"{ODD}.csv").write_text("\n".join([first, *rows[::8]]))

@@ -59,7 +59,7 @@ def cut(path, tmp_path) -> Path:
     return cut
 
 
-def test_info_tells_what_a_log_holds(path, cut):
+def test_info_states_what_a_log_holds(path, cut):
     code, out, err = told("log", "info", path)
     assert (code, err) == (0, "")
     for words in (
@@ -153,7 +153,7 @@ def test_repair_makes_a_cut_log_whole(cut, tmp_path):
     assert told("log", "repair", mended) == (0, "", f"{mended} is complete: nothing to repair\n")
 
 
-def test_repair_gives_a_whole_log_another_scene(path, tmp_path):
+def test_repair_yields_a_whole_log_another_scene(path, tmp_path):
     slow = tmp_path / "slow.mcap"
     code, out, _ = told("log", "repair", path, slow, "--scene-hz", "2000")
     assert (code, out) == (0, f"{slow}\n")

@@ -194,7 +194,7 @@ def test_one_log_is_one_start_which_determines_nothing(compared, tmp_path, undra
 
 
 @pytest.mark.slow
-def test_a_quick_comparison_has_two_starts_and_says_that_they_do_not_determine(compared):
+def test_a_quick_comparison_has_two_starts_and_an_undetermined_order(compared):
     found, _ = compared
     for run in found["runs"]:
         assert run["starts"] == len(run["start_logs"]) == len(set(run["start_logs"])) == (1 if run["load_nm"] else 2)
@@ -338,7 +338,7 @@ def test_sweep_runs_each_different_design_once(here, instant, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
+def test_a_run_that_fails_stops_the_others_and_is_reported(here, monkeypatch):
     """The other run ends at its next block, with its log closed and readable."""
     failed = threading.Event()
 
@@ -417,7 +417,7 @@ def test_wrong_use_is_one_line_and_exit_code_2(argv, words, here):
     assert not list(here.glob("**/*.mcap"))
 
 
-def test_help_tells_purpose_flags_and_examples():
+def test_help_states_purpose_flags_and_examples():
     code, out, err = told("compare", "--help")
     assert (code, err) == (0, "")
     assert max(map(len, out.splitlines())) <= 80

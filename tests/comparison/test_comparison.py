@@ -195,7 +195,7 @@ def test_under_takes_conditions_and_leaves_the_design():
     assert (found.ring, found.contact, found.gear) == (other.ring, other.contact, other.gear)
 
 
-def test_differences_are_told_in_the_words_of_the_file():
+def test_differences_are_reported_in_the_words_of_the_file():
     first, second = designed("pin"), designed("nonpin", "clearance.tooth_um=2.0", "load.torque_nm=3.0")
     assert differences([first, second]) == {"ring.kind": ("pin", "nonpin"), "clearance.tooth_um": (1.0, 2.0)}
 
@@ -227,7 +227,7 @@ def test_idle_figures_are_stated_over_the_starts():
     assert (idle["starts"], loaded["starts"], loaded["spreads"]) == (STARTS, 1, [])
 
 
-def test_idle_runs_may_be_shorter_but_all_of_one_load_alike():
+def test_idle_runs_may_be_shorter_if_all_runs_of_a_load_are():
     longer = designed("pin", turns=TURNS + 2).drive.hold
     assert compare([*pair(0.0), *(with_hold(trial, longer) for trial in pair(20.0))]).loads == (0.0, 20.0)
     first, second = pair(20.0)

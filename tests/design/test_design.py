@@ -166,7 +166,7 @@ def test_speeds_become_radians_per_second() -> None:
         assert speed == pytest.approx(164.0 * math.pi / 3.0, rel=4e-16)
 
 
-def test_every_unit_gives_back_the_numbers_of_a_file() -> None:
+def test_every_unit_restores_the_numbers_of_a_file() -> None:
     rng = np.random.default_rng(1)
     numbers = [float(f"{x:.{d}g}") for d in (1, 3, 9, 15, 17) for x in 10.0 ** rng.uniform(-9, 9, 200)]
     for unit in UNITS.values():
@@ -212,7 +212,7 @@ def test_a_changed_value_leaves_the_others_untouched_to_the_last_bit() -> None:
     assert override(design, []) is design
 
 
-def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
+def test_the_file_has_every_key_and_marks_assumed_values() -> None:
     text = dump(PRESETS["pin"])
     tables = {name: set(keys) for name, keys in tomllib.loads(text).items() if isinstance(keys, dict)}
     assert lines_noted(text, "assumed") == ASSUMED_HERE
@@ -288,7 +288,7 @@ def test_a_design_is_a_frozen_value() -> None:
         ("zzzz = 1", r"available keys: name, structure, layout, ring, gear, "),
     ],
 )
-def test_an_unknown_key_is_told_with_the_right_one(text: str, hint: str) -> None:
+def test_an_unknown_key_is_reported_with_the_right_one(text: str, hint: str) -> None:
     with pytest.raises(DesignError, match=hint):
         loads(text)
 
@@ -336,7 +336,7 @@ def test_an_unknown_key_is_told_with_the_right_one(text: str, hint: str) -> None
         (f"name={'a' * 65}", "at most 64 characters"),
     ],
 )
-def test_a_wrong_value_is_told_in_the_words_of_the_file(change: str, told: str) -> None:
+def test_a_wrong_value_is_reported_in_the_words_of_the_file(change: str, told: str) -> None:
     with pytest.raises(DesignError, match=told) as error:
         override(PRESETS["pin"], [change])
     assert "\n" not in str(error.value)
@@ -353,7 +353,7 @@ def test_a_wrong_value_is_told_in_the_words_of_the_file(change: str, told: str) 
         ("[gear]\npins = 12\n", "hypocycloid drives, with the pins on the disc, are not supported"),
     ],
 )
-def test_a_layout_that_is_not_there_is_told_where_it_is_asked_for(text: str, told: str) -> None:
+def test_a_layout_that_does_not_exist_is_reported_where_it_is_requested(text: str, told: str) -> None:
     with pytest.raises(DesignError, match=told) as error:
         loads(text)
     assert "\n" not in str(error.value)
@@ -362,7 +362,7 @@ def test_a_layout_that_is_not_there_is_told_where_it_is_asked_for(text: str, tol
         override(PRESETS["pin"], [f"{table.strip('[]')}.{line.partition(' ')[0]}=3"])
 
 
-def test_all_wrong_values_are_told_at_once() -> None:
+def test_all_wrong_values_are_reported_together() -> None:
     with pytest.raises(DesignError, match=r"ring\.teeth = 2 .*; .*gear\.face_width_mm = -1\.0 "):
         loads("[ring]\nteeth = 2\n[gear]\nface_width_mm = -1.0")
 
@@ -370,7 +370,7 @@ def test_all_wrong_values_are_told_at_once() -> None:
 @pytest.mark.parametrize(
     "change", ["load.torque_nm", "load.torque_nm:36", "=36", "load.=36", ".torque_nm=36", "a.b.c=1", "", "name.x=1"]
 )
-def test_a_change_that_is_no_assignment_shows_the_syntax(change: str) -> None:
+def test_a_change_that_is_not_an_assignment_shows_the_syntax(change: str) -> None:
     with pytest.raises(UsageError, match=r"give table\.key=value, e\.g\. |name is a value and not a table"):
         override(PRESETS["pin"], [change])
 
@@ -400,7 +400,7 @@ def test_changes_take_words_with_and_without_quotes_and_the_last_one_counts() ->
         b"x = " + b"9" * 5000,
     ],
 )
-def test_a_file_that_is_no_toml_says_so(tmp_path, content: bytes) -> None:
+def test_a_file_that_is_not_toml_is_reported(tmp_path, content: bytes) -> None:
     path = tmp_path / "bad.toml"
     path.write_bytes(content)
     with pytest.raises(
@@ -432,7 +432,7 @@ def test_a_missing_file_names_the_nearest(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("name", ["", ".", "x" * 5000, "a\0b", "../" * 500 + "x/"])
-def test_a_path_that_cannot_be_read_is_no_crash(name: str) -> None:
+def test_a_path_that_cannot_be_read_is_an_error(name: str) -> None:
     with pytest.raises((DesignError, UsageError)):
         resolve(name)
 

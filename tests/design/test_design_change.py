@@ -36,7 +36,7 @@ def test_override_takes_lists_and_numbers_of_numpy():
         ({"name.x": 3.0}, UsageError, "a value and not a table"),
     ],
 )
-def test_a_wrong_value_is_told_in_the_words_of_the_file(changes, error, words):
+def test_a_wrong_value_is_reported_in_the_words_of_the_file(changes, error, words):
     with pytest.raises(error) as raised:
         override(PIN, changes)
     assert words in str(raised.value)
@@ -67,7 +67,7 @@ def test_but_refuses_what_the_file_refuses(changes, words):
     assert words in str(raised.value)
 
 
-def test_a_design_tells_itself_in_a_line():
+def test_a_design_describes_itself_in_a_line():
     assert repr(PIN) == (
         "Design(name 'pin', ratio 35:1, ring 36 teeth, free pins, E 40.75 mm, eccentricity 1 mm, speed 1640 rpm, "
         "nominal torque 36.68 N m, load 0 N m)"

@@ -35,7 +35,7 @@ def test_the_values_of_the_preset_are_listed(tmp_path: Path) -> None:
     assert find_inheritance("pin") is None
 
 
-def test_a_stated_base_needs_no_warning(tmp_path: Path) -> None:
+def test_a_given_base_needs_no_warning(tmp_path: Path) -> None:
     path = tmp_path / "stated.toml"
     path.write_text('[base]\npreset = "printed"\n')
     taken = find_inheritance(path)

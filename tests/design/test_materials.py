@@ -26,7 +26,7 @@ PLASTICS = {"POM", "PA6", "PA12", "PA-CF", "Onyx", "PETG", "PLA", "resin"}
 
 
 @pytest.mark.slow
-def test_the_library_is_plausible_and_says_where_it_is_from() -> None:
+def test_the_library_is_plausible_and_states_where_it_is_from() -> None:
     for name, entry in MATERIALS.items():
         assert entry.source, name
         assert entry.yield_strength <= entry.tensile_strength < 0.05 * entry.youngs_modulus, name
@@ -37,7 +37,7 @@ def test_the_library_is_plausible_and_says_where_it_is_from() -> None:
         assert not {"yield_strength", "youngs_modulus", "density", "poisson"} & set(failed), name
 
 
-def test_a_name_brings_its_numbers_and_a_number_given_stays() -> None:
+def test_a_material_name_sets_its_values_except_those_stated() -> None:
     named = override(PIN, {"material.name": "bronze"}).material
     assert named.youngs_modulus == MATERIALS["bronze"].youngs_modulus
     assert loads('[material]\nname = "POM"\ndensity_kg_m3 = 1500.0\n').material.density == 1500.0
@@ -47,7 +47,7 @@ def test_a_name_brings_its_numbers_and_a_number_given_stays() -> None:
     assert PIN.material.name == DEFAULT
 
 
-def test_a_part_without_a_name_starts_from_what_all_parts_are_made_of() -> None:
+def test_a_part_without_a_material_name_starts_from_the_common_material() -> None:
     design = loads('[material]\nname = "bronze"\n[gear_material]\ndensity_kg_m3 = 9000.0\n')
     assert design.material_of("gear").youngs_modulus == MATERIALS["bronze"].youngs_modulus
     assert design.material_of("gear").density == 9000.0
@@ -124,7 +124,7 @@ def test_a_rolling_cam_is_two_rows_of_contacts_in_series() -> None:
     assert 0.01 * rollers_on_steel < on_plastic < 0.04 * rollers_on_steel
 
 
-def test_each_part_weighs_what_it_is_made_of() -> None:
+def test_the_mass_of_each_part_follows_its_material() -> None:
     design = override(PIN, {f"{part}_material.density_kg_m3": 1000.0 * n for n, part in enumerate(PARTS, start=1)})
     for n, part in enumerate(PARTS, start=1):
         before, after = (mass_properties(parts(Reducer(one))[part]) for one in (PIN, design))
@@ -148,7 +148,7 @@ def test_the_weaker_part_decides_and_the_remedy_names_its_table() -> None:
     assert [one.name for one in check(own) if one.severity == "error" and not one.passed] == ["pin_yield_strength"]
 
 
-def test_plastics_say_that_they_creep_and_how_hot_they_may_be() -> None:
+def test_plastics_state_that_they_creep_and_how_hot_they_may_be() -> None:
     assert describe_plastic_limits(PIN) == ()
     (limit,) = summarize(Reducer(override(PIN, {"gear_material.name": "POM"}))).material_limits
     assert "POM (gear) creeps and is usable up to 90 °C" in limit
@@ -157,21 +157,21 @@ def test_plastics_say_that_they_creep_and_how_hot_they_may_be() -> None:
 
 
 @pytest.mark.parametrize("name", UNLIKE)
-def test_a_part_of_another_material_goes_through_statics_on_every_design(name: str) -> None:
+def test_statics_runs_with_parts_of_another_material_on_every_design(name: str) -> None:
     design = override(unlike(name), {"pin_material.name": "bearing steel"})
     found = summarize(Reducer(design))
     assert math.isfinite(found.backlash)
     assert math.isfinite(found.mass)
 
 
-def test_stress_takes_each_part_for_what_it_is_made_of() -> None:
+def test_stress_uses_the_material_of_each_part() -> None:
     design = override(PIN, {"housing_material.name": "aluminium 6061", "pin_material.name": "bearing steel"})
     assert material_of(Reducer(design), "ring").name == "aluminium 6061"
     assert material_of(Reducer(design), "pin_1").name == "bearing steel"
     assert material_of(Reducer(design), "gear") == material_of(Reducer(design), "shaft") == PIN.material
 
 
-def test_limits_of_plastics_stand_beside_the_figures_that_rest_on_them() -> None:
+def test_limits_of_plastics_are_printed_next_to_their_figures() -> None:
     printed = PRESETS["printed"]
     (limit,) = describe_plastic_limits(printed)
     assert "Onyx (gear, housing) creeps and is usable up to 80 °C" in limit

@@ -27,7 +27,7 @@ PLAY = 0.669
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_a_preset_passes_its_checks_and_comes_back_from_its_file(name: str) -> None:
+def test_a_preset_passes_its_checks_and_is_restored_from_its_file(name: str) -> None:
     design = PRESETS[name]
     assert design.name == name
     assert [one.name for one in check(design) if not one.passed and one.severity == "error"] == []
@@ -105,7 +105,7 @@ def test_the_printed_drives_figures_hold_at_half_the_step(at_speed) -> None:
 
 
 @pytest.mark.parametrize("name", presets_for("stress"))
-def test_what_goes_into_a_preset_comes_out_is_lost_or_is_stored(name: str, at_speed) -> None:
+def test_the_input_energy_of_a_preset_is_output_lost_or_stored(name: str, at_speed) -> None:
     design = PRESETS[name]
     loaded = design.but(drive={"ramp": 0.01, "hold": 0.01}, load={"torque": design.rated_torque})
     found = balance(at_speed[1.0] if name == "printed" else simulate(loaded))
@@ -125,7 +125,7 @@ def test_rollers_roll_on_a_core_that_is_given() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("member", ["carrier", "ring"])
-def test_the_printed_drive_goes_through_the_commands(member: str, tmp_path, monkeypatch, capsys) -> None:
+def test_all_commands_run_with_the_printed_drive(member: str, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     chosen = ["--set", f"output.member={member}"]
     quick = [*chosen, "--ramp-s", "0", "--hold-s", "0.75"]

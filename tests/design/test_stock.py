@@ -37,7 +37,7 @@ def test_ball_bearings_have_their_sizes_and_ratings(
     assert (found.dynamic, found.static) == ratings
 
 
-def test_in_a_series_a_larger_ball_bearing_bears_more() -> None:
+def test_in_a_series_a_larger_ball_bearing_carries_more() -> None:
     for series in ("600", "620", "6190"):
         alike = [one for one in stock.ball_bearings() if one.designation.startswith(series) and one.bore >= 10e-3]
         assert len(alike) >= 4

@@ -31,7 +31,7 @@ TYPES = [kind for kind in get_args(core_schema.ErrorType) if kind != "missing"]
 
 
 @pytest.mark.parametrize("kind", TYPES)
-def test_every_type_of_error_is_told_without_the_words_of_pydantic(kind: str) -> None:
+def test_every_type_of_error_is_reported_without_the_words_of_pydantic(kind: str) -> None:
     details = InitErrorDetails(type=kind, ctx=filling(kind), loc=("ring", "pin_radius"), input="a\nb")
     error = as_design_error(ValidationError.from_exception_data("Design", [details]), Design, "my.toml")
     text = str(error)

@@ -82,7 +82,9 @@ def test_it_follows_the_crank_unless_it_is_given() -> None:
         ("sleeved-n40-d2-ring-25um", 1.0, 1000.0, 2.13),
     ],
 )
-def test_a_run_tells_how_much_friction_is_not_whole(name: str, share: float, speed: float, more: float) -> None:
+def test_a_run_states_the_share_of_friction_below_creep_speed(
+    name: str, share: float, speed: float, more: float
+) -> None:
     """Runs read `more` points, as measured, than those with the creep speed that is chosen."""
     design = slow(name, share, speed, "settings.log_rate_hz=20000")
     assert pace_warnings(Reducer(design)) == ()

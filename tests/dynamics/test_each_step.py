@@ -84,7 +84,7 @@ def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(
 
 
 @pytest.mark.slow
-def test_a_log_holds_what_came_between_its_samples() -> None:
+def test_a_log_contains_what_came_between_its_samples() -> None:
     design = short("nonpin")
     whole, thinned = simulate(sampled(design, 1)), simulate(sampled(design, STRIDE))
     between = 0
@@ -103,7 +103,7 @@ def test_a_log_holds_what_came_between_its_samples() -> None:
 
 
 @pytest.mark.parametrize("steps", [1, 2, 3, 10])
-def test_as_many_steps_are_taken_as_were_asked_for(steps: int) -> None:
+def test_as_many_steps_are_taken_as_were_requested(steps: int) -> None:
     design = short("pin")
     compiled = build(design)
     data, course = initial_state(compiled, Reducer(design)), ramp_and_hold(compiled, Reducer(design))
@@ -224,7 +224,7 @@ def test_a_callback_of_somebody_else_is_not_replaced(setter: Callable[[Any], Non
     assert len(simulate(sampled(short("nonpin"), STRIDE)))
 
 
-def test_the_model_of_a_run_is_written_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_model_of_a_run_is_written_when_it_is_requested(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
     monkeypatch.setattr("cycloid_mj.dynamics.run.xml", lambda spec: asked.append("model") or "<mujoco/>")
     run = simulate(sampled(short("nonpin"), STRIDE))
@@ -235,7 +235,7 @@ def test_the_model_of_a_run_is_written_when_it_is_asked_for(monkeypatch: pytest.
     assert asked == ["model"]
 
 
-def test_timers_stand_still_in_a_run_and_go_on_after_it() -> None:
+def test_timers_are_disabled_in_a_run_and_enabled_afterwards() -> None:
     compiled = build(short("nonpin"))
     data = mujoco.MjData(compiled.model)
     with each_step.install():
@@ -245,7 +245,7 @@ def test_timers_stand_still_in_a_run_and_go_on_after_it() -> None:
     assert data.timer.duration.any()
 
 
-def test_a_run_that_goes_wrong_gives_its_samples_up_to_there() -> None:
+def test_a_run_that_fails_yields_its_samples_up_to_there() -> None:
     """Many samples are taken at a time; the first that is wrong is the last that is given."""
     design = sampled(short("pin"), 3)
     depth = simulate(design)["penetration"]

@@ -69,7 +69,7 @@ def test_what_rubs_but_turns_is_none() -> None:
     assert any("almost self-locking" in text for text in analyze(run).warnings)
 
 
-def test_a_jam_is_told_from_the_rated_torque_or_a_larger_load() -> None:
+def test_the_limit_of_a_jam_follows_the_rated_torque_or_a_larger_load() -> None:
     pin = PRESETS["pin"]
     speed, rated = pin.drive.speed, pin.drive.torque
     for idle in ("0", "1"):
@@ -84,7 +84,7 @@ def test_a_jam_is_told_from_the_rated_torque_or_a_larger_load() -> None:
     assert jamming_power(Reducer(override(pin, ["drive.speed_rpm=0"]))) == math.inf
 
 
-def test_a_jam_is_told_by_the_mean_of_a_mesh_across_blocks() -> None:
+def test_a_jam_is_reported_by_the_mean_of_a_mesh_across_blocks() -> None:
     lost = np.random.default_rng(1).random(30)
     whole = moving_means(lost, np.zeros(6))
     np.testing.assert_allclose(whole[6:], [lost[i - 6 : i + 1].mean() for i in range(6, 30)], rtol=1e-12)

@@ -185,7 +185,7 @@ def test_stock_friction_leads_its_sliding_no_more_than_allowed(name: str, first:
     assert stock_impratio(Reducer(rated), [contact_laws(Reducer(rated))]) == FRICTION.impratio
 
 
-def test_a_crank_that_stands_has_friction_as_firm_as_can_be() -> None:
+def test_a_crank_at_rest_has_the_largest_impratio() -> None:
     assert build(PRESETS["pin"].but(drive={"speed": 0.0})).model.opt.impratio == FRICTION.impratio
 
 
@@ -275,7 +275,7 @@ def test_a_stiffness_for_all_is_that_of_a_pin_on_a_flat() -> None:
     assert Reducer(design).contacts["pin_socket"].stiffness == pytest.approx(2e8, rel=1e-12)
 
 
-def test_one_working_force_may_be_given_for_all_pairs() -> None:
+def test_one_working_force_may_be_stated_for_all_pairs() -> None:
     design = with_pair("pin_gear", "contact.working_force_n=70")
     assert {Reducer(design).contacts[kind].force for kind in KINDS if kind != "cam"} == {70.0}
     # Its most loaded roller bears 70 N, or ideal load sharing asks N/4 of it of a plain cam.
@@ -309,7 +309,7 @@ def test_a_plain_cam_is_a_conformal_bearing() -> None:
     )
 
 
-def test_a_working_force_beyond_a_line_contact_is_told_by_its_key() -> None:
+def test_a_working_force_beyond_a_line_contact_is_reported_by_its_key() -> None:
     with pytest.raises(ContactError, match=r"^working_force\.output_n "):
         assert (
             Reducer(with_pair("output", "working_force.output_n=1e6", "gear.face_width_mm=0.1"))

@@ -298,7 +298,7 @@ def test_keyframes_are_on_the_closed_form_and_free_of_contact(loaded: dict[str, 
             assert (ahead[joint] - behind[joint]) / (2.0 * step) == pytest.approx(velocity[joint], abs=2e-6)
 
 
-def test_a_crank_that_stands_still_has_keyframes_at_rest_alone() -> None:
+def test_a_crank_at_rest_has_only_keyframes_at_rest() -> None:
     compiled = build(PRESETS["nonpin"].but(drive={"speed": 0.0}))
     add_keyframes(compiled.spec, Reducer(PRESETS["nonpin"].but(drive={"speed": 0.0})))
     model = compiled.spec.compile()
@@ -368,7 +368,7 @@ def test_a_mesh_run_agrees_with_profile_contact(kind: str, load: float) -> None:
 
 
 @pytest.mark.slow
-def test_slices_sway_an_idle_gear_several_times_as_much_as_profiles_and_a_run_says_so() -> None:
+def test_slices_sway_an_idle_gear_several_times_as_much_as_profiles_and_a_run_is_reported() -> None:
     """The rms of the gear's speed without load: 18.2 mrad/s by mesh and 1.79 by profile, 10.1 times, over 8 ms."""
     design = changed("nonpin", "drive.ramp_s=0", "drive.hold_s=0.008", "settings.timestep_us=5")
     rms = {}
@@ -483,7 +483,7 @@ def test_a_mesh_run_installs_no_collider(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @pytest.mark.slow
-def test_a_mesh_run_that_goes_wrong_ends_with_an_error() -> None:
+def test_a_mesh_run_that_fails_ends_with_an_error() -> None:
     with pytest.raises(RunError, match=r"deep, beyond contact\.max_penetration_um = 0\.2"):
         mesh_run("pin", "contact.max_penetration_um=0.2")
 
@@ -604,7 +604,7 @@ def require_committed(name: str, made: dict[str, bytes]) -> None:
 
 
 @pytest.mark.slow
-def test_a_model_is_made_with_a_warning_of_what_spoils_its_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_model_is_built_with_warnings_of_inaccurate_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rest of the parts, which CoACD takes seconds to cut, is left out."""
     coarse = ConvexSettings(chord_error=5e-6)
     monkeypatch.setattr("cycloid_mj.dynamics.mjcf.folder.sectors", lambda *_: [])
@@ -620,7 +620,7 @@ def test_the_overview_of_the_models_comes_out_again() -> None:
     assert (MODELS / "README.md").read_text(encoding="utf-8") == build_models.format_overview(manifests)
 
 
-def test_the_overview_tells_that_mesh_and_profile_agree() -> None:
+def test_the_overview_states_that_mesh_and_profile_agree() -> None:
     """The committed figures hold what is asked of them: 10 % in mean transmission error and cam force at 1 N m."""
     rows = build_models.read_measurements("agreement.json")
     keys = ("gear_transmission_error_arcsec", "output_transmission_error_arcsec", "cam_force_n", "crank_torque_nm")
@@ -660,7 +660,9 @@ def test_what_is_worse_than_its_bound_is_an_error_and_no_file(
 
 
 @pytest.mark.parametrize("inside", ["", "/deeper/model"])
-def test_no_folder_is_told_before_the_work(inside: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missing_folder_is_reported_before_the_work(
+    inside: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "file"
     file.write_text("mine", encoding="utf-8")
     assert main(["build", "--design", "pin", "--out", f"{file}{inside}"]) == 1
@@ -678,7 +680,7 @@ def test_an_unsound_design_is_an_error_and_no_file(tmp_path: Path, capsys: pytes
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_manifest_tells_what_the_model_is_made_of(kind: str) -> None:
+def test_the_manifest_states_what_the_model_is_built_of(kind: str) -> None:
     manifest = json.loads((MODELS / kind / "manifest.json").read_text(encoding="utf-8"))
     # The model has the stiffness of the rated load, which its design file names.
     made = load(MODELS / kind / "design.toml")

@@ -83,7 +83,7 @@ def at_steps(load: float, hold: float, *steps_us: float) -> list[dict[str, float
 
 
 @pytest.mark.slow
-def test_five_microseconds_give_what_one_gives_and_forty_do_not():
+def test_results_at_5_us_equal_those_at_1_us_unlike_those_at_40_us():
     """Under load the motion is periodic after 10 ms: the rms speed error changes by 1 %, the others by less."""
     one, five = at_steps(36.0, 0.022, 1.0, 5.0)
     for name, value in one.items():

@@ -254,7 +254,7 @@ def test_a_held_output_and_a_driven_crank_agree(layout: str) -> None:
     assert ours["crank_speed"].mean() == pytest.approx(theirs["crank_speed"].mean(), rel=1e-4)
 
 
-def test_a_locked_crank_gives_way_alike() -> None:
+def test_a_locked_crank_deflects_equally_in_both_solvers() -> None:
     design = design_of("massless")
     angles = [
         settled(simulate(design, each, locked_crank(each, 0.3, rising(20.0, 0.01))))["output_angle"].mean()
@@ -277,7 +277,7 @@ def test_without_friction_all_power_comes_out() -> None:
     assert efficiency(late) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_a_run_that_goes_too_deep_ends() -> None:
+def test_a_run_that_penetrates_too_deeply_ends() -> None:
     design = override(design_of("fixed"), ["contact.max_penetration_um=0.5"])
     with pytest.raises(RunError, match=r"penetrates by .* um, more than contact"):
         simulate(design, planar_model(Reducer(design)))
@@ -288,7 +288,7 @@ def test_slices_are_mujocos_alone() -> None:
         model_for("planar", Reducer(PRESETS["pin"]), "mesh")
 
 
-def test_a_step_that_is_not_given_fits_between_samples() -> None:
+def test_an_automatic_step_fits_between_samples() -> None:
     design = override(PRESETS["pin"], ["settings.log_rate_hz=30000.0"])
     model = planar_model(Reducer(design))
     assert model.timestep <= 35e-6

@@ -44,7 +44,7 @@ def told(preset: str, *changes: str) -> tuple[str, ...]:
         ("pin", "gear.bearing=plain", "output.rollers=false", "friction.output=0.02", "friction.cam=0.02"),
     ],
 )
-def test_the_default_designs_and_the_steps_they_bear_give_no_warning(made: tuple[str, ...]) -> None:
+def test_the_presets_and_their_stable_steps_cause_no_warning(made: tuple[str, ...]) -> None:
     assert told(*made) == ()
 
 
@@ -67,7 +67,7 @@ def test_the_default_designs_and_the_steps_they_bear_give_no_warning(made: tuple
         (("pin", "friction.cam=0.01"), {"friction.cam"}),
     ],
 )
-def test_each_bad_regime_is_told_where_it_is(made: tuple[str, ...], kinds: set[str]) -> None:
+def test_each_bad_regime_is_reported_where_it_is(made: tuple[str, ...], kinds: set[str]) -> None:
     assert {re.split(r"[: ]", text)[0] for text in told(*made)} == kinds
 
 
@@ -91,7 +91,7 @@ def test_to_follow_a_warning_silences_it(made: tuple[str, ...]) -> None:
     assert told(*made, *raised, *shorter) == ()
 
 
-def test_heavy_or_soft_parts_bear_a_longer_step() -> None:
+def test_heavy_or_soft_parts_allow_a_longer_step() -> None:
     # Ten times as long, wide and thick: 1000 times the mass. The stiffness of a line goes with its length: ten times.
     lengths = [("ring", "pin_circle_radius", 40.75), ("ring", "pin_radius", 2.25), ("gear", "eccentricity", 1.0)]
     lengths += [("gear", "face_width", 10.0), ("gear", "bore_radius", 15.0), ("housing", "outer_radius", 50.0)]
@@ -125,7 +125,7 @@ class Other:
     laws: Any
 
 
-def test_a_raised_impedance_is_told() -> None:
+def test_a_raised_impedance_is_reported() -> None:
     design = PRESETS["nonpin"]
     compiled: ReducerModel = build(design)
     law = compiled.laws["cam"]
@@ -149,7 +149,9 @@ def test_the_step_of_the_model_is_judged() -> None:
 
 
 @pytest.mark.slow
-def test_simulate_tells_before_the_run_and_the_log_keeps_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_simulate_states_before_the_run_and_the_log_keeps_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     flags = ["--ramp-s", "0", "--hold-s", "0.0005", "--out", str(tmp_path), "--set", "friction.cam=0.01"]
     assert main(["simulate", "--design", "nonpin", "--timestep-us", "5", *flags]) == 0
     shown = capsys.readouterr().err
@@ -273,7 +275,7 @@ def test_a_run_reports_the_accuracy_at_its_time_step() -> None:
     assert found.timestep_for == describe_accuracy(Reducer(given))
 
 
-def test_friction_that_leads_its_sliding_is_told_and_a_shorter_step_follows_it() -> None:
+def test_friction_that_leads_its_sliding_is_reported_and_a_shorter_step_follows_it() -> None:
     changes = ["ring.pins=fixed", "friction.pin_gear=0.5", "drive.speed_rpm=12000", "load.torque_nm=1"]
     fast = override(PRESETS["pin"], [*changes, "contact.working_load_nm=1", "settings.timestep_us=10"])
     told = [text for text in build(fast).warnings if "leads the sliding" in text]

@@ -37,11 +37,11 @@ def test_the_release_that_is_installed_passes():
         ("geom_priority", "geom_size"),
     ],
 )
-def test_a_place_that_is_another_ones_is_seen_in_the_gaps(place, instead):
+def test_an_exchanged_position_is_detected_in_the_gaps(place, instead):
     assert collide(**{place: getattr(layout.discover(), instead)})
 
 
-def test_a_collider_that_is_not_called_is_seen():
+def test_a_collider_that_is_not_called_is_detected():
     own = collision_table()[CYLINDER * TYPES + CYLINDER]
     assert selftest.try_collider(own).startswith("gaps of ")
 
@@ -58,7 +58,7 @@ def test_places_that_are_read_wrong_are_seen(part, places):
     assert all(outcome.startswith("forces of ") or "contacts carry" in outcome for outcome in seen)
 
 
-def test_a_lift_that_is_not_taken_off_is_seen():
+def test_an_uncorrected_cone_lift_is_detected():
     assert selftest.try_correction(0).startswith("forces of ")
 
 

@@ -101,7 +101,7 @@ def test_the_depth_allowed_follows_the_load_and_stays_below_the_teeth() -> None:
     assert penetration_limit(Reducer(heavy.but(contact={"max_penetration": 7e-6}))) == 7e-6
 
 
-def test_a_load_beyond_the_papers_depth_runs_and_a_limit_that_is_given_still_ends_it() -> None:
+def test_a_load_beyond_the_papers_depth_runs_unless_a_limit_is_set() -> None:
     heavy = _short(PRINTED.but(load={"torque": 45.0, "rise": 0.02}))
     assert simulate(heavy)["penetration"].max() > SETTLING.min_depth_limit
     with pytest.raises(RunError, match=r"more than contact\.max_penetration_um = 50"):

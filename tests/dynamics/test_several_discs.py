@@ -143,7 +143,7 @@ def test_a_log_has_columns_of_each_disc_and_figures_of_each(run: Run) -> None:
     assert found.efficiency == pytest.approx(1.0, abs=0.002)
 
 
-def test_figures_over_time_tell_which_disc_they_are_of(run: Run) -> None:
+def test_figures_over_time_state_which_disc_they_are_of(run: Run) -> None:
     page = report({"runs/two.mcap": run})
     for told in (
         "below show gear 1 of 2",
@@ -275,7 +275,7 @@ def test_pins_that_discs_bend_for_each_other_are_warned_of() -> None:
 
 
 @pytest.mark.parametrize("core", [3.0, 4.0])
-def test_the_warning_tells_how_much_the_coupling_of_bent_pins_moves(core: float) -> None:
+def test_the_warning_states_how_much_the_coupling_of_bent_pins_moves(core: float) -> None:
     """Statics with the whole flexibility of the pins against statics whose discs do not know of each other."""
     slender = ["output.support=cantilever", "output.rollers=true", f"output.core_radius_mm={core}"]
     design = override(PRESETS["twodisc"], [*slender, "load.torque_nm=116"])
@@ -339,7 +339,7 @@ def test_viewers_get_every_disc_in_its_plane(run: Run) -> None:
     assert {"gear_1", "gear_2", "shaft", "output", "housing"} <= {one.child_frame_id for one in frames.transforms}
 
 
-def test_an_animation_follows_the_disc_that_is_asked_for(run: Run) -> None:
+def test_an_animation_follows_the_disc_that_is_requested(run: Run) -> None:
     first, second = (next(draw_frames(select_samples(run, frames=1, disc=disc), 320)) for disc in (0, 1))
     assert first.shape == second.shape
     assert np.any(first != second)

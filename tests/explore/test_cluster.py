@@ -83,7 +83,7 @@ def test_an_error_on_a_cluster_ends_the_work(cluster: Cluster) -> None:
 
 
 @pytest.mark.slow
-def test_a_killed_scheduler_is_told_in_one_line_and_the_sweep_goes_on_elsewhere(tmp_path: Path) -> None:
+def test_a_killed_scheduler_is_reported_in_one_line_and_the_sweep_continues_elsewhere(tmp_path: Path) -> None:
     out = tmp_path / "sweep"
     words = [
         sys.executable,

@@ -78,7 +78,7 @@ def test_the_largest_convex_radius_is_that_of_a_fine_grid(convex) -> None:
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_points_wherever_they_are_evaluated(monkeypatch) -> None:
+def test_the_same_seed_has_the_same_points_wherever_they_are_evaluated(monkeypatch) -> None:
     # quick points would not be handed on
     monkeypatch.setattr(optimizer, "OPTIMIZER", replace(optimizer.OPTIMIZER, min_point_cpu=0.0))
     few = {**CONVEX, "evaluations": 36, "starts": 2}
@@ -301,7 +301,7 @@ def test_a_folder_of_another_optimisation_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_search_that_was_stopped_goes_on_to_the_same_points(tmp_path: Path) -> None:
+def test_a_search_that_was_stopped_continues_to_the_same_points(tmp_path: Path) -> None:
     """Ctrl-C in another process; then the same command."""
     arguments = [sys.executable, "-m", "cycloid_mj", "optimize", *FLAGS[:-5], "--evaluations", "200", "--quick"]
     stopped = subprocess.Popen([*arguments, "--out", str(tmp_path / "one")], stderr=subprocess.PIPE, text=True)
@@ -326,7 +326,7 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_points(tmp_path: Path) ->
     assert rows.read_bytes().splitlines()[: len(kept)] == kept
 
 
-def test_no_point_at_all_says_what_refused_how_many(tmp_path: Path, capsys) -> None:
+def test_a_search_without_a_feasible_point_states_the_rejections(tmp_path: Path, capsys) -> None:
     flags = ["--vary", "gear.eccentricity_mm=1.2:1.5", "--vary", "output.pin_radius_mm=3:12", "--minimize", "mass_kg"]
     assert main(["optimize", *flags, "--evaluations", "30", "--out", str(tmp_path)]) == 1
     told = capsys.readouterr().err
@@ -374,13 +374,13 @@ def test_wrong_flags_are_refused(tmp_path: Path, capsys, flags: list[str], messa
 
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path, capsys) -> None:
+def test_a_folder_that_cannot_be_written_is_reported(tmp_path: Path, capsys) -> None:
     tmp_path.chmod(0o500)
     assert main(["optimize", *FLAGS, "--out", str(tmp_path)]) == 1
     assert "permission denied" in capsys.readouterr().err
 
 
-def test_a_file_in_the_folder_s_place_is_told(tmp_path: Path) -> None:
+def test_a_file_in_the_folder_s_place_is_reported(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("")
     with pytest.raises(CycloidError, match="taken"):
         optimize(PIN, SHAPE, **CONVEX, out=tmp_path / "taken")

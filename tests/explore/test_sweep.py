@@ -197,7 +197,7 @@ def test_columns_name_quotients_with_a_torque_by_per() -> None:
     assert with_unit("speed", "mm/s") == "speed_mm_s"
 
 
-def test_an_error_of_the_program_is_told_in_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_of_the_program_is_reported_in_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
     from cycloid_mj.explore import measured
 
     def spoiled(*_: object) -> None:
@@ -211,7 +211,7 @@ def test_an_error_of_the_program_is_told_in_its_row(monkeypatch: pytest.MonkeyPa
 LOADED = {"drive.ramp_s": 0.0, "drive.hold_s": 0.004, "load.torque_nm": 36.0, "load.rise_s": 0.001}
 
 
-def test_loaded_runs_have_massless_pins_and_say_so() -> None:
+def test_loaded_runs_have_massless_pins_and_state_so() -> None:
     design = override(PIN, LOADED)
     found = sweep(design, {"load.torque_nm": [36.0]}, "simulate", engine=HERE)
     assert found["pins"].tolist() == ["massless"]
@@ -230,7 +230,7 @@ def test_loaded_runs_have_massless_pins_and_say_so() -> None:
         assert not chosen.assumptions
 
 
-def test_a_run_that_cannot_be_is_told_in_its_row() -> None:
+def test_an_impossible_run_is_reported_in_its_row() -> None:
     design = override(PIN, {**LOADED, "drive.hold_s": 0.002})
     found = sweep(design, {"drive.speed_rpm": [0.0]}, "simulate", engine=HERE)
     assert "drive.speed_rpm is 0" in found["error"][0]
@@ -338,7 +338,7 @@ def test_what_failed_everywhere_still_has_a_page() -> None:
     assert sweep_figure(found, ()) is not None
 
 
-def test_a_sweep_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_continues_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Broken off after some points, with half a line of a row: the rest is done, and nothing twice."""
     monkeypatch.setattr(sweeps, "SECONDS_BETWEEN_TABLES", 0.0)
     vary, whole = {"clearance.cam_um": "1:3:8"}, tmp_path / "whole"
@@ -379,7 +379,7 @@ def test_a_folder_of_another_sweep_is_refused(tmp_path: Path, monkeypatch: pytes
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
-def test_two_at_once_do_not_share_a_folder(tmp_path: Path) -> None:
+def test_two_simultaneous_runs_do_not_share_a_folder(tmp_path: Path) -> None:
     with (
         journal.open_journal(tmp_path, {}),
         pytest.raises(UsageError, match="another process is writing"),
@@ -389,7 +389,7 @@ def test_two_at_once_do_not_share_a_folder(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
+def test_a_full_disk_is_reported_and_loses_nothing(tmp_path: Path) -> None:
     """A limit on the size of files stands for a full disk."""
     code = (
         "import resource, sys; from cycloid_mj.cli import main;"
@@ -453,7 +453,7 @@ def test_wrong_wishes_are_refused(
     assert told.count("\n") == 1
 
 
-def test_a_folder_that_cannot_be_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_impossible_folder_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").touch()
     for out in (str(tmp_path / "file"), "/dev/full", str(tmp_path / "file" / "below")):
         assert main(command(Path(out))) == 1
@@ -512,7 +512,7 @@ def disturbed_twice(tmp_path: Path, capsys: pytest.CaptureFixture[str], flags: l
 
 
 @pytest.mark.parametrize("left", [1, 40], ids=["all but the line's end", "half a line"])
-def test_a_sweep_killed_in_the_middle_of_a_line_goes_on(left: int, tmp_path: Path) -> None:
+def test_a_sweep_killed_in_the_middle_of_a_line_continues(left: int, tmp_path: Path) -> None:
     """What was written of the last row is cut off, and only that row is measured again."""
     whole, out = tmp_path / "whole", tmp_path / "out"
     words = ["sweep", "--vary", "clearance.cam_um=1,2,3", "--measure", "mass", "--quiet", "--out"]

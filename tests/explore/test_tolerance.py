@@ -140,7 +140,7 @@ def test_cam_compliance_matches_closed_form(design: Design) -> None:
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_bits_whatever_the_workers() -> None:
+def test_equal_seeds_are_bit_equal_with_any_number_of_workers() -> None:
     design = override(PIN, ['tolerance.pin_position="normal 0.2"', 'tolerance.cam="uniform 0.3"'])
     cases = ((1, Engine(1)), (1, Engine(2, "threads")), (1, Engine(2)), (2, Engine(1)))
     one, two, apart, other = (tolerance(design, 64, seed, engine=engine) for seed, engine in cases)
@@ -179,7 +179,7 @@ def test_the_budget_has_as_many_samples_as_the_study(monkeypatch, samples: int, 
     assert counts == [samples + 4 * each]
 
 
-def test_what_was_drawn_stands_beside_the_figures() -> None:
+def test_drawn_values_are_listed_next_to_the_figures() -> None:
     words = {"cam": "between -0.3 -0.1", "pin_position": "normal 0.01", "hole_position": "normal 0.01"}
     words |= {"disc_size": "uniform 0.01", "profile": "2: normal 0.01"}
     design = override(PRESETS["twodisc"], {f"tolerance.{key}": text for key, text in words.items()})
@@ -429,7 +429,7 @@ def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeyp
 
 
 @pytest.mark.slow
-def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
+def test_dynamics_of_a_sample_are_next_to_its_statics() -> None:
     """Without friction a slow run is the statics, waves included; a load that nothing bears is told, and no error."""
     design = override(
         unlike("light"),

@@ -20,7 +20,7 @@ from cycloid_mj.statics.sheet import sheet
 PIN = Reducer(PRESETS["pin"])
 
 
-def test_a_key_ends_in_its_unit_and_stands_for_one_figure() -> None:
+def test_a_key_ends_in_its_unit_and_denotes_one_figure() -> None:
     names = [name for row in FIGURES.values() for name in (row.key, *row.aliases)]
     assert len(set(names)) == len(names) > 200
     for row in FIGURES.values():
@@ -55,7 +55,7 @@ def test_backlash_of_samples_is_that_of_the_sheet() -> None:
     assert row.sampled.value(*states.values())[0] == pytest.approx(row.value(PIN), rel=2e-3)
 
 
-def test_figures_of_rooms_above_name_functions_that_are_there() -> None:
+def test_figures_of_upper_packages_name_existing_functions() -> None:
     named = [row.function for row in FIGURES.values() if isinstance(row.function, str)]
     assert named
     for words in named:
@@ -85,7 +85,7 @@ def test_an_old_key_is_the_same_figure() -> None:
         ("tooth_pressure", Need, "the figure tooth_pressure does not apply to the design 'pin'"),
     ],
 )
-def test_a_figure_that_is_not_there_is_told_with_near_names(key: str, needs: list[Need], words: str) -> None:
+def test_a_figure_that_does_not_exist_is_reported_with_near_names(key: str, needs: list[Need], words: str) -> None:
     with pytest.raises(UsageError, match=words):
         figure(key, needs, PIN)
 

@@ -90,7 +90,7 @@ def test_flanks_are_less_curved_than_pins_at_every_phase():
     assert lines.relative_curvature[arcs].max() == pytest.approx(1e3 * (1 / 0.357950 + 1 / 2.25), rel=1e-5)
 
 
-def test_curvature_of_sigma_goes_to_zero_at_the_junction():
+def test_curvature_of_sigma_tends_to_zero_at_the_junction():
     """At B0 the normals of gear and flank turn at the same rate."""
     low = PAPER.best_phase
     cranks = -envelope.Sigma(PAPER, low + np.array([1e-3, 1e-5])).crank_angle_cw

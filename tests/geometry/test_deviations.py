@@ -58,7 +58,7 @@ def test_draws_follow_the_seed_and_each_kind_has_its_own() -> None:
     assert first.pin_radius.tolist() == [0.0] * 36
 
 
-def test_draws_have_the_standard_deviation_asked_for() -> None:
+def test_draws_have_the_standard_deviation_requested() -> None:
     """400 teeth and 10 seeds: 4000 deviates give theirs to 1.1 % (one sigma), the mean to 0.016 of it."""
     teeth = ["ring.teeth=400", "gear.eccentricity_mm=0.1", "output.hole_radius_mm=4.1"]
     drawn = np.concatenate(
@@ -121,7 +121,7 @@ def test_errors_survive_the_round_trip() -> None:
         (["modification.rotation_arcsec=-1"], r"from 0 to"),
     ],
 )
-def test_wrong_errors_are_told(changes: list[str], told: str) -> None:
+def test_wrong_errors_are_reported(changes: list[str], told: str) -> None:
     *before, last = changes
     design = override(PRESETS["pin"], before)
     with pytest.raises(DesignError, match=told) as error:
@@ -393,7 +393,7 @@ def test_free_pins_that_are_in_the_way_move_aside() -> None:
 
 
 @pytest.mark.slow
-def test_checks_tell_what_does_not_go_together() -> None:
+def test_checks_report_parts_that_do_not_fit_together() -> None:
     def verdicts(*changes: str) -> dict[str, bool]:
         found = check(override(PRESETS["pin"], list(changes)))
         return {item.name: item.passed for item in found if item.name in ("assembly", "pin_in_socket")}
@@ -482,7 +482,7 @@ def test_every_disc_has_errors_of_its_own_and_the_first_those_of_a_single_one() 
     assert np.array_equal(three.pin_place, one.pin_place)
 
 
-def test_listed_errors_go_on_disc_after_disc() -> None:
+def test_listed_errors_continue_disc_after_disc() -> None:
     design = override(PRESETS["pin"], ["gear.discs=2", "errors.hole_x_um={10 = 3.0}", "errors.disc_dr_um=[0, 1]"])
     made = deviations(design)
     assert made.hole_place[1, 1, 0] == pytest.approx(3e-6)

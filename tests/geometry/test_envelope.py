@@ -227,7 +227,7 @@ def test_area_and_perimeter_agree_with_quadrature(gear):
     assert envelope.area(gear) == pytest.approx(2 * gear.ring_teeth * (arc_sector + sector), rel=1e-11)
 
 
-def test_no_gear_without_undercut_gives_a_cusped_ring():
+def test_a_gear_without_undercut_has_a_ring_without_cusps():
     for gear in random_gears(300):
         B = sigma_range(gear, 101)
         gear_curvature = profile.curvature(gear, -B / gear.lobes)

@@ -60,7 +60,7 @@ def test_an_aluminium_housing_opens_the_pin_circle() -> None:
     assert shift == pytest.approx(-16.3e-6, rel=2e-3)
 
 
-def test_a_warm_disc_moves_its_holes_outward_and_keeps_given_errors() -> None:
+def test_a_warm_disc_moves_its_holes_outward_and_keeps_its_errors() -> None:
     design = warm("pin", "thermal.disc_c=21", "errors.hole_position_um=2", "errors.seed=3")
     before, after = Reducer(PRESETS["pin"]).deviations, expand(design)
     moved = np.stack([after.errors.hole_x, after.errors.hole_y], axis=1)

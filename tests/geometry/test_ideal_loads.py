@@ -23,7 +23,7 @@ CRANKS = np.linspace(0, 2 * np.pi, 721)
 
 
 @pytest.mark.parametrize(("young", "poisson", "radius"), [(210e9, 0.28, 2.25e-3), (206e9, 0.3, 1e-3), (3e9, 0.4, 5e-3)])
-def test_a_line_contact_gives_way_as_the_strain_along_its_axis(young: float, poisson: float, radius: float) -> None:
+def test_a_line_contact_deflects_as_the_strain_along_its_axis(young: float, poisson: float, radius: float) -> None:
     """Johnson 1985, Contact Mechanics, section 5.6: a cylinder pressed by P per length from both ends of a diameter.
 
     Along that, z from a contact of half width a: sigma_x = P/pi (1/R - 2(a^2 + 2 z^2)/(a^2 sqrt(a^2 + z^2)) + 4 z/a^2)
@@ -231,7 +231,7 @@ def test_the_cam_holds_ring_output_and_body_forces(gear, torque):
         assert on_crank == pytest.approx(-torque / gear.lobes, rel=1e-10)
 
 
-def test_the_cam_of_the_paper_carries_more_than_the_ring_asks_for():
+def test_the_cam_of_the_paper_carries_more_than_the_ring_requires():
     """Leaving out the reaction of the output pins gives a cam load that is too small."""
     ring = ideal_loads.ideal_load_sharing(PAPER, TORQUE, CRANKS)
     output = ideal_loads.ideal_output_forces(PAPER, 8, 26e-3, TORQUE, CRANKS)

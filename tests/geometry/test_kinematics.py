@@ -172,7 +172,7 @@ def test_speed_at_the_pitch_point_is_zero_and_not_nan():
     assert kinematics.point_speed(PAPER, [0.0, 35e-3], np.linspace(0, 1e-7, 50), OMEGA).max() < 1e-6
 
 
-def test_one_angle_gives_one_vector_and_rest_is_the_default():
+def test_one_angle_yields_one_vector_and_rest_is_the_default():
     path = kinematics.point_path(PAPER, Q, 0.0)
     assert path.position == pytest.approx(Q)
     assert path.position.shape == (2,)

@@ -52,7 +52,7 @@ def test_one_micrometre_less_everywhere_equals_one_more_of_clearance(preset: str
 @pytest.mark.parametrize(
     ("preset", "order"), cases((("pin", 3), ("pin", 35), ("twodisc", 29), ("printed", 26)), ("pin", 3), ("twodisc", 29))
 )
-def test_a_known_wave_comes_back(preset: str, order: int, tmp_path: Path) -> None:
+def test_a_known_wave_is_recovered(preset: str, order: int, tmp_path: Path) -> None:
     design = with_wave(tmp_path / "cmm.csv", preset, order, 2.0)
     waves = deviations(design).waves
     expected = np.zeros_like(waves)

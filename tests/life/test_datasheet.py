@@ -85,7 +85,7 @@ def test_the_torque_of_the_bearings_goes_by_their_law(sheet) -> None:
 
 
 @pytest.mark.slow
-def test_a_longer_life_is_asked_of_a_smaller_torque() -> None:
+def test_a_longer_life_is_required_of_a_smaller_torque() -> None:
     torques = [rated_torque(Reducer(PIN), PIN.drive.speed, life)[0] for life in (1000.0, 6000.0)]
     assert torques[0] / torques[1] > 1.15
     assert rated_torque(Reducer(PIN), PIN.drive.speed, 6000.0, start_torque=50.0)[0] == pytest.approx(
@@ -93,7 +93,7 @@ def test_a_longer_life_is_asked_of_a_smaller_torque() -> None:
     )
 
 
-def test_what_bears_nothing_for_so_long_says_so() -> None:
+def test_a_drive_without_a_rated_torque_for_a_life_is_reported() -> None:
     with pytest.raises(DesignError, match=r"no rated torque for 1e\+20 h"):
         rated_torque(Reducer(PIN), PIN.drive.speed, 1e20)
 
@@ -105,7 +105,7 @@ def test_the_momentary_torque_is_that_of_the_weakest_stop(sheet) -> None:
 
 
 @pytest.mark.slow
-def test_the_rated_torque_is_held_once_as_well() -> None:
+def test_the_momentary_torque_is_at_least_the_rated_torque() -> None:
     """Where first yield comes before what lasts, it governs: no sheet has a momentary torque below its rated one."""
     soft = PIN.but(material={"name": "", "youngs_modulus": 2.1e11, "tensile_strength": 2e9, "yield_strength": 2e8})
     for design in (soft, PIN):
@@ -236,7 +236,7 @@ def test_the_command_writes_both_files(sheet, tmp_path: Path, capsys, monkeypatc
     assert (tmp_path / "runs" / "pin-datasheet.pdf").exists()
 
 
-def test_what_cannot_be_written_or_asked_is_told(tmp_path: Path, capsys) -> None:
+def test_a_failed_write_and_a_wrong_request_are_reported(tmp_path: Path, capsys) -> None:
     file = tmp_path / "file"
     file.write_text("")
     assert main(["datasheet", "--design", "pin", "--out", str(file)]) == 1
@@ -248,7 +248,7 @@ def test_what_cannot_be_written_or_asked_is_told(tmp_path: Path, capsys) -> None
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_a_curve_leaves_out_speeds_at_which_nothing_is_borne(monkeypatch) -> None:
+def test_a_curve_omits_speeds_without_a_rated_torque(monkeypatch) -> None:
     def borne(reducer, speed, life, guess=0.0, **accuracy):
         if speed > reducer.design.drive.speed:
             raise DesignError("too fast")
@@ -281,7 +281,7 @@ def test_makers_rows_state_units_and_conditions(sheet) -> None:
     assert len(tightening) == 4
 
 
-def test_rows_without_seals_and_of_perfect_parts_say_so(sheet) -> None:
+def test_rows_without_seals_and_of_perfect_parts_state_so(sheet) -> None:
     rows = told(sheet)
     for key in ("starting_torque_nm", "no_load_torque_nm", "back_driving_torque_free_nm", "back_driving_torque_rated"):
         assert "without seals, grease and bearings" in rows[key].note

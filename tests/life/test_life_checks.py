@@ -20,7 +20,7 @@ from cycloid_mj.statics.sheet import sheet
 PIN = PRESETS["pin"]
 
 
-def test_a_hard_surface_bears_more_and_the_core_as_much_as_before() -> None:
+def test_a_hard_surface_carries_more_and_the_core_is_unchanged() -> None:
     soft = PIN.but(material={"name": "tempered steel"})
     hard = PIN.but(material={"name": "case-hardened 16MnCr5"})
     before, after = rate(soft).items, rate(hard).items
@@ -44,7 +44,7 @@ def test_a_plastic_takes_a_set_as_its_creep_modulus_falls() -> None:
     assert "pin_socket_yield" in items, "steel in steel"
 
 
-def test_a_plastic_is_held_once_to_its_set() -> None:
+def test_a_plastic_withstands_a_single_load_up_to_its_permanent_set() -> None:
     soft = override(PIN, {"gear_material.name": "POM", "drive.torque_nm": 0.1})
     items = rate(soft).items
     at_it = rate(soft, constant_duty(items["peak_yield"].limit, soft.drive.speed)).items
@@ -77,7 +77,7 @@ def test_no_equilibrium_is_sought_far_beyond_another_limit_of_a_stop(name: str, 
     assert "at least" not in searched.items["peak_dents"].note
 
 
-def test_the_checks_tell_the_weakest_item_of_each_kind() -> None:
+def test_the_checks_state_the_weakest_item_of_each_kind() -> None:
     found = {item.name: item for item in life_checks(Reducer(PIN))}
     assert list(found) == ["momentary_torque", "heat", "life", "strength"]
     # with the bearings of shaft and output, 34.8 W heat the housing to 106 deg C; 24.4 W left them out
@@ -111,17 +111,17 @@ def test_a_drive_at_the_torque_of_its_data_sheet_lasts() -> None:
     assert passed["heat"]
 
 
-def test_a_crank_that_stands_still_has_no_such_checks() -> None:
+def test_a_crank_at_rest_has_no_such_checks() -> None:
     assert life_checks(Reducer(PIN.but(drive={"speed": 0.0}))) == ()
 
 
-def test_a_longer_life_is_asked_for_by_the_design() -> None:
+def test_a_longer_life_is_requested_by_the_design() -> None:
     longer = PIN.but(service={"life": 12345.0})
     assert rate(longer).life == 12345.0
     assert rate(longer, life=100.0).life == 100.0
 
 
-def test_a_life_that_no_give_of_the_cam_ends_is_told_once() -> None:
+def test_a_life_unlimited_at_any_cam_stiffness_is_reported_once() -> None:
     """It read "its life unlimited to unlimited"."""
     rows = tuple(CamCase("as assumed", 1e9, load, life) for load, life in ((40.0, 1e12), (44.0, 2e12)))
     assert "its life unlimited, over the range" in CamCompliance(rows).words
@@ -129,7 +129,7 @@ def test_a_life_that_no_give_of_the_cam_ends_is_told_once() -> None:
     assert "its life 500 h to unlimited, over" in CamCompliance(shorter).words
 
 
-def test_python_and_terminal_judge_alike() -> None:
+def test_python_and_terminal_have_the_same_verdicts() -> None:
     """At 36.68 N m the teeth of `pin` pit after 0.0017 h: `cm.check` said that all checks hold where they warned."""
     checks = check_design(PIN)
     assert {"life", "strength", "momentary_torque"} <= {check.name for check in checks.warnings}

@@ -29,7 +29,7 @@ def test_the_moment_leaves_the_bearings_their_force_over_their_distance() -> Non
     assert replace(found, own=(1e6, 0.0)).moment == replace(found, own=(1e6, 0.0)).radial == 0.0
 
 
-def test_a_bearing_bears_its_load_for_the_life_that_is_asked_for() -> None:
+def test_a_bearing_carries_its_load_for_the_life_that_is_requested() -> None:
     found, design = output_bearings(TWO), TWO.design
     turns = design.service.life * 3600.0 * abs(design.drive.speed) / (2.0 * math.pi) / design.reduction
     assert found.capacity < found.static

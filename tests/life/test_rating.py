@@ -116,7 +116,7 @@ def test_a_ball_bearing_lives_by_the_cube() -> None:
     assert on_balls.life == pytest.approx(1e6 * (5400.0 / on_balls.value) ** 3 / turns)
 
 
-def test_a_bearing_that_is_dented_ends_what_is_held_once() -> None:
+def test_a_dented_bearing_limits_the_momentary_torque() -> None:
     weak = IN_STOCK.but(bearing={"shaft_static_capacity": 1.0})
     torque, first = momentary_torque(Reducer(weak))
     item = rate(weak).items["shaft_bearing_near_static"]
@@ -399,7 +399,7 @@ def test_the_shaft_is_in_balance_and_bends_as_a_beam() -> None:
     assert bending_moment(one, one.stations.min() - 1e-3) == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_duty_is_one_of_its_parts_where_they_are_alike() -> None:
+def test_a_duty_of_equal_points_equals_one_point() -> None:
     point = single(PIN)
     whole = rate(PIN, Duty((point,), 60.0))
     halves = rate(PIN, Duty((replace(point, share=0.5), replace(point, share=0.5)), 60.0))
@@ -409,7 +409,7 @@ def test_a_duty_is_one_of_its_parts_where_they_are_alike() -> None:
         assert other.margin(1.0) == pytest.approx(item.margin(1.0), rel=1e-9)
 
 
-def test_a_crank_that_stands_still_has_no_life_to_rate(capsys) -> None:
+def test_a_crank_at_rest_has_no_life_to_rate(capsys) -> None:
     with pytest.raises(DesignError, match="crank that turns"):
         rate(override(PIN, {"drive.speed_rpm": 0.0}))
     assert main(["rate", "--design", "pin", "--set", "drive.speed_rpm=0"]) == 1
@@ -417,7 +417,7 @@ def test_a_crank_that_stands_still_has_no_life_to_rate(capsys) -> None:
 
 
 @pytest.mark.slow
-def test_a_torque_that_is_not_held_is_named() -> None:
+def test_a_torque_that_is_not_met_is_named() -> None:
     with pytest.raises(RunError, match=r"pin: no equilibrium at 9e\+05 N m at 1640 rpm: .*another torque"):
         rate(PIN, constant_duty(9e5, PIN.drive.speed))
 
@@ -572,7 +572,7 @@ def test_stress_ranges_of_a_study_take_the_place_of_beam_formulas(tmp_path: Path
         ('{"designs": [{"design": "pin", "load_nm": 3, "parts": [{"part": "gear"}]}]}', "no stress ranges"),
     ],
 )
-def test_results_that_are_no_study_are_refused(tmp_path: Path, told: str, message: str) -> None:
+def test_results_that_are_not_study_are_refused(tmp_path: Path, told: str, message: str) -> None:
     (tmp_path / "stress.json").write_text(told)
     with pytest.raises(UsageError, match=message):
         read_ranges(tmp_path, Reducer(PIN))

@@ -202,7 +202,7 @@ def test_a_topic_is_passed_over_and_samples_are_chosen(log, truth):
 
 
 @pytest.mark.slow
-def test_cut_anywhere_gives_all_whole_chunks(log, truth, tmp_path):
+def test_a_log_cut_anywhere_has_all_complete_chunks(log, truth, tmp_path):
     """The number of samples is known from mcap's index of the whole file."""
     content = log.read_bytes()
     ends = np.array([chunk.chunk_start_offset + chunk.chunk_length for chunk in chunks_of(log)])
@@ -225,7 +225,7 @@ def test_cut_anywhere_gives_all_whole_chunks(log, truth, tmp_path):
         assert f"truncated: {samples} samples, up to {run.time[-1]:.9g} s" in run.note
 
 
-def test_a_cut_log_says_what_it_has_lost(truth, tmp_path):
+def test_a_cut_log_states_what_it_has_lost(truth, tmp_path):
     """A bit wrong in a record before the samples, which only the end of a whole log would give away."""
     whole, path = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
     with LogWriter(whole, {"/a": [("x", "m")]}, {"design": "pin", "k": "v"}, {"design.toml": b"name"}) as log:
@@ -276,7 +276,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 
 
 @pytest.mark.slow
-def test_random_damage_never_gives_wrong_numbers(log, truth, tmp_path):
+def test_random_damage_never_yields_wrong_numbers(log, truth, tmp_path):
     """Bytes overwritten, bits flipped, pieces lost or doubled: a LogError, or samples that are true."""
     content = log.read_bytes()
     rng = np.random.default_rng(20)
@@ -504,7 +504,7 @@ def test_what_contradicts_the_format_is_refused(name, log, tmp_path):
     assert "r.mcap" in str(caught.value)
 
 
-def test_files_that_are_no_logs(log, truth, tmp_path):
+def test_files_that_are_not_logs(log, truth, tmp_path):
     (tmp_path / "empty.mcap").write_bytes(b"")
     (tmp_path / "text.mcap").write_text("time,angle\n0,1\n")
     os.mkfifo(tmp_path / "pipe.mcap")
@@ -618,7 +618,7 @@ def test_exception_closes_the_log_as_incomplete(error, truth, tmp_path):
     assert run.note == {"RuntimeError": "RuntimeError: NaN at 0.3 s"}.get(type(error).__name__, "KeyboardInterrupt")
 
 
-def test_close_says_why_a_run_ended(truth, tmp_path):
+def test_close_states_why_a_run_ended(truth, tmp_path):
     path = tmp_path / "run.mcap"
     with LogWriter(path, GROUPS, {"command": "x \udcff"}) as log:
         write_samples(log, truth)

@@ -210,7 +210,7 @@ def test_run_that_takes_the_usual_name_meanwhile_gets_the_next(here, at_the_end,
 
 
 @pytest.mark.slow
-def test_figures_of_a_run_are_its_own_though_another_replaces_its_log_at_once(here, at_the_end, monkeypatch):
+def test_figures_of_a_run_are_its_own_if_its_log_is_replaced_at_the_same_time(here, at_the_end, monkeypatch):
     simulated("--out", "mine", "--speed-rpm", "50")
     close, second = LogWriter.close, []
 
@@ -225,7 +225,7 @@ def test_figures_of_a_run_are_its_own_though_another_replaces_its_log_at_once(he
     assert found["crank"]["speed_rad_s"] == pytest.approx(100 * 2 * np.pi / 60)
 
 
-def test_commands_at_once_get_folders_of_their_own(here):
+def test_simultaneous_commands_get_their_own_folders(here):
     found: list[Path] = []
     threads = [
         threading.Thread(target=lambda: found.append(logs_folder(RUNS, None, ["pin-no-load"], False))) for _ in range(8)
@@ -239,7 +239,7 @@ def test_commands_at_once_get_folders_of_their_own(here):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [number for number in STOPPING if number != signal.SIGINT])
-def test_stopped_run_says_by_what(here, at_the_end, number):
+def test_stopped_run_states_by_what(here, at_the_end, number):
     before = {number: signal.getsignal(number) for number in STOPPING}
     signal.signal(number, signal.SIG_DFL)  # a test run under nohup ignores one
     raise_on_signals()

@@ -30,7 +30,7 @@ def width(design: Design, crank: float = CRANK) -> float:
 
 @pytest.mark.parametrize(("name", "kind"), CASES)
 @pytest.mark.parametrize("crank", [0.0, 0.43, CRANK, 4.0])
-def test_linear_programme_gives_each_closed_form_alone(name: str, kind: str, crank: float):
+def test_the_linear_programme_matches_each_closed_form(name: str, kind: str, crank: float):
     design = with_single_clearance(Reducer(DESIGNS[name]), kind)
     design = Reducer(design.design.model_copy(update={"clearance": _others(design.design, kind, 1e-12)}))
     # the others' 1e-6 um, and the cam's polygon
@@ -70,7 +70,7 @@ def test_thicker_pins_are_a_smaller_clearance_and_too_thick_ones_jam():
         limits.stops(Reducer(override(design, [f"errors.pin_dr_um={[1.2] * 36}"])), CRANK)
 
 
-def test_holes_moved_all_alike_change_the_gaps_of_the_output_pins_along_the_eccentric_alone():
+def test_holes_moved_all_equally_change_the_gaps_of_the_output_pins_along_the_eccentric_alone():
     across = override(DESIGNS["fixed"], [f"errors.hole_x_um={[0.1] * 8}", f"errors.hole_y_um={[0.0] * 8}"])
     along = override(DESIGNS["fixed"], [f"errors.hole_x_um={[0.0] * 8}", f"errors.hole_y_um={[0.1] * 8}"])
     closer = override(DESIGNS["fixed"], ["clearance.output_um=0.9"])
@@ -112,7 +112,7 @@ def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str)
 
 @pytest.mark.parametrize("eccentricity", [0.6, -0.6])
 @pytest.mark.parametrize("crank", cases([0.0, CRANK], CRANK))
-def test_a_cam_that_is_too_eccentric_takes_play_and_one_that_is_too_little_gives_it(eccentricity: float, crank: float):
+def test_a_larger_eccentricity_reduces_play_and_a_smaller_one_adds_it(eccentricity: float, crank: float):
     """The simulation moves the cam itself; the wrong sign would be 25 % off."""
     design = override(DESIGNS["fixed"], [f"errors.eccentricity_um={eccentricity}"])
     found = press_to_stops(bench.without_friction(Reducer(design)), crank, time_factor=PRESS.all_clearances)
@@ -129,7 +129,7 @@ def test_crank_angles_spread_over_turn_and_mesh_period():
 
 
 @pytest.mark.slow
-def test_command_gives_table_and_logs(tmp_path, capsys):
+def test_the_command_writes_table_and_logs(tmp_path, capsys):
     flags = ["--set", 'ring.pins="fixed"', "--quick", "--json", "--quiet", "--out", str(tmp_path)]
     assert main(["measure", "backlash", "--design", "pin", *flags]) == 0
     told = json.loads(capsys.readouterr().out)

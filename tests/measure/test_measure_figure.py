@@ -92,7 +92,7 @@ def test_points_at_one_place_are_shown_from_zero():
 
 
 @pytest.mark.parametrize("count", [2, 36, 100])
-def test_contacts_round_a_ring_are_marked_where_they_can_be_told_apart(count):
+def test_contacts_round_a_ring_are_marked_where_they_can_be_distinguished(count):
     about = 360.0 / count * np.arange(count + 1)
     axes = drawn(replace(curve(np.ones(count + 1), "simulated", "polar", about), x_label="")).axes[0]
     assert (axes.lines[0].get_marker() == "o") == (count < PANEL.max_markers)

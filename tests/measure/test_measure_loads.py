@@ -133,7 +133,7 @@ def test_command_writes_figure_json_and_log(tmp_path, capsys) -> None:
     assert json.loads((tmp_path / "loads-pin.json").read_text()) == printed
 
 
-def test_the_error_of_a_peak_tells_what_two_mesh_periods_leave_out(found) -> None:
+def test_the_error_of_a_peak_states_what_two_mesh_periods_leave_out(found) -> None:
     one = found.quantities["output_peak_force"]
     turn = np.linspace(0.0, 2.0 * np.pi, 2000)
     swept = next(curve.x for curve in found.curves if curve.panel.startswith("output"))
@@ -158,7 +158,7 @@ def test_contacts_that_are_drawn_carry_and_the_most_loaded_is_among_them(found) 
 
 
 @pytest.mark.slow
-def test_a_capacity_is_found_for_a_soft_material_or_said_to_have_no_contact_that_decides_it() -> None:
+def test_the_capacity_of_a_soft_material_is_computed_or_has_no_deciding_contact() -> None:
     """Contacts of a printed reducer grow deeper than its own limit before they yield."""
     found = loads(unlike("printed"), quick=True)
     capacity = found.quantities["capacity"]

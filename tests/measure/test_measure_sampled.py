@@ -11,7 +11,7 @@ from cycloid_mj.reducer import Reducer
 TURN = np.linspace(0.0, 2.0 * np.pi, 721)
 
 
-def test_a_closed_form_tells_exactly_what_the_samples_leave_out():
+def test_a_closed_form_states_exactly_what_the_samples_leave_out():
     shape = 3.0 + np.cos(TURN)
     sampled = shape[[0, 90]]
     known = ClosedForm(sampled, shape)

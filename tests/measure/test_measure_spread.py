@@ -110,7 +110,7 @@ def test_the_paper_is_set_beside_the_build_up(measured):
     assert published["simulated"]["friction_of_teeth"] is None
 
 
-def test_the_paper_stands_beside_its_own_reducers_alone():
+def test_only_the_papers_reducers_are_compared_with_it():
     assert len(torques(PRESETS["pin"])) == 2
     assert torques(override(NONPIN, ["gear.eccentricity_mm=0.9"])) == []
     assert torques(override(NONPIN, ["drive.torque_nm=2"])) == []

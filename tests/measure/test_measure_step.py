@@ -70,7 +70,7 @@ def test_loops_of_soft_drives_are_those_of_statics_with_friction(name):
 
 
 @pytest.mark.slow
-def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
+def test_a_run_that_fails_is_repeated_at_half_the_step_and_names_it():
     # 21 free pins of 0.55 g at their rated load: 16 us ends with a contact more than 50 um deep
     rated = TEETH21.rated_torque
     period = hysteresis.quasi_static_period(Reducer(TEETH21), rated)

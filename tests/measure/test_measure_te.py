@@ -67,7 +67,7 @@ def kinematic_error(design: Design, crank: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("around", [1, 5])
-def test_an_error_that_goes_round_the_ring_gives_its_own_orders(around: int) -> None:
+def test_an_error_that_orbits_the_ring_has_its_own_orders(around: int) -> None:
     made = 0.05 * np.cos(2.0 * np.pi * around * np.arange(N) / N)
     exact = [*SMOOTH, *CLOSED, 'contact.stiffness_law="uniform"', "stiffness.cam_n_m=1e12"]
     found = shares(fixed(*exact, f"errors.pin_dr_um={made.tolist()}"), "gear", 1.0)
@@ -147,7 +147,7 @@ def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str
     assert np.ptp(found.output) < 0.02
 
 
-def test_the_measure_tells_both_ways_both_loads_and_its_error() -> None:
+def test_the_measure_has_both_directions_both_loads_and_errors() -> None:
     design = fixed("settings.timestep_us=10.0", *SMOOTH)
     done: list[int] = []
     found = te(design, slow=design.drive.speed / 2.0, progress=lambda count, whole: done.append(whole - count))
@@ -186,7 +186,7 @@ def test_statics_is_found_from_the_ideal_pose_of_any_reducer(name: str, way: flo
 
 
 @pytest.mark.slow
-def test_it_is_told_whether_the_turns_part_all_orders() -> None:
+def test_turns_too_few_to_separate_all_orders_are_reported() -> None:
     """Over one crank turn the orders of output pins are beside whole ones, said of by an assumption alone."""
     few = fixed("ring.teeth=9")
     lobes = few.lobes

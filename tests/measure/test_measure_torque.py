@@ -98,7 +98,7 @@ def test_without_friction_nothing_is_lost(kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_chosen_step_gives_the_figures_of_a_short_one(kind):
+def test_the_automatic_step_has_the_figures_of_a_short_step(kind):
     design = override(KINDS[kind], ["drive.ramp_s=0.0", f"settings.log_rate_hz={STEADY.log_rate!r}"])
     fine = override(design, ["settings.timestep_us=1.0"])
     assert timestep(Reducer(design)) == 1e-5
@@ -107,7 +107,7 @@ def test_the_chosen_step_gives_the_figures_of_a_short_one(kind):
     )
 
 
-def test_half_the_step_is_half_of_the_chosen_or_the_given_one():
+def test_half_the_step_is_half_of_the_automatic_or_the_set_step():
     assert timestep(halve_time_step(Reducer(FIXED), "mujoco")) == 5e-6
     assert timestep(halve_time_step(Reducer(override(FIXED, ["settings.timestep_us=3.0"])), "planar")) == pytest.approx(
         1.5e-6
@@ -217,7 +217,7 @@ def test_free_crank_turns_from_rest_and_a_blocked_one_is_self_locking():
     assert math.isnan(blocked.torque)
 
 
-def test_interpolated_friction_gives_back_the_rate_of_a_smooth_law():
+def test_interpolated_friction_restores_the_rate_of_a_smooth_law():
     def rate(friction):
         return 1.0 / (1.0 + 1.9 * friction / (1.0 - 1.5 * friction))
 
@@ -240,7 +240,7 @@ def test_sensitivity_covers_pins_free_fixed_and_sleeved():
     assert {row.pins for row in sensitivity.friction_variants(Reducer(PRESETS["nonpin"]))} == {"none"}
 
 
-def test_reversed_drive_gives_the_same_torque():
+def test_reversed_drive_has_the_same_torque():
     design = steady_design(Reducer(override(FIXED, ["drive.speed_rpm=-1640.0", "environment.gravity_y_m_s2=0.0"])))
     ahead = steady_design(Reducer(override(FIXED, ["environment.gravity_y_m_s2=0.0"])))
     back, forth = (rated_test(one, PERIODS) for one in (design, ahead))
@@ -257,7 +257,7 @@ def test_command_writes_json_and_log(torque, folder):
     assert {path.name for path in folder.iterdir()} == {"torque-nonpin.json", "torque-nonpin-braked.mcap"}
 
 
-def test_map_is_that_of_the_points_asked_for(efficiency):
+def test_map_is_that_of_the_points_requested(efficiency):
     # one point by default when quick: the rated one, with every loss of every pair
     (point,) = efficiency.details["losses_by_pair"]
     assert point["torque_nm"] == pytest.approx(36.68)
@@ -278,7 +278,7 @@ def test_map_is_that_of_the_points_asked_for(efficiency):
         (["efficiency", "--speed-rpm", "1e9"], "--speed-rpm"),
     ],
 )
-def test_mistakes_are_told_in_one_line(words, told, capsys):
+def test_wrong_input_is_reported_in_one_line(words, told, capsys):
     assert main(["measure", *words]) == 2
     error = capsys.readouterr().err
     assert told in error
@@ -294,7 +294,7 @@ def test_mistakes_are_told_in_one_line(words, told, capsys):
     ],
     ids=["rubbing", "printed"],
 )
-def test_a_self_locking_reducer_gives_no_back_driving_but_all_the_rest(design) -> None:
+def test_a_self_locking_reducer_has_all_figures_except_back_driving(design) -> None:
     """Friction takes more than half of the power: the output cannot turn the crank."""
     found = MEASURES["efficiency"](design, quick=True).quantities
     assert found["efficiency"].value < 50.0
@@ -312,7 +312,7 @@ def from_rest(*torques_and_errors):
     return BreakAway(tuple(StartFromRest(torque, error, 0.5, run) for torque, error in torques_and_errors))
 
 
-def test_a_torque_from_rest_below_its_own_error_is_not_told():
+def test_a_torque_from_rest_below_its_own_error_is_not_reported():
     """Free pins in 15 um of play were told to have 0.003 +- 0.02 N m."""
     told, untold, locked = (from_rest(pair) for pair in ((0.3, 0.1), (0.1, 0.3), (math.nan, math.nan)))
     assert [one.exceeds_error for one in (told, untold, locked)] == [True, False, False]
@@ -320,7 +320,7 @@ def test_a_torque_from_rest_below_its_own_error_is_not_told():
     assert untold.note.startswith("below 0.4 N m")
 
 
-def test_a_torque_from_rest_is_told_with_what_its_starts_spread():
+def test_a_torque_from_rest_is_reported_with_the_spread_of_its_starts():
     """One start gave `nonpin` 0.0055 +- 0.0014 N m, where its disc's weight makes -0.0057 to 0.0055 of it."""
     apart = from_rest((0.3, 0.01), (0.1, 0.01), (math.nan, math.nan))
     assert apart.torque == pytest.approx(0.2)

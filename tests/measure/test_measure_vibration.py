@@ -102,7 +102,7 @@ def test_the_measure_over_speed(found: Measurement) -> None:
 
 
 @pytest.mark.parametrize(("load", "within"), [("unloaded", 0.15), ("loaded", 0.3)])
-def test_a_spectrum_holds_the_power_of_its_signal(found: Measurement, load: str, within: float) -> None:
+def test_a_spectrum_contains_the_power_of_its_signal(found: Measurement, load: str, within: float) -> None:
     curve = next(one for one in found.curves if one.panel.startswith("spectrum of the force") and one.name == load)
     low, high = (float(word) for word in curve.x_label.split("from ")[1].removesuffix(" Hz").split(" to "))
     whole = math.sqrt(0.5 * float(np.sum(curve.y**2)) / (SPECTRUM.padding * SPECTRUM.hann_bandwidth))
@@ -122,7 +122,7 @@ def test_the_force_on_the_housing_below_the_band_is_the_momentum(found: Measurem
     assert one.value == pytest.approx(one.reference, rel=within)
 
 
-def test_what_lies_above_the_band_is_told(found: Measurement) -> None:
+def test_power_above_the_band_is_reported(found: Measurement) -> None:
     for key in ("gear_centre", "output", "housing"):
         share = found.quantities[f"{key}_above_band_unloaded"]
         assert 0.0 <= share.value < 100.0

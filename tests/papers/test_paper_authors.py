@@ -31,11 +31,11 @@ from cycloid_mj.reducer import Reducer
         ((), "neither, nor both"),
     ],
 )
-def test_what_brings_a_feature_is_told_by_taking_each_change_away(holding, words):
+def test_the_cause_of_a_feature_is_identified_by_removing_each_change(holding, words):
     assert words in brought_by({name: name in holding for name in authors.CHANGES})
 
 
-def test_a_torque_is_brought_by_the_law_that_gives_it():
+def test_a_torque_is_explained_by_the_law_that_causes_it():
     told = [authors.torque_brought_by(line, impact, 34.7) for line in (34.5, 32.0) for impact in (34.9, 30.0)]
     assert told[:2] == ["neither: ours has it", "neither: ours has it; IMPACT removes it"]
     assert told[2:] == [SOFT, "neither: friction decides it (claims on Fig. 19)"]

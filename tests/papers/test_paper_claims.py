@@ -540,7 +540,7 @@ def test_a_stress_by_the_force_has_the_weights_part_and_never_falls():
     assert flat.residual == pytest.approx(0.001 * force.std(), rel=1e-9)
 
 
-def test_a_difference_that_the_line_over_the_force_misses_is_no_order(idle):
+def test_a_difference_that_the_line_over_the_force_misses_is_not_an_order(idle):
     starts, rated = idle
     pressed = {
         name: [at_degrees(run, "cam", (75.0,), force) for run in starts[name]]
@@ -625,7 +625,7 @@ def test_the_order_of_torques_is_searched_at_equal_and_at_own_friction():
 
 
 @pytest.mark.slow
-def test_what_the_paper_leaves_open_gives_its_torques():
+def test_values_left_open_by_the_paper_produce_its_torques():
     # frictionless cam and output pins: teeth of 0.0104 give nonpin's 97.6 %, 0.032 pin's 94.6 % (a planar solver's)
     for name, rate, friction in (("nonpin", 0.976, 0.0104), ("pin", 0.946, 0.032)):
         found = torque_search.search(PRESETS[name], {"simulated": rate}).solutions["simulated"]

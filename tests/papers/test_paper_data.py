@@ -97,7 +97,7 @@ def test_a_varied_case_has_as_many_starts_as_the_design_itself():
     assert {len(idle_runs(QUICK, design)) for design in designs()} == {SAMPLES.starts}
 
 
-def test_page_and_documentation_tell_every_claim_in_the_same_words():
+def test_page_and_documentation_state_every_claim_in_the_same_words():
     """One claim of each verdict, through the HTML page and through the table for download."""
     claims = [
         Claim(

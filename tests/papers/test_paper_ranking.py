@@ -56,7 +56,7 @@ def test_an_idle_verdict_rests_on_independent_starts(pin, nonpin, verdict):
     assert found.ratio == pytest.approx(np.mean(pin) / np.mean(nonpin))
 
 
-def test_idle_sentences_say_the_starts():
+def test_idle_sentences_state_the_starts():
     confirmed = idle_ranking(eight(2.0, 3.0), eight(1.0, 1.9)).sentence
     assert confirmed == (
         "no load, gear speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 to 3 rad/s (mean 2.5), "
@@ -94,7 +94,7 @@ def test_chance_counts_orders_of_the_turns():
         assert (chance < SIGNIFICANCE) == (n == FEWEST_TURNS)
 
 
-def test_sentences_say_verdict_and_numbers():
+def test_sentences_state_verdict_and_numbers():
     confirmed = ranking((2.0,) * 4, (1.0,) * 4)
     assert confirmed.sentence.startswith("36 N m, gear speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 rad/s")
     assert confirmed.sentence.endswith("ratio 2.00")
@@ -105,7 +105,7 @@ def test_sentences_say_verdict_and_numbers():
     assert "UNDECIDED" in ranking((1.0,), (2.0,)).sentence
 
 
-def test_summary_says_for_each_load_what_is_confirmed():
+def test_summary_states_for_each_load_what_is_confirmed():
     ranked = [
         idle_ranking(eight(2.0, 3.0), eight(1.0, 1.9)),
         replace(idle_ranking([2.0], [1.0]), figure="Fig. 7"),

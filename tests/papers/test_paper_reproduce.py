@@ -164,7 +164,7 @@ def test_pin_1s_cycle_is_where_its_force_says():
 # --- stages, one of which may break
 
 
-def test_a_broken_stage_is_told_and_the_others_are_there(tmp_path, monkeypatch, capsys):
+def test_a_failed_stage_is_reported_and_the_others_are_complete(tmp_path, monkeypatch, capsys):
     def breaks(which, runs, told):
         raise ZeroDivisionError("nothing to divide by <here>")
 
@@ -221,7 +221,7 @@ def test_an_unknown_stage_is_a_usage_error(tmp_path):
         command.reproduce(only=("stres",), delivery=ReproduceDelivery(out=str(tmp_path)))
 
 
-def test_stress_that_is_asked_for_by_name_needs_its_extra_before_any_run(tmp_path, monkeypatch):
+def test_stress_that_is_requested_by_name_needs_its_extra_before_any_run(tmp_path, monkeypatch):
     def absent(name):
         raise ImportError(f"No module named {name!r}")
 
@@ -289,7 +289,7 @@ def test_claims_over_starts_name_their_solver():
     assert {claim.as_json()["condition"]["solver"] for claim in claims} == {"planar"}
 
 
-def test_each_run_is_asked_for_once_by_all_that_judges_it():
+def test_each_run_is_read_once_for_all_judgements():
     asked = []
 
     @Given

@@ -68,14 +68,14 @@ def test_facets_press_where_exact_flanks_do_not_touch():
 
 
 @pytest.mark.slow
-def test_a_reducer_turns_alike_from_any_phase():
+def test_a_reducer_turns_equally_from_any_phase():
     # another start, the same mean mechanism: forces of one size
     first, second = turned(0.0), soft_idle(NONPIN, STEEL, 0.0, 1, 0, 2.0)
     assert first != second
     assert first.cam == pytest.approx(second.cam, rel=0.5)
 
 
-def test_facets_are_chords_with_the_error_asked_for():
+def test_facets_are_chords_with_the_error_requested():
     assert not _facets(PIN, 0.0, 0).any()
     found = _facets(PIN, 50e-6, 0)
     assert found.mean() == pytest.approx(50e-6, rel=0.1)

@@ -255,7 +255,7 @@ def test_no_two_solids_of_a_whole_drive_and_its_motor_meet(name: str, crank: flo
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", cases(("new_printed", "new_milled"), "new_printed"))
-def test_a_motor_with_threads_of_its_own_is_held_by_screws_from_within(name: str, tmp_path: Path) -> None:
+def test_a_motor_with_threads_of_its_own_is_fastened_by_screws_from_within(name: str, tmp_path: Path) -> None:
     """Their heads are in counterbores below the cavity's floor, and reach into the motor by a thread's diameter."""
     reducer = Reducer(design_of(name))
     sizes = casing(reducer, "nema17")

@@ -173,7 +173,7 @@ def band() -> Sector:
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_parts(band: Sector) -> None:
+def test_the_same_seed_has_the_same_parts(band: Sector) -> None:
     first, again = (decompose(band, SETTINGS) for _ in range(2))
     for one, other in zip(first.pieces, again.pieces, strict=True):
         np.testing.assert_array_equal(one.vertices, other.vertices)

@@ -106,13 +106,13 @@ def test_stl_is_single_precision_of_the_mesh() -> None:
 
 
 @pytest.mark.parametrize("file_format", ["stl", "obj", "dxf", "svg"])
-def test_the_same_design_gives_the_same_bytes(file_format: str) -> None:
+def test_the_same_design_has_the_same_bytes(file_format: str) -> None:
     first, second = (export(NONPIN, file_format, CHORD_ERROR) for _ in range(2))  # type: ignore[arg-type]
     assert first == second
 
 
 @pytest.mark.slow
-def test_the_clearance_is_what_was_asked_for(design: Design) -> None:
+def test_the_clearance_is_what_was_requested(design: Design) -> None:
     for file_format in ("stl", "dxf"):
         for one in export(design, file_format, CHORD_ERROR).clearances:  # type: ignore[arg-type]
             assert one.asked == getattr(design.clearance, one.pair)

@@ -367,7 +367,7 @@ def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances(
     assert thinnest_wall(block) > RULES.min_printed_wall
 
 
-def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_thin_walls_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     disc = Prism(circle(10e-3, CHORD_ERROR), (circle(9.5e-3, CHORD_ERROR),), 0.0, 5e-3)
     assert thinnest_wall(disc) == pytest.approx(0.5e-3, abs=2.0 * CHORD_ERROR)
     reducer = Reducer(made_by_printing(Requirement(15, 0.075, 1.0, process="printed")))

@@ -439,7 +439,7 @@ def test_a_hole_in_a_hole_is_refused() -> None:
 
 
 @pytest.mark.parametrize("polygon", [SQUARE[::-1], SQUARE[:2], np.zeros((4, 3)), SQUARE * np.nan])
-def test_a_polygon_that_is_no_counter_clockwise_polygon_is_refused(polygon: np.ndarray) -> None:
+def test_a_polygon_that_is_not_a_counter_clockwise_polygon_is_refused(polygon: np.ndarray) -> None:
     with pytest.raises(DesignError, match="the outline or a hole of a prism"):
         Prism(polygon, (), 0.0, 1.0)
 

@@ -57,7 +57,7 @@ def test_axes_name_their_unit(place: str) -> None:
     assert not [(file, label) for file, label in written if bare(label)]
 
 
-def test_a_label_without_a_unit_is_seen() -> None:
+def test_a_label_without_a_unit_is_detected() -> None:
     code = "axes.set(xlabel='force', ylabel=f'{part} [N]')\naxes.set_ylabel('speed')\nfigure.colorbar(x, label='p')"
     assert [label for label in labels(code) if bare(label)] == ["force", "speed", "p"]
 

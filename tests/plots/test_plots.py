@@ -126,7 +126,7 @@ def test_input(motion, drawn):
 
 
 @pytest.mark.parametrize(("name", "place"), [("fig5_input", 0), ("fig6_gear_speed", 0), ("fig9_pin1", 2)])
-def test_a_speed_has_a_scale_in_degrees_beside(drawn, name, place):
+def test_a_speed_has_a_scale_in_degrees_next_to_it(drawn, name, place):
     axes = drawn[name].axes[place]
     drawn[name].draw_without_rendering()
     (beside,) = axes.child_axes
@@ -289,7 +289,7 @@ def test_a_long_title_would_be_found(motion):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_axis_says_its_unit(drawn, name):
+def test_every_axis_states_its_unit(drawn, name):
     written = [label for axes in drawn[name].axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
     assert len(written) >= 3
     known = {"[rad/s]", "[mrad/s]", "[mm]", "[\N{MICRO SIGN}m]", "[mm/s]", "[arcsec]", "[deg]", "[s]"}
@@ -338,7 +338,7 @@ def test_a_png_has_200_dots_per_inch(drawn, tmp_path):
     assert int.from_bytes(head[16:20], "big") == 1300  # 6.5 in
 
 
-def test_what_cannot_be_written_is_said(drawn, tmp_path):
+def test_a_failed_write_is_reported(drawn, tmp_path):
     some = {"input": drawn["fig5_input"]}
     with pytest.raises(UsageError, match=r"unknown figure format .bmp.: choose one of png, svg, pdf"):
         save(some, tmp_path, ("bmp",))
@@ -438,7 +438,7 @@ def test_forces_start_where_the_pins_touch_the_gear(design):
     assert crowded(figure) == []
 
 
-def test_a_run_is_drawn_at_the_asked_crank_angle_of_its_last_turn(design):
+def test_a_run_is_drawn_at_the_requested_crank_angle_of_its_last_turn(design):
     run = loaded(design)
     figure = mechanism(Reducer(design), run, crank_angle=1.0)
     written, time = re.fullmatch(r"crank angle (\S+) deg, (\S+) s", figure.axes[0].get_title()).groups()

@@ -77,7 +77,7 @@ def test_smallest_gap_of_the_best_fit_is_its_play(discs: int, member: str) -> No
     )
 
 
-def test_a_pin_that_gives_way_stands_in_the_middle_of_its_room() -> None:
+def test_a_displaced_pin_is_in_the_middle_of_its_space() -> None:
     """As far from the nearer disc as from the wall of its socket."""
     design = override(unlike("few"), [*ERRORS, "gear.discs=2"])
     design = with_clearances(design, 0.5e-6, pin_socket=4e-6)

@@ -164,7 +164,7 @@ def test_flanks_of_an_internal_gear_close_as_the_exact_gaps_do() -> None:
             assert np.abs(nearest - width).min() < 1e-11
 
 
-def test_many_crank_angles_at_once_are_each_of_them() -> None:
+def test_many_crank_angles_in_one_call_equal_single_calls() -> None:
     design = override(PRESETS["pin"], list(ERRORS))
     angles = np.array([0.0, 1.0, 4.0])
     together, places = arc_gaps(Reducer(design), angles), cam_displacements(Reducer(design), angles)

@@ -75,7 +75,7 @@ def test_more_discs_are_more_bodies_and_more_pairs(kind: str) -> None:
 
 
 @pytest.mark.parametrize("discs", [1, 2, 3, 4])
-def test_discs_stand_beside_each_other_between_the_ends_of_pins_and_ring(discs: int) -> None:
+def test_discs_are_next_to_each_other_between_the_ends_of_pins_and_ring(discs: int) -> None:
     """Along z each disc is as wide as its own surfaces; what spans all discs reaches from the first to the last."""
     design = override(PRESETS["pin"], [f"gear.discs={discs}", "gear.disc_gap_mm=3.0"])
     model = build(design).model

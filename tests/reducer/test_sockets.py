@@ -185,7 +185,7 @@ def test_parts_that_are_not_drawn_are_refused(make):
 
 
 @pytest.mark.slow
-def test_a_pin_that_its_socket_does_not_hold_ends_the_run():
+def test_a_pin_that_its_socket_does_not_retain_ends_the_run():
     design = override(PIN, ["ring.pin_radius_mm=1.2", "drive.ramp_s=0", "drive.hold_s=0.02", "load.torque_nm=10"])
     with pytest.raises(RunError, match="left its socket"):
         simulate(design)

@@ -60,7 +60,7 @@ def test_without_load_the_gears_own_forces_work():
     assert Reducer(loaded(-RATED)).contacts.working_load == RATED
 
 
-def test_what_is_given_comes_first():
+def test_stated_values_have_priority():
     given = loaded(RATED, "contact.working_force_n=100", "working_force.output_n=300", "contact.working_load_nm=5")
     assert (Reducer(given).contacts["pin_gear"].force, Reducer(given).contacts["output"].force) == (100.0, 300.0)
     assert Reducer(given).contacts["output"].source == "given"
@@ -77,7 +77,7 @@ def test_what_is_made_for_any_load_is_made_for_the_rated_one():
 
 
 @pytest.mark.parametrize("design", [PIN, NONPIN, loaded(RATED), override(NONPIN, ["working_force.cam_n=900"])])
-def test_a_run_tells_its_working_forces(design):
+def test_a_run_states_its_working_forces(design):
     told = provenance(Reducer(design))["working_forces"]
     kinds = ("tooth",) if design.ring.kind == "nonpin" else ("pin_gear", "pin_socket")
     assert told == Reducer(design).contacts.working_forces_text([*kinds, "cam", "output"])
@@ -90,6 +90,6 @@ def test_the_model_has_the_stiffness_of_its_load():
     assert all(busy[kind].stiffness > idle[kind].stiffness for kind in busy)
 
 
-def test_a_load_beyond_a_line_contact_is_told_by_its_key():
+def test_a_load_beyond_a_line_contact_is_reported_by_its_key():
     with pytest.raises(ContactError, match=r"^load\.torque_nm \(a working load of 1e\+05 N m\) is too large: "):
         assert Reducer(loaded(1e5, "gear.face_width_mm=0.1")).contacts["output"].stiffness

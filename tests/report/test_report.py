@@ -123,7 +123,7 @@ def test_every_section_and_figure_has_its_place(text, both):
     assert used <= Page(both).ids()
 
 
-def test_a_loss_that_comes_back_is_explained_below_its_table(pin):
+def test_a_negative_loss_is_explained_below_its_table(pin):
     (item,) = review({"a.mcap": pin})
     (first, *others) = item.findings.losses
     for power, explained in ((-1e-3, True), (1e-3, False)):
@@ -132,7 +132,7 @@ def test_a_loss_that_comes_back_is_explained_below_its_table(pin):
         assert ("is elastic energy that is returned" in text) == explained
 
 
-def test_backlash_and_stiffness_by_statics_stand_beside_what_the_run_tells(pin, text):
+def test_backlash_and_stiffness_by_statics_are_next_to_what_the_run_tells(pin, text):
     told = [words for tag, words in Page(text).texts if tag in ("dt", "dd")]
     for name, key in (("backlash", "backlash_arcmin"), ("stiffness at 36 N m", "stiffness_nm_per_arcmin")):
         one = FIGURES_OF_DESIGNS[key]
@@ -265,7 +265,7 @@ def test_no_spectrum_of_less_than_a_turn():
     assert "figure-spectrum" not in page.ids()
 
 
-def test_warnings_say_what_spoils_the_numbers(pin):
+def test_warnings_state_what_spoils_the_numbers(pin):
     def told(run) -> list[str]:
         (reviewed,) = review({"a.mcap": run})
         return list(reviewed.findings.warnings)

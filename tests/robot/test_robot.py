@@ -81,7 +81,7 @@ def told(files: Path) -> dict:
     return json.loads((files / "reducer.json").read_text())
 
 
-def test_a_joint_is_drawn_and_says_what_it_is_in_a_line(few: ReducedJoint) -> None:
+def test_a_joint_is_drawn_and_describes_itself_in_a_line(few: ReducedJoint) -> None:
     assert repr(few).startswith(f"<ReducedJoint: {few.name}, ")
     assert few.frame.rows == len(few.quantities)
     (line,) = few.plot().axes[0].lines
@@ -208,7 +208,7 @@ def test_steps_are_recommended_by_an_impact(told: dict) -> None:
     assert told["scene"]["timestep_s"] <= 1e-3
 
 
-def test_the_output_rests_where_the_springs_say_whatever_the_play(few: ReducedJoint) -> None:
+def test_the_output_rests_where_the_springs_balance_at_any_play(few: ReducedJoint) -> None:
     """Play from 0.1 arcmin to 5 deg, and a damping that would take minutes to cross it under the small torque."""
     for arcmin in (0.1, 10.0, 150.0, 300.0):
         half = 0.5 * arcmin * ARCMINUTE
@@ -318,7 +318,7 @@ print(json.dumps({"turn": turned[0] - turned[1], "version": mujoco.__version__})
 
 
 @pytest.mark.slow
-def test_a_reducer_comes_back_from_its_file(files: Path) -> None:
+def test_a_reducer_is_restored_from_its_file(files: Path) -> None:
     reduced = ReducedJoint.read(files / "reducer.json")
     again = ReducedJoint.from_json(json.loads(json.dumps(reduced.as_json())))
     assert again == reduced
@@ -366,7 +366,7 @@ def test_other_designs_hold_too(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_reducer_that_locks_itself_holds_its_load() -> None:
+def test_a_reducer_that_locks_itself_supports_its_load() -> None:
     """With friction from the load the output cannot turn the crank; the same without `step` lets it go."""
     reduced, turned = joint_of("printed"), []
     for level in ("full", "backlash"):
@@ -488,7 +488,7 @@ def test_the_lossy_joint_loses_as_much_in_mujoco_alone(few: ReducedJoint, drivin
 
 
 @pytest.mark.parametrize("slower", [1.0, 64.0])
-def test_the_lossy_joint_tells_driving_from_being_driven(few: ReducedJoint, slower: float) -> None:
+def test_the_lossy_joint_distinguishes_driving_from_being_driven(few: ReducedJoint, slower: float) -> None:
     """Where a drive loses half as much again driving as driven, one shoe loses both, within 2 points, if slow too."""
     driven = tuple(tuple(one / 6.0 for one in row) for row in few.friction.driven)
     other = replace(
@@ -644,7 +644,7 @@ def test_a_drive_is_the_design_with_what_was_drawn(drives: Population) -> None:
     )
 
 
-def test_ranges_hold_what_is_drawn_and_follow_a_design_beyond_them(drives: Population) -> None:
+def test_ranges_meet_what_is_drawn_and_follow_a_design_beyond_them(drives: Population) -> None:
     for one in drives.ranges:
         assert one.low < one.high
         for key, low in one.low_values.items():
@@ -666,7 +666,7 @@ def test_the_correlation_is_that_of_the_drives(drives: Population) -> None:
     assert found[0, 3] == pytest.approx(float(np.mean(one * other)))
 
 
-def test_a_varied_joint_has_the_parameters_that_were_asked_for(few: ReducedJoint) -> None:
+def test_a_varied_joint_has_the_parameters_that_were_requested(few: ReducedJoint) -> None:
     """Play, slope and torque of friction by the joint's own methods, each moved alone by its factor."""
     same = dict.fromkeys(standalone.PARAMETERS, 1.0)
     assert few.varied(same).stops == pytest.approx(few.stops, rel=1e-14)
@@ -809,7 +809,7 @@ def test_a_joint_that_cannot_take_it_is_refused(few: ReducedJoint, joint: str, m
     spec.compile()
 
 
-def test_a_model_that_does_not_compile_is_told(few: ReducedJoint) -> None:
+def test_a_model_that_does_not_compile_is_reported(few: ReducedJoint) -> None:
     spec = mujoco.MjSpec.from_string("<mujoco><worldbody><body><joint name='j'/></body></worldbody></mujoco>")
     with pytest.raises(UsageError, match="cannot compile the robot's model"):
         cm.attach_reducer(spec, "j", few)
@@ -844,7 +844,7 @@ def test_a_spoiled_reducer_is_refused(few: ReducedJoint, change: dict, told: str
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"joint": {}}', '{"joint": {"name": "x", "springs": [1]}}'])
-def test_a_file_that_is_no_reducer_is_refused(tmp_path: Path, text: str) -> None:
+def test_a_file_that_is_not_a_reducer_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "reducer.json"
     path.write_text(text)
     with pytest.raises(CycloidError, match=r"reducer\.json"):
@@ -922,7 +922,7 @@ def test_a_joint_whose_error_changes_with_the_load_by_more_than_it_winds_up_has_
         ((5.0, "discrete"), "; leave out --timestep-ms and --integrator, or use a larger --load-inertia-kgm2"),
     ],
 )
-def test_advice_names_flags_that_were_given_alone(
+def test_advice_names_flags_that_were_stated_alone(
     few: ReducedJoint, given: tuple[float | None, str | None], advice: str
 ) -> None:
     asked = try_time_step(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
@@ -930,7 +930,7 @@ def test_advice_names_flags_that_were_given_alone(
     assert told.endswith(f"unstable{advice}")
 
 
-def test_an_unstable_scene_is_told(few: ReducedJoint) -> None:
+def test_an_unstable_scene_is_reported(few: ReducedJoint) -> None:
     asked = try_time_step(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
     assert not asked.stable
     assert asked.summary == "unstable"
@@ -964,7 +964,7 @@ def test_wrong_flags_are_one_line(flags: list[str], message: str, code: int, tmp
     assert not list(tmp_path.glob("made/*"))
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path, capsys) -> None:
+def test_a_folder_that_cannot_be_created_is_reported(tmp_path: Path, capsys) -> None:
     (tmp_path / "file").write_text("")
     assert main(["reduce", "--design", "pin", "--out", str(tmp_path / "file" / "made")]) == 1
     assert "Choose another folder with --out" in capsys.readouterr().err

@@ -209,7 +209,7 @@ def test_frames_show_parts_and_forces_where_they_are(pin_run):
         assert tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5)) in colours, look
 
 
-def test_stage_moves_what_it_is_told(pin_run, monkeypatch):
+def test_the_stage_moves_the_requested_parts(pin_run, monkeypatch):
     """The artists' own data: arrow tips, forces, bars and closed form are those of the row."""
     columns = {name: values[100:103] for name, values in pin_run.columns.items()}
     drawn = magnify_gaps(Reducer(PIN), measure_gaps(Reducer(PIN), columns), 100.0)

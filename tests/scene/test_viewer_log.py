@@ -336,7 +336,7 @@ def test_cut_log_keeps_scene_and_samples_of_its_whole_chunks(small, tmp_path):
         assert mended.run.attachments == found.run.attachments
 
 
-def test_random_damage_to_a_log_with_a_scene_never_gives_wrong_numbers(small, tmp_path):
+def test_random_damage_to_a_log_with_a_scene_never_yields_wrong_numbers(small, tmp_path):
     design = DESIGNS["nonpin"]
     path = tmp_path / "run.mcap"
     write(path, design, small, 1000.0, chunk_size=60_000)
@@ -421,7 +421,7 @@ def test_findings_come_last_and_are_read_back(small, tmp_path):
     log.flush()
 
 
-def test_run_that_goes_wrong_has_no_frame_of_it(small, tmp_path):
+def test_a_failed_run_has_no_frame_of_its_failure(small, tmp_path):
     """A last sample that is not a number is logged, but no viewer is asked to draw it."""
     columns = {name: values.copy() for name, values in small.columns.items()}
     columns["gear_x"][-1] = np.nan
@@ -480,7 +480,7 @@ def test_layout_names_what_the_log_has(logged):
     assert all(f'"{name}"' in arranged for name in found["configById"])
 
 
-def test_rerun_is_asked_for_clearly_where_it_is_missing(small, tmp_path, monkeypatch):
+def test_a_missing_rerun_package_is_reported_clearly(small, tmp_path, monkeypatch):
     from cycloid_mj.scene.rerun import write_rerun
 
     monkeypatch.setitem(sys.modules, "rerun", None)

@@ -83,7 +83,7 @@ def small() -> Answer:
     return size_drive(SMALL)
 
 
-def test_the_drives_hold_what_is_asked_and_differ(small: Answer) -> None:
+def test_the_drives_meet_the_requirement_and_differ(small: Answer) -> None:
     require_kept(small)
     lightest, *others = small.drives
     assert all(lightest.figures["mass_kg"] < drive.figures["mass_kg"] for drive in others)
@@ -97,7 +97,7 @@ def test_the_drives_hold_what_is_asked_and_differ(small: Answer) -> None:
 
 
 @pytest.mark.slow
-def test_its_data_sheet_says_the_same(small: Answer) -> None:
+def test_its_data_sheet_states_the_same(small: Answer) -> None:
     sheet = datasheet(Reducer(small.drives[0].design)).as_json()
     assert sheet["rated_torque_nm"] >= SMALL.torque
     assert sheet["life_h"] == SMALL.life
@@ -118,7 +118,7 @@ def test_the_drive_of_the_readme_meets_its_requirement_within_its_tolerances() -
 
 @pytest.mark.slow
 @pytest.mark.parametrize("asked", draw_requirements(2, seed=1), ids=str)
-def test_random_requirements_are_held_or_the_most_that_goes_is_told(asked: Requirement) -> None:
+def test_random_requirements_are_met_or_the_maximum_torque_is_reported(asked: Requirement) -> None:
     require_kept(size_drive(asked), ways=1)  # forty: scripts/requirements_grid.py
 
 
@@ -166,7 +166,7 @@ def test_where_play_lets_the_usual_teeth_snap_over_others_are_found() -> None:
 
 
 @pytest.mark.slow
-def test_what_no_single_change_mends_is_told_together() -> None:
+def test_combined_changes_are_reported_if_no_single_one_suffices() -> None:
     hot = size_drive(Requirement(5, 0.141, 116.0, process="printed"))
     assert re.search(r"steel in place of printed, \d+ rpm and \d+ mm", hot.refusal), hot.refusal
     require_kept(hot)
@@ -188,7 +188,7 @@ def test_several_discs_share_the_load(discs: int) -> None:
 
 
 @pytest.mark.slow
-def test_a_range_of_ratios_leaves_the_one_that_bears_the_most() -> None:
+def test_the_best_ratio_of_a_range_has_the_largest_torque() -> None:
     assert best_ratio(SMALL, 18, 22).ratio in range(18, 23)
 
 
@@ -280,7 +280,7 @@ def test_custom_sizes_are_free() -> None:
 
 
 @pytest.mark.slow
-def test_no_parts_in_stock_is_told_with_what_goes() -> None:
+def test_missing_parts_in_stock_are_reported_with_a_feasible_alternative() -> None:
     refused = size_drive(Requirement(7, 0.026, 0.1))
     assert "no pins and bearings in stock fit" in refused.refusal
     assert any(way.requirement.custom for way in refused.remedies)
@@ -288,7 +288,7 @@ def test_no_parts_in_stock_is_told_with_what_goes() -> None:
 
 
 @pytest.mark.slow
-def test_too_little_room_for_parts_in_stock_is_told_with_a_length_too() -> None:
+def test_too_little_space_for_parts_in_stock_is_reported_with_a_length_too() -> None:
     refused = size_drive(Requirement(5, 0.0926, 13.6, length=0.0425))
     (way,) = refused.remedies
     assert re.fullmatch(r"a length of more than 42.5 mm and \d+ mm", way.words)  # a change of length comes first
@@ -414,21 +414,21 @@ def test_printed_drives_run_a_quarter_of_the_time_by_default() -> None:
 
 
 @pytest.mark.slow
-def test_no_room_for_a_gear_is_said_with_a_size_that_goes() -> None:
+def test_missing_space_for_a_gear_is_reported_with_a_feasible_size() -> None:
     refused = size_drive(Requirement(119, 0.02, 0.1, process="printed"))
     assert "no disc with a ratio of 119 fits into 20 mm" in refused.refusal
     assert refused.most == 0.0
 
 
 @pytest.mark.slow
-def test_too_little_length_is_told_with_one_that_goes() -> None:
+def test_too_little_length_is_reported_with_one_that_is_feasible() -> None:
     refused = size_drive(Requirement(10, 0.0765, 0.77, process="milled", length=0.02))
     assert [way.requirement.length > 0.02 for way in refused.remedies] == [True]
     require_kept(refused)
 
 
 @pytest.mark.slow
-def test_where_neither_torque_nor_backlash_is_held_a_way_holds_both() -> None:
+def test_an_alternative_meets_both_torque_and_backlash() -> None:
     asked = Requirement(39, 0.0379, 1.62, process="printed", backlash=3.7)
     refused = size_drive(asked)
     assert "its backlash is" in refused.refusal
@@ -437,7 +437,7 @@ def test_where_neither_torque_nor_backlash_is_held_a_way_holds_both() -> None:
 
 
 @pytest.mark.slow
-def test_the_most_that_goes_keeps_the_backlash_too() -> None:
+def test_the_largest_feasible_torque_keeps_the_backlash_too() -> None:
     require_kept(size_drive(Requirement(46, 0.0824, 4.1, process="printed", backlash=9.18)), least_ways=0)
 
 
@@ -506,7 +506,7 @@ def test_the_command_writes_files_and_their_figures(tmp_path: Path, monkeypatch,
     assert "mine.toml" in capsys.readouterr().err
 
 
-def test_a_length_is_stated_as_feasible_with_what_it_is_made_of() -> None:
+def test_a_feasible_length_is_stated_with_its_parts() -> None:
     """A drive of 55.9 mm exists where "it needs a length of 68 mm" was printed: what was found is no least length."""
     asked = TOO_MUCH.but(length=0.05)
     reducer = Reducer(PRESETS["pin"])
@@ -521,7 +521,7 @@ def test_a_length_is_stated_as_feasible_with_what_it_is_made_of() -> None:
 
 
 @pytest.mark.slow
-def test_a_way_out_of_a_range_of_ratios_keeps_the_best_of_them(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_an_option_out_of_a_range_of_ratios_keeps_the_best_of_them(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     asked = ["design", "new", "mine", "--ratio-range", "19:21", "--diameter-mm", "40", "--torque-nm", "40"]
     assert main([*asked, "--json"]) == 1
@@ -544,7 +544,7 @@ def test_an_answer_does_not_depend_on_searches_before_it() -> None:
 
 
 @pytest.mark.parametrize("size", [pytest.param(size_drive, marks=pytest.mark.slow), refuse], ids=["search", "known"])
-def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsys, size) -> None:
+def test_the_command_states_the_largest_feasible_torque(tmp_path: Path, monkeypatch, capsys, size) -> None:
     monkeypatch.chdir(tmp_path)
     search_once = functools.cache(size)
     monkeypatch.setattr("cycloid_mj.sizing.drives.size_drive", lambda wanted, _: search_once(wanted))
@@ -586,7 +586,9 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
         ),
     ],
 )
-def test_the_command_says_what_is_missing(tmp_path: Path, monkeypatch, capsys, flags: list[str], message: str) -> None:
+def test_the_command_reports_missing_components(
+    tmp_path: Path, monkeypatch, capsys, flags: list[str], message: str
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["design", "new", "mine", *flags]) == 2
     assert message in " ".join(capsys.readouterr().err.split())

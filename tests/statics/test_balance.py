@@ -120,7 +120,7 @@ def test_failed_equilibrium_near_the_friction_limit_is_a_jam() -> None:
         require_balance(Residual(2.18, 0, 1), springs_of(less, [0.7]).contacts, load)
 
 
-def test_a_jam_is_told_with_the_friction_that_is_borne() -> None:
+def test_a_jam_is_reported_with_the_largest_friction_in_equilibrium() -> None:
     design = override(PRESETS["pin"], ["ring.pins=fixed", "friction.pin_gear=0.9"])
     with pytest.raises(RunError, match=r"friction jams the drive under this load at any crank torque .*% of"):
         loads(Reducer(design), springs_of(Reducer(design)), design.rated_torque)

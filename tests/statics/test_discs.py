@@ -179,7 +179,7 @@ def test_discs_are_identical_if_a_rotation_aligns_teeth_and_holes(discs: int) ->
     assert seen == {True, False}
 
 
-def test_the_check_tells_which_number_of_output_pins_makes_discs_alike() -> None:
+def test_the_check_states_the_numbers_of_output_pins_with_identical_discs() -> None:
     alike = next(item for item in check(TWODISC) if item.name == "identical_discs")
     assert alike.passed
     even = override(TWODISC, ["ring.teeth=29", "output.pins=6"])

@@ -148,7 +148,9 @@ def test_preload_without_halves_is_refused(capsys: pytest.CaptureFixture[str]) -
 
 
 @pytest.mark.parametrize("words", ["tolerance", "stress --quick", "export --plate --out {out}"])
-def test_what_knows_one_ring_alone_says_so(words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_features_of_one_kind_of_ring_are_reported(
+    words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     name, *flags = words.format(out=tmp_path).split()
     assert main([name, "printed", "--set", "ring.halves=2", *flags]) == 1
     error = capsys.readouterr().err

@@ -219,7 +219,7 @@ def test_the_equations_of_a_path_fall_with_its_point(name: str, lag: float, way:
 
 
 @pytest.mark.parametrize("name", ["pin", "light"])
-def test_what_is_well_open_is_seen_at_once(name: str) -> None:
+def test_wide_open_gaps_are_recognised_immediately(name: str) -> None:
     """Of concave curves as soon as the gap is wider than the third order may make it; their roots cost the most."""
     contacts, draw = springs(name, "structure=rigid"), np.random.default_rng(8).uniform
     rest, shape, hollow = np.zeros(contacts.slope.shape[2]), contacts.distance.shape, contacts.bend[0] <= 0.0
@@ -329,7 +329,7 @@ def balanced(name: str, follow: bool, friction: bool) -> Residual:
 
 
 @pytest.mark.parametrize("name", STEPS)
-def test_a_balance_takes_few_steps(name: str) -> None:
+def test_a_balance_needs_few_steps(name: str) -> None:
     found = [balanced(name, follow, friction) for follow, friction in ((False, False), (True, False), (True, True))]
     assert all(left.force <= RESIDUAL_RTOL for left in found)
     for left, most in zip(found, STEPS[name], strict=True):
@@ -458,7 +458,7 @@ def looped(name: str, held: Held, course: np.ndarray = LOOP) -> Residual:
 
 
 @pytest.mark.parametrize("name", cases(LOOPS, "pin", "printed", "few"))
-def test_a_loop_takes_few_steps(name: str) -> None:
+def test_a_loop_needs_few_steps(name: str) -> None:
     found = [looped(name, held) for held in HELD]
     for left, most in zip(found, LOOPS[name], strict=True):
         assert left.force == 0.0
@@ -607,7 +607,7 @@ def test_gaps_fall_with_their_gradient_and_normals_turn_at_their_rate(name: str,
             np.testing.assert_allclose(ours, exact, rtol=0.0, atol=6e-6 * np.abs(exact).max())
 
 
-def test_the_width_goes_on_without_a_step_where_foot_points_begin_to_be_looked_for() -> None:
+def test_the_gap_is_continuous_where_the_foot_point_search_begins() -> None:
     """On a convex flank the third order hands over smoothly: a step would be a leap of the second difference."""
     contacts = springs("2")
     rest, size = np.zeros(contacts.slope.shape[2]), contacts.trochoid[0]

@@ -24,7 +24,7 @@ def test_the_inertia_follows_by_the_second_derivative() -> None:
     assert inertia_share(reducer, turn, 5.0) == pytest.approx(known, rel=1e-9)
 
 
-def test_a_drive_whose_load_cannot_follow_says_by_how_much_runs_differ() -> None:
+def test_a_drive_whose_load_cannot_follow_states_by_how_much_runs_differ() -> None:
     with pytest.warns(
         CycloidWarning, match=r"1000 rpm, the inertia torque of the load would be 0\.59.* by up to 1 percentage points"
     ):

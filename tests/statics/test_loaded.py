@@ -132,7 +132,7 @@ def test_a_crank_that_turns_backwards_is_the_mirror_image():
     )
 
 
-def test_a_pin_that_stands_out_carries_more():
+def test_a_protruding_pin_carries_more():
     _, found = carried(PRESETS["pin"])
     _, thick = carried(override(PRESETS["pin"], ["errors.pin_dr_um={5 = 0.9}"]))
     assert thick.teeth[:, 4].max() > found.teeth[:, 4].max() + 50.0

@@ -54,7 +54,7 @@ def test_elements_share_the_friction_and_slip_over_its_travel() -> None:
     assert not slip_elements(Reducer(resolve("printed"))).limits.size
 
 
-def test_a_loop_takes_the_work_of_its_friction() -> None:
+def test_a_loop_dissipates_the_work_of_its_friction() -> None:
     """Friction that acts at once takes twice its torque times the turn from one end to the other."""
     elements = SlipElements(np.array([2.0]), np.array([2e5]))
     torque = np.concatenate([np.linspace(0, 20, 300), np.linspace(20, -20, 600), np.linspace(-20, 20, 600)])

@@ -87,7 +87,7 @@ def coefficients(design: Design) -> dict[str, float]:
 
 
 @pytest.mark.slow
-def test_just_short_of_what_parts_without_play_bear_all_balance() -> None:
+def test_all_drives_balance_just_below_the_friction_limit_without_play() -> None:
     """Friction of which they bear 1.03 lets every drive turn; beyond, play lets some, whose balances are held too."""
     draw, tried = np.random.default_rng(31), 0
     for drive in random_drives(18, 31):
@@ -123,7 +123,7 @@ def test_a_ring_whose_losses_are_many_times_its_load_balances(monkeypatch: pytes
     assert 0.01 < found.efficiency < 0.05
 
 
-def test_a_jam_is_told_where_friction_takes_all_that_ideal_teeth_give() -> None:
+def test_a_jam_is_reported_if_friction_exceeds_the_torque_of_ideal_teeth() -> None:
     """Under ideal sharing normal forces rise by 1/(1 - mu a), a the loss of the mesh alone, to infinity."""
     design = override(PRESETS["pin"], ["ring.pins=fixed"])
     cranks = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)

@@ -69,7 +69,7 @@ def test_a_sample_is_the_statics_of_a_design_made_so(name: str, friction: bool) 
 
 
 @pytest.mark.parametrize("name", ["pin", "twodisc", "printed"])
-def test_one_pass_of_three_torques_gives_the_bits_of_three(name: str) -> None:
+def test_a_pass_of_three_torques_is_bit_equal_to_three_passes(name: str) -> None:
     reducer = Reducer(override(PRESETS[name], ERRORS))
     made, torques = varied(reducer.design, 2), [share * reducer.design.rated_torque for share in (1e-4, -1e-4, 1.0)]
     for torque, found in zip(torques, solve_samples(reducer, made, torques, 24), strict=True):

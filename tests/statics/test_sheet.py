@@ -77,7 +77,7 @@ def test_every_kind_of_design_has_every_figure(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", presets_for("stress"))
-def test_what_a_spring_gives_is_told_by_its_work(name: str) -> None:
+def test_the_deflection_of_a_spring_follows_from_its_work(name: str) -> None:
     """Next to no play, so that no contact comes or goes: a softer spring turns the output by what is told of it."""
     clearance = dict.fromkeys(type(PRESETS[name].clearance).model_fields, 1e-10)
     design = Reducer(PRESETS[name].but(clearance=clearance)).working_at(PRESETS[name].rated_torque).design
@@ -130,7 +130,7 @@ def crank_power(design: Design, found: Loads, springs: Springs) -> float:
     return float((held + design.friction_of("cam") * design.gear.bore_radius * pressed) * design.drive.speed)
 
 
-def test_losses_are_what_the_crank_gives_more_than_the_output_takes() -> None:
+def test_losses_are_input_power_minus_output_power() -> None:
     design, torque = PRESETS["nonpin"], 36.68
     springs = springs_of(Reducer(design), np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False))
     found = loads(Reducer(design), springs, torque)
@@ -138,7 +138,7 @@ def test_losses_are_what_the_crank_gives_more_than_the_output_takes() -> None:
 
 
 @pytest.mark.parametrize("share", [pytest.param(1e-4, marks=pytest.mark.slow), 1e-3])
-def test_a_ring_under_little_load_leaves_the_carrier_what_the_losses_ask_for(share: float) -> None:
+def test_under_a_light_ring_load_the_carrier_supports_the_losses(share: float) -> None:
     """Discs flung outwards at four times the speed rub more than the load: the carrier is held against its sense."""
     fast = override(PRESETS["twodisc"], ["gear.bearing=plain", "friction.cam=0.25", "friction.output=0.25"])
     design = fast.but(output={"member": "ring"}, drive={"speed": 4.0 * fast.drive.speed})
@@ -149,14 +149,14 @@ def test_a_ring_under_little_load_leaves_the_carrier_what_the_losses_ask_for(sha
     assert np.abs(found.share).max() < 2.0
 
 
-def test_a_reducer_that_locks_says_so() -> None:
+def test_a_reducer_that_locks_is_reported() -> None:
     found = sheet(Reducer(unlike("printed"))).quantities
     assert found["back_driving_efficiency"].value == 0.0
     assert math.isnan(found["back_driving_torque_rated"].value)
     assert "self-locking" in found["back_driving_efficiency"].note
 
 
-def test_against_which_torque_it_locks_is_said() -> None:
+def test_the_torque_of_self_locking_is_stated() -> None:
     """At these coefficients the rated torque drives a crank without load, but none that brakes by its share of it."""
     for friction, said in ((0.38, "drives a crank without load"), (0.45, "does not drive a crank without load")):
         found = sheet_part(Reducer(override(FIXED, [f"friction.pin_gear={friction}"])), "losses")[

@@ -21,7 +21,7 @@ def test_the_load_is_the_designs_own_where_it_has_one(capsys: pytest.CaptureFixt
     assert told["condition"].startswith("7 N m")
 
 
-def test_what_gives_is_not_called_rigid() -> None:
+def test_compliant_parts_are_not_called_rigid() -> None:
     found = sheet(Reducer(override(PRESETS["pin"], ["structure=springs"])))
     assert found.assumptions[0].startswith("statics: output pins, carrier, shaft and housing are elastic")
     assert sheet(Reducer(PRESETS["pin"])).assumptions[0].startswith("statics: parts are rigid")

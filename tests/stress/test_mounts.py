@@ -74,7 +74,7 @@ def test_twice_the_elements_change_a_pins_give_by_less_than_a_thousandth(monkeyp
     assert solve_stud_beam(PRINTED, STUDS) == pytest.approx(coarse, rel=1e-3)
 
 
-def test_a_crank_gives_by_its_seats_and_its_post() -> None:
+def test_the_compliance_of_a_crank_is_that_of_seats_and_post() -> None:
     told = read_mounts(DRAWN).crank
     assert told is not None
     modulus, total = PRINTED.design.material_of("housing").youngs_modulus, told.to_hub + told.to_housing
@@ -125,7 +125,7 @@ def test_another_modulus_is_that_of_all_printed_parts_and_of_no_steel() -> None:
         ("[studs\n", "is not valid TOML"),
     ],
 )
-def test_a_wrong_file_of_mounts_is_told(tmp_path: Path, text: str, told: str) -> None:
+def test_a_wrong_file_of_mounts_is_reported(tmp_path: Path, text: str, told: str) -> None:
     path = tmp_path / "mounts.toml"
     path.write_text(text)
     with pytest.raises(DesignError, match=r"mounts\.toml") as caught:
@@ -133,7 +133,7 @@ def test_a_wrong_file_of_mounts_is_told(tmp_path: Path, text: str, told: str) ->
     assert told in str(caught.value)
 
 
-def test_a_missing_file_of_mounts_is_told(tmp_path: Path) -> None:
+def test_a_missing_file_of_mounts_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"the file of mounts .*none\.toml does not exist"):
         read_mounts(tmp_path / "none.toml")
 

@@ -218,7 +218,7 @@ def test_free_parts_are_in_balance(request, kind, part):
 
 
 @pytest.mark.parametrize("kind", ["pin", pytest.param("nonpin", marks=pytest.mark.slow)])
-def test_the_gear_accelerates_as_the_closed_form_says_but_for_vibration(request, kind):
+def test_the_acceleration_of_the_gear_is_the_closed_form_plus_vibration(request, kind):
     """The acceleration comes from the logged forces; the closed form is a second way to it."""
     run, design = runs(request, kind)
     sampled, loads = select_turn(run, Reducer(design)), part_loads(run, Reducer(design), "gear")
@@ -507,7 +507,7 @@ def test_refinement_holds_below_its_bound():
     assert (idle.change, idle.scatter) == (0.0, 0.0)
 
 
-def test_a_part_tells_what_it_would_be_at_other_bulk_distances():
+def test_the_stress_of_a_part_is_stated_at_other_bulk_distances():
     found = made_findings("pin", gear=[1.0, 2.0])
     written = found.as_json()["parts"][0]
     assert written["bulk_distance_mm"] == pytest.approx(1.0)
@@ -516,7 +516,7 @@ def test_a_part_tells_what_it_would_be_at_other_bulk_distances():
     assert bulk_table(found)[0][1:4] == ["2", "1", "-25 %"]
 
 
-def test_a_pin_without_load_is_told_to_be_idle():
+def test_a_pin_without_load_is_reported_as_idle():
     judged = claims([made_findings("pin", pin_1=np.zeros(36))])
     assert "never loaded" in judged[0].ours.text
 
@@ -702,7 +702,7 @@ def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
     ],
 )
 @needs_fem
-def test_mistakes_are_told_in_one_line(told, log, tmp_path, argv, exit_code, words):
+def test_wrong_input_is_reported_in_one_line(told, log, tmp_path, argv, exit_code, words):
     code, out, err = told(*(word.format(tmp_path, log=log) for word in argv))
     lines = unwarned(err)
     assert (code, out, len(lines)) == (exit_code, "", 1), err
@@ -710,7 +710,7 @@ def test_mistakes_are_told_in_one_line(told, log, tmp_path, argv, exit_code, wor
     assert words in lines[0]
 
 
-def test_without_the_extra_one_line_says_what_to_install(told, monkeypatch):
+def test_without_the_extra_one_line_states_what_to_install(told, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "gmsh", None)
     code, out, err = told("--design", "pin")
     assert (code, out) == (1, "")

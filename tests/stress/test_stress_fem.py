@@ -396,7 +396,7 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
 
 
-def test_a_grid_keeps_nothing_of_a_basis_that_is_let_go() -> None:
+def test_a_grid_keeps_nothing_of_a_basis_that_is_released() -> None:
     """Beside the factor, derivatives of its mapping at all quadrature points would be the peak of memory."""
     grid = planar_grid(ring_region(1.0, 2.0), GridSettings(), 1.0)
     elastic.basis_of(grid, vector=False, order=2)
@@ -501,7 +501,7 @@ def test_a_singular_support_is_refused() -> None:
             elastic.assemble_body(replace(grid, fixed_nodes=held), STEEL, loose=())
 
 
-def test_mistakes_are_told() -> None:
+def test_wrong_input_is_reported() -> None:
     grid = part_grid(PIN, "pin_1")
     outside = made_loads("pin_1", [[[0.0, 1.0]]], [[[0.0, -1.0]]], 1e-5)
     with pytest.raises(CycloidError, match="contact_0 of the pin_1 lies"):
@@ -518,7 +518,7 @@ def test_mistakes_are_told() -> None:
         solve(PIN, part_grid(PIN, "shaft", GridSettings(refinement=0.5)), replace(outside, labels=("pin_1",)))
 
 
-def test_a_part_that_does_not_mesh_is_told() -> None:
+def test_a_part_that_does_not_mesh_is_reported() -> None:
     bow = np.array([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]) * 1e-3
     crossed = Region("ring", (Boundary(bow, "outline", touched="line"),), WIDTH)
     with pytest.raises(CycloidError, match="cannot generate a finite-element mesh of the ring: one of its outlines"):

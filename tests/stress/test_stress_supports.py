@@ -154,7 +154,7 @@ def test_bearings_stand_where_the_design_says() -> None:
     assert len(shaft_solid(Reducer(PIN)).prisms) == 4
 
 
-def test_open_pads_bear_nothing() -> None:
+def test_open_pads_carry_nothing() -> None:
     """Two springs under a rigid lever of which the load lifts one: all of it goes to the other, as by hand."""
     stiffness = np.array([1e8, 2e8])
     pads = Pads(None, stiffness)
@@ -226,7 +226,7 @@ def test_the_bulk_of_the_output_is_the_edge_of_what_is_left_out() -> None:
 
 @pytest.mark.slow
 @needs_fem
-def test_a_ring_on_bolts_bears_more_than_one_in_a_seat() -> None:
+def test_a_ring_on_bolts_carries_more_than_one_in_a_seat() -> None:
     """The bolts' circles do not move and balance the load; the ring between them bends, in a rigid seat it cannot."""
     wall = np.array([0.0, PIN.ring.pin_circle_radius + PIN.ring.pin_radius])
     turn = np.pi / 6  # midway between two of six bolts

@@ -198,7 +198,7 @@ def test_published_stresses_pass_and_fail_when_spoiled(monkeypatch):
     assert len(failed(published.hertz_rows(True))) == 9
 
 
-def test_the_efficiency_formula_gives_what_is_printed():
+def test_the_efficiency_formula_reproduces_its_printed_results():
     for case in published.WANG:
         assert published.total_efficiency(case) == pytest.approx(case.printed, abs=case.rounding)
     assert published.total_efficiency(replace(published.WANG[0], mesh_friction=0.051)) != pytest.approx(
@@ -270,7 +270,7 @@ def test_a_run_that_fails_is_judged_by_its_step():
         steps.judge_study(FREE, {1.0: RunError("a contact is deep"), 2.0: FIGURES}, 2.0)
 
 
-def test_friction_that_leads_by_too_much_is_told_under_a_light_load(monkeypatch):
+def test_friction_that_leads_by_too_much_is_reported_under_a_light_load(monkeypatch):
     assert failed(steps.light_load_rows(FIXED)) == []
     monkeypatch.setattr("cycloid_mj.dynamics.mjcf.model.impratio", lambda *_: 60.0 * law.FRICTION.impratio)
     assert len(failed(steps.light_load_rows(FIXED))) == 2
