@@ -37,7 +37,7 @@ NOT_IN_RV = frozenset(
             f"output.{name}"
             for name in (
                 *("pins", "pin_radius", "pin_circle_radius", "hole_radius", "rollers", "roller_bearing"),
-                *("core_radius", "fillet_radius", "disc_thickness", "support"),
+                *("core_radius", "fillet_radius", "disc_thickness", "support", "main_bearings"),
             )
         ),
         *(f"{table}.{pair}" for table in _PAIRS_OF_CRANK for pair in ("cam", "output")),

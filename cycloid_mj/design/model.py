@@ -248,6 +248,11 @@ class Output(Section):
         "support of the output pins: cantilever, by the output disc only; both_ends, also by a second "
         "disc beyond the cycloid discs",
     )
+    main_bearings: Literal["deep_groove", "angular_contact"] = choice(
+        "deep_groove",
+        "both bearings of the output's hub: deep_groove, sealed; angular_contact, a preloaded pair back to back, "
+        "for several times the tilting moment and stiffness",
+    )
 
     @property
     def turns_ring(self) -> bool:

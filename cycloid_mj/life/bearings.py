@@ -231,6 +231,10 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     """
     bearing = casing(reducer).hub
     row, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
+    if bearing.contact_angle:
+        source = f"of {bearing.designation}, estimated from series 618 by balls and contact angle (ISO 281, ISO 76)"
+        sources = f"C {source}", f"C0 {source}"
+        return Ratings(bearing.dynamic, bearing.static, *sources, row.pitch, rolling.BALL_EXPONENT)
     by_balls = rolling.ball_capacity(row.balls, row.diameter, row.pitch)
     spread = (by_balls / bearing.dynamic) ** rolling.BALL_EXPONENT
     spread_text = (

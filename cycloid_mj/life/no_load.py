@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.design import Design
 from cycloid_mj.design.lubricants import lubricant, walther
-from cycloid_mj.design.stock import ball_bearings, thin_ball_bearings
+from cycloid_mj.design.stock import ball_bearings
 from cycloid_mj.life.bearings import Bearing, bearings_of
 from cycloid_mj.life.loading import relative_speed
 from cycloid_mj.lubrication.bearings import idle_torque
@@ -111,7 +111,7 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
         return "needle", design.output.pins * design.gear.discs, design.output.root_radius + design.output.pin_radius
     if bearing.key.startswith("output"):
         hub = casing(reducer).hub
-        return "ball" if hub in thin_ball_bearings() else "needle", 1, 0.5 * (hub.bore + hub.outside)
+        return "ball", 1, 0.5 * (hub.bore + hub.outside)
     ball = shaft_bearing(reducer) in ball_bearings()
     return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))
 

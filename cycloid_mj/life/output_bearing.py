@@ -1,9 +1,11 @@
 """Load limits of the output flange in addition to the torque: tilting moment, radial and axial load.
 
-Covers and bearings are those of ``parts.export.casing``. Both bearings are rigid rings at a distance on a rigid hub;
-they also carry the forces of the discs on the output, and of the shaft where its bearing is in the hub. Load ratings
-are from a catalogue (``design.stock``). Balls, for the tilting stiffness, are estimated: 0.3 (D - d) in diameter, as
-many as fill 195 deg between the rings (Conrad assembly; Harris, Rolling Bearing Analysis).
+Covers and bearings are those of ``parts.export.casing``. Both bearings are rigid rings on a rigid hub, with the
+distance of their load centres: of their middles, or for angular contact bearings back to back of the points at which
+the lines of contact meet the axis. They also carry the forces of the discs on the output, and of the shaft where its
+bearing is in the hub. Load ratings are those of ``design.stock``. Balls, for the tilting stiffness, are estimated:
+0.3 (D - d) in diameter, as many as fill 195 deg between the rings (Conrad assembly; Harris, Rolling Bearing Analysis),
+or 270 deg of angular contact bearings (assumed).
 """
 
 import math
@@ -13,7 +15,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.design.stock import StockBearing
+from cycloid_mj.design.stock import ANGULAR_CONTACT, DEEP_GROOVE_FILLED_ANGLE, StockBearing
 from cycloid_mj.life import rolling
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.loading import FAR, Loading, solve_loading
@@ -24,15 +26,18 @@ from cycloid_mj.statics.bearings import Planes
 
 
 @dataclass(frozen=True)
-class DeepGrooveData:
-    """Data of deep groove ball bearings.
+class BallBearingData:
+    """Data of ball bearings.
 
     Attributes
     ----------
-    ball_share, filled_angle
-        Diameter of balls over D - d, and the angle between the rings that they fill [rad] (Harris, Conrad assembly).
+    ball_share
+        Diameter of balls over D - d (Harris).
     max_axial_share
-        Largest axial load on a bearing of diameter series 8 over its static rating (SKF, 2018).
+        Largest axial load on a deep groove bearing of diameter series 8 over its static rating (SKF, 2018).
+    axial_factor, static_axial_factor
+        Equivalent loads P = Y F_a and P_0 = Y_0 F_a of an axial load alone at a contact angle of 25 deg (ISO 281, Table
+        3; ISO 76, Table 2).
     no_clearance, usual_clearance
         Z Q/F of the most loaded ball: without clearance (NSK E728g, 5.1), and with the usual clearance (Stribeck).
     approach
@@ -40,19 +45,20 @@ class DeepGrooveData:
     """
 
     ball_share: float = 0.3
-    filled_angle: float = math.radians(195.0)
     max_axial_share: float = 0.25
+    axial_factor: float = 0.87
+    static_axial_factor: float = 0.38
     no_clearance: float = 4.37
     usual_clearance: float = 5.0
     approach: float = 0.44
 
 
-DEEP_GROOVE = DeepGrooveData()
+BALL_BEARINGS = BallBearingData()
 
 
 @dataclass(frozen=True)
 class BallRow:
-    """The balls of a deep groove bearing: their number, diameter and pitch diameter [m]."""
+    """The balls of a bearing: their number, diameter and pitch diameter [m]."""
 
     balls: int
     diameter: float
@@ -68,9 +74,9 @@ class OutputBearings:
     bearing, row
         The bearing of which there are two, and its balls.
     spacing
-        Distance of their middles [m].
+        Distance of their load centres [m].
     lever
-        Distance from the middle of the outer bearing to the flange's face [m].
+        Distance from the load centre of the outer bearing to the flange's face [m]; negative if it is beyond the face.
     dynamic, static
         Load ratings of one bearing [N].
     capacity
@@ -98,28 +104,32 @@ class OutputBearings:
     def radial(self) -> float:
         """Limit of a radial load on the flange's face in addition to the nominal torque [N]."""
         inner, outer = (max(self.capacity - own, 0.0) for own in self.own)
-        return min(inner * self.spacing / self.lever, outer * self.spacing / (self.spacing + self.lever))
+        return min(inner * self.spacing / abs(self.lever), outer * self.spacing / (self.spacing + self.lever))
 
     @property
     def axial(self) -> float:
         """Limit of an axial load alone [N], which one bearing carries."""
-        return DEEP_GROOVE.max_axial_share * self.static
+        if not self.bearing.contact_angle:
+            return BALL_BEARINGS.max_axial_share * self.static
+        return min(self.capacity / BALL_BEARINGS.axial_factor, self.static / BALL_BEARINGS.static_axial_factor)
 
-    def tilting_stiffness(self, ball_load_factor: float = DEEP_GROOVE.no_clearance) -> float:
+    def tilting_stiffness(self, ball_load_factor: float = BALL_BEARINGS.no_clearance) -> float:
         """Compute the tilting stiffness [N m/rad] at half of the moment limit, by Palmgren's approach of the balls.
 
-        `ball_load_factor` is Z Q/F, the force Q of the most loaded of Z balls relative to the bearing force F.
+        `ball_load_factor` is Z Q/F, the force Q of the most loaded of Z balls relative to the bearing force F, both in
+        the direction of contact.
         """
-        bearing_force = 0.5 * self.moment / self.spacing
-        ball_force = ball_load_factor * bearing_force / self.row.balls
-        approach = 1e-6 * DEEP_GROOVE.approach * (ball_force**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0)
+        bearing_force, cosine = 0.5 * self.moment / self.spacing, math.cos(self.bearing.contact_angle)
+        ball_force = ball_load_factor * bearing_force / (self.row.balls * cosine)
+        approach = 1e-6 * BALL_BEARINGS.approach * (ball_force**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0) / cosine
         return bearing_force * self.spacing**2 / (2.0 * approach) if bearing_force else 0.0
 
 
 def balls_of(bearing: StockBearing) -> BallRow:
-    """Estimate the balls of a deep groove bearing from its dimensions."""
-    size, pitch = DEEP_GROOVE.ball_share * (bearing.outside - bearing.bore), 0.5 * (bearing.outside + bearing.bore)
-    return BallRow(int(DEEP_GROOVE.filled_angle / (2.0 * math.asin(size / pitch))) + 1, size, pitch)
+    """Estimate the balls of a bearing from its dimensions."""
+    size, pitch = BALL_BEARINGS.ball_share * (bearing.outside - bearing.bore), 0.5 * (bearing.outside + bearing.bore)
+    filled_angle = ANGULAR_CONTACT.filled_angle if bearing.contact_angle else DEEP_GROOVE_FILLED_ANGLE
+    return BallRow(int(filled_angle / (2.0 * math.asin(size / pitch))) + 1, size, pitch)
 
 
 @once
@@ -138,7 +148,7 @@ def output_bearings(reducer: Reducer) -> OutputBearings:
     sizes, design = casing(reducer), reducer.design
     row = balls_of(sizes.hub)
     dynamic, static = sizes.hub.dynamic, sizes.hub.static
-    inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
+    inner, outer = sizes.load_centres
     speed = abs(design.drive.speed) / design.reduction
     lasting_force = rolling.load_for_life(dynamic, design.service.life, speed, design.bearing.reliability)
     lasting_force /= design.bearing.service_factor
@@ -165,7 +175,7 @@ def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Ar
         The covers do not fit.
     """
     sizes, planes = casing(reducer), list(reducer.design.gear.disc_planes)
-    inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
+    inner, outer = sizes.load_centres
     forces = loading.on_output
     if sizes.far:
         cosine, sine = np.cos(loading.crank), np.sin(loading.crank)

@@ -429,12 +429,13 @@ def _seals_on_shafts(reducer: Reducer) -> tuple[float, float]:
 def seal_torques(reducer: Reducer) -> tuple[float, float]:
     """Return the friction torques of the radial seals on the shaft and on the hub of the output [N m].
 
-    Without covers the output has none.
+    Without covers the output has none; with angular contact bearings it has a gap.
     """
     from cycloid_mj.parts.export.casing import casing
     from cycloid_mj.parts.export.drive import has_casing
 
-    hub_torque = seal_torque(casing(reducer).hub.bore) if has_casing(reducer) else 0.0
+    hub = casing(reducer).hub if has_casing(reducer) else None
+    hub_torque = seal_torque(hub.bore) if hub and not hub.contact_angle else 0.0
     return seal_torque(2.0 * reducer.design.shaft.radius), hub_torque
 
 

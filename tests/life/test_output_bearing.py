@@ -11,7 +11,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.loading import FAR, solve_loading
-from cycloid_mj.life.output_bearing import DEEP_GROOVE, output_bearing_forces, output_bearings
+from cycloid_mj.life.output_bearing import BALL_BEARINGS, output_bearing_forces, output_bearings
 from cycloid_mj.parts.export import casing
 from cycloid_mj.reducer import Reducer
 
@@ -47,10 +47,34 @@ def test_a_hub_tilts_by_what_the_balls_give() -> None:
     ball = 4.37 * force / found.row.balls
     approach = 0.00044e-3 * (ball**2 / (1e3 * found.row.diameter)) ** (1.0 / 3.0)
     assert found.tilting_stiffness() == pytest.approx(0.5 * found.moment / (2.0 * approach / found.spacing))
-    assert found.tilting_stiffness(DEEP_GROOVE.usual_clearance) == pytest.approx(
+    assert found.tilting_stiffness(BALL_BEARINGS.usual_clearance) == pytest.approx(
         found.tilting_stiffness() * (4.37 / 5.0) ** (2.0 / 3.0)
     )
     assert replace(found, own=(1e6, 0.0)).tilting_stiffness() == 0.0
+
+
+def test_angular_contact_bearings_carry_at_their_load_centres() -> None:
+    """Back to back at 25 deg the centres of a pair are d_m tan(25 deg) further apart; its forces fall accordingly."""
+    pair = Reducer(PRESETS["twodisc"].but(output={"main_bearings": "angular_contact"}))
+    deep, angular = output_bearings(TWO), output_bearings(pair)
+    assert (deep.bearing.designation, angular.bearing.designation) == ("61816", "71816 ACD")
+    tangent = math.tan(math.radians(25.0))
+    assert angular.spacing == pytest.approx(deep.spacing + 90e-3 * tangent)
+    assert angular.lever == pytest.approx(deep.lever - 45e-3 * tangent)
+    # ISO 281 and ISO 76: balls fill 270 instead of 195 deg, at a contact angle
+    more, cosine = 270.0 / 195.0, math.cos(math.radians(25.0))
+    assert angular.dynamic == pytest.approx(deep.dynamic * more ** (2.0 / 3.0) * cosine**0.7, rel=1e-4)
+    assert angular.static == pytest.approx(deep.static * more * cosine, rel=1e-4)
+    assert angular.axial == pytest.approx(min(angular.capacity / 0.87, angular.static / 0.38))
+    one = solve_loading(pair, constant_duty(pair.design.rated_torque, pair.design.drive.speed).points[0])
+    inner, outer = (force @ np.array([1.0, 1.0j]) for force in output_bearing_forces(pair, one))
+    places, hub = casing(pair).load_centres, 0.5 * sum(casing(pair).far or (0.0, 0.0))
+    shaft = np.exp(1j * one.crank) * (one.shaft[:, FAR] @ np.array([1.0, 1.0j]))
+    discs = one.on_output @ np.array([1.0, 1.0j])
+    moment = inner * places[0] + outer * places[1] + discs @ np.array(pair.design.gear.disc_planes) - shaft * hub
+    np.testing.assert_allclose(moment, 0.0, atol=1e-11)
+    assert angular.moment > 5.0 * deep.moment
+    assert angular.tilting_stiffness() > 10.0 * deep.tilting_stiffness()
 
 
 def test_the_catalogue_has_them() -> None:

@@ -79,6 +79,19 @@ def test_the_counterweight_stays_off_the_ring_of_its_bearing_that_is_at_rest(nam
     assert collar.outline.radius < 0.5 * (reducer.design.shaft.radius + sizes.seat)
 
 
+def test_the_flange_covers_open_bearings_with_a_gap():
+    """It clamps the inner ring, and covers the outer ring of an angular contact bearing at a distance."""
+    reducer = Reducer(PRESETS["pin"].but(output={"main_bearings": "angular_contact"}))
+    sizes = casing(reducer)
+    assert all(gap.keeps(sizes.play) for gap in running_gaps(reducer, sizes))
+    clamp, cover, *_ = [one for one in swept_annuli(reducer, sizes) if one.part == "output_flange"]
+    assert clamp.outer < cover.outer == pytest.approx(0.5 * sizes.hub.outside)
+    assert cover.low - clamp.low == pytest.approx(sizes.play)
+    (joint,) = [one for one in drive_joints(reducer, sizes) if one.name == "hub in the output cover"]
+    assert joint.bought[0].designation == "71812 ACD"
+    assert "preload" in joint.fit
+
+
 @pytest.mark.parametrize("name", ["printed", "twodisc"])
 def test_the_end_of_a_straddled_shaft_has_a_recess(name):
     reducer = reducer_of(name)

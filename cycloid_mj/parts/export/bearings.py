@@ -31,6 +31,9 @@ ROLLER_FIT = "E8/m6"
 HUB_BEARING_FIT = "H7 outside, k6 on the hub, sealed (2RS1)"
 """Fit of the ball bearings of the output, whose seals keep the grease in."""
 
+ANGULAR_HUB_FIT = "H6 outside, k5 on the hub, back to back, light preload, greased; the flange covers a gap"
+"""Fit of the angular contact bearings of the output, which have no seals."""
+
 LIGHT_BORE = 18e-3
 """Bore up to which inner rings of ball bearings have the fit j5, above it k5 [m] (SKF, Rolling bearings, 2018)."""
 
@@ -143,6 +146,11 @@ def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
     design, seat = reducer.design, cam_seat(reducer) if seat is None else seat
     flush = design.gear.eccentricity + design.shaft.radius
     return max(seat - design.clearance.cam, min(seat, flush)) if cam_bearing(reducer) else seat
+
+
+def hub_bearing_fit(bearing: stock.StockBearing) -> str:
+    """Return the fit of the bearings of the output."""
+    return ANGULAR_HUB_FIT if bearing.contact_angle else HUB_BEARING_FIT
 
 
 def cup_fit(reducer: Reducer, part: str) -> str:

@@ -129,6 +129,16 @@ class Casing:
         return (first, first + width), (first + width + self.spacing, self.top)
 
     @property
+    def load_centres(self) -> tuple[float, float]:
+        """Positions at which both bearings of the output carry radial forces [m]: their middles, or further apart.
+
+        The lines of contact of a pair back to back meet the axis outside of it (SKF, Rolling bearings, 2018).
+        """
+        inner, outer = (0.5 * sum(ends) for ends in self.bearings)
+        offset = 0.25 * (self.hub.bore + self.hub.outside) * math.tan(self.hub.contact_angle)
+        return inner - offset, outer + offset
+
+    @property
     def top(self) -> float:
         """End of output cover and hub, where the flange begins [m]."""
         return self.hub_floor + 2.0 * self.hub.width + self.spacing
@@ -145,6 +155,11 @@ class Casing:
     def flange_radius(self) -> float:
         """Radius of the output flange, which clamps the inner rings [m]."""
         return shoulder_radius(0.5 * self.hub.bore, 0.5 * self.hub.outside)
+
+    @property
+    def gap_seal_radius(self) -> float:
+        """Outer radius of the output flange [m]; with a gap it covers bearings that have no seals."""
+        return 0.5 * self.hub.outside if self.hub.contact_angle else self.flange_radius
 
     @property
     def output_cavity(self) -> float:
@@ -274,7 +289,12 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     design, wall, straddles = reducer.design, least_wall(reducer), reducer.design.shaft.mounting == "straddle"
     max_hub_radius = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     hub = _choose_hub_bearing(
-        min(max_hub_radius, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0
+        stock.angular_contact_bearings()
+        if design.output.main_bearings == "angular_contact"
+        else stock.thin_ball_bearings(),
+        min(max_hub_radius, design.ring_root_radius),
+        rim - wall,
+        seat + 2.0 * wall if straddles else 0.0,
     )
     bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
     flange_circle, flange_screws = _flange_pattern(reducer, hub, bolt, wall)
@@ -420,9 +440,11 @@ def _bore_end(reducer: Reducer) -> float:
     return prisms[names.CAM].z0 if reducer.design.gear.discs == 1 else max(one.z1 for one in prisms.values())
 
 
-def _choose_hub_bearing(max_radius: float, max_bore: float, min_bore: float) -> stock.StockBearing:
-    """Choose the largest thin ball bearing for the hub with a radius [m] at most, and a bore between two radii [m]."""
-    for bearing in reversed(stock.thin_ball_bearings()):
+def _choose_hub_bearing(
+    bearings: tuple[stock.StockBearing, ...], max_radius: float, max_bore: float, min_bore: float
+) -> stock.StockBearing:
+    """Choose the largest of the bearings for the hub with a radius [m] at most, and a bore between two radii [m]."""
+    for bearing in reversed(bearings):
         if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
             return bearing
     raise DesignError(

@@ -55,7 +55,7 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
         names.OUTPUT: (names.OUTPUT, _hub_rounds(reducer, sizes)),
         MOTOR_COVER: (names.HOUSING, _motor_cover_rounds(sizes)),
         OUTPUT_COVER: (names.HOUSING, _output_cover(sizes)),
-        FLANGE: (names.OUTPUT, ((sizes.flange_radius, sizes.top, sizes.top + sizes.flange_thickness),)),
+        FLANGE: (names.OUTPUT, _flange_rounds(sizes)),
         names.SHAFT: (names.SHAFT, ()),
     }
     parts = {}
@@ -206,6 +206,14 @@ def _output_cover(sizes: Casing) -> tuple[Round, ...]:
     if step:
         return (sizes.outer, sizes.end, step), (sizes.output_cavity + 2.0 * sizes.wall, step, sizes.top)
     return ((sizes.outer, sizes.end, sizes.top),)
+
+
+def _flange_rounds(sizes: Casing) -> tuple[Round, ...]:
+    """Return the cylinders of the output flange: one that clamps the inner ring, and a wider one that covers a gap."""
+    end, step = sizes.top + sizes.flange_thickness, sizes.top + sizes.play
+    if sizes.gap_seal_radius == sizes.flange_radius:
+        return ((sizes.flange_radius, sizes.top, end),)
+    return (sizes.flange_radius, sizes.top, step), (sizes.gap_seal_radius, step, end)
 
 
 def _hub_rounds(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:

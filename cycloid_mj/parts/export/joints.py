@@ -10,7 +10,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches
-from cycloid_mj.parts.export.bearings import DOWEL_FIT, HUB_BEARING_FIT, shaft_bearing, shaft_bearing_fit
+from cycloid_mj.parts.export.bearings import DOWEL_FIT, hub_bearing_fit, shaft_bearing, shaft_bearing_fit
 from cycloid_mj.parts.export.casing import (
     DOWEL,
     FLANGE,
@@ -189,11 +189,11 @@ def _output_bearing_joint(sizes: Casing) -> Joint:
         tuple((0.0, 0.0, 0.5 * (low + high)) for low, high in sizes.bearings),
         bearing_dimensions(hub),
         designation=hub.designation,
-        fit=HUB_BEARING_FIT,
+        fit=hub_bearing_fit(hub),
     )
     parts = (names.OUTPUT, OUTPUT_COVER)
     cover_holes = tuple((OUTPUT_COVER, hole) for hole in holes)
-    name, fit = "hub in the output cover", HUB_BEARING_FIT
+    name, fit = "hub in the output cover", bearings.fit
     return Joint(name, JointKind.BEARING, parts, cover_holes, (bearings,), fit, 2, hub.bore, hub.width)
 
 

@@ -71,10 +71,11 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth.",
         "Set the threaded inserts with a hot iron." if has_plastic else "Check that each screw enters its thread.",
         _describe_output_pins(reducer),
-        f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside.",
+        f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside"
+        f"{', back to back, and pack them with grease' if sizes.hub.contact_angle else ''}.",
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
         f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
-        f"{', with washers' if has_plastic else ''}): it clamps them.",
+        f"{', with washers' if has_plastic else ''}): it clamps them{_describe_preload(sizes)}.",
         f"Lay the {names.HOUSING} on it{dowels.rstrip(',')}{_describe_ring_pins(reducer)}.",
         _describe_discs(reducer, sizes),
         _describe_crank(reducer, sizes),
@@ -83,6 +84,13 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{MILLIMETRES * screws.length:g} crosswise from the output's side.",
         _describe_last_step(sizes),
     )
+
+
+def _describe_preload(sizes: Casing) -> str:
+    """Describe how a pair of angular contact bearings is preloaded; empty for deep groove bearings."""
+    if not sizes.hub.contact_angle:
+        return ""
+    return "; grind its raised face until the hub turns without play and not harder than by hand"
 
 
 def _describe_motor_cover(sizes: Casing) -> str:
