@@ -78,11 +78,18 @@ def _outcome(state: "ThermalState", destination: Destination) -> Outcome:
     from cycloid_mj.plots.save import encode_figure
 
     failures, name = [], f"{state.design}-thermal"
-    if state.jams:
+    if state.jams_when_steady:
         failures.append(
             f"the parts jam when warm: the disc is {state.difference:.3g} K warmer than the ring, and "
             f"{state.jam_difference:.3g} K close the teeth. Reduce the torque to {state.torque:.3g} N m, or increase "
             "the clearances"
+        )
+    elif state.jams:
+        failures.append(
+            f"the parts jam after {state.tightest.time / 60.0:.3g} min, although not at their mean temperatures: the "
+            f"radial play of the teeth is then {1e6 * state.tightest.play:.3g} um, the clearance of "
+            f"{state.tightest.pair.replace('_', ' ')} {1e6 * state.tightest.clearance:.3g} um. Reduce the torques to "
+            f"{state.torque:.3g} N m at most, shorten the cycle (--cycle-min), or increase the clearances"
         )
     return Outcome(
         title=f"temperatures: {state.design}",

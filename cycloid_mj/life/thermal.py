@@ -17,7 +17,7 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, solve_loading
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
 from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node, heat_capacities
-from cycloid_mj.life.thermal_state import ThermalState
+from cycloid_mj.life.thermal_state import ThermalState, TightestTime
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film import state_seals
 from cycloid_mj.statics.springs import POSES
@@ -106,14 +106,13 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     steady_state = _solve_steady_state(reducer, points, settings)
     temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
     warm = at_temperatures(reducer.design, temperatures)
-    by_torque, limited_by = _largest_duty_factor(
-        reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady_state, settings
-    )
+    ambient = reducer.design.service.ambient_temperature
+    course = _solve_warm_up(reducer, duty, steady_state, settings)
+    tightest = _find_tightest_time(reducer.design, course)
+    torque_limit = _limit_torque(reducer, points, steady_state, tightest if len(duty.points) > 1 else None, settings)
     by_speed, _ = _largest_duty_factor(
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
     )
-    ambient = reducer.design.service.ambient_temperature
-    course = _solve_warm_up(reducer, duty, steady_state, settings)
     return ThermalState(
         design=reducer.design.name,
         condition=f"{duty.words}, ambient {ambient:g} °C",
@@ -125,14 +124,15 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         jam_difference=jam_difference(reducer.design),
         clearances=warm_clearances(warm),
         play=tooth_play(warm),
-        torque=by_torque * max(abs(point.torque) for point in points),
+        torque=torque_limit.torque,
         speed=by_speed * max(point.speed for point in points),
-        limited_by=limited_by,
-        duty_torques=_torques_by_duty(reducer, points, by_torque, steady_state, settings),
+        limited_by=torque_limit.name,
+        duty_torques=torque_limit.by_duty,
         times=course.times,
         warm_up={part: ambient + rise for part, rise in course.rises.items()},
         peaks={part: ambient + course.peak(part) for part in HEATED},
         largest_difference=float(np.max(course.rises["disc"] - course.rises["ring"])),
+        tightest=tightest,
         converged=steady_state.converged,
         assumptions=tuple(_assumptions(reducer, steady_state)),
     )
@@ -253,28 +253,65 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
     return solve_course(steady_state.network, heating, "disc", reference_rise, duration, settings.samples)
 
 
-def _torques_by_duty(
-    reducer: Reducer, points: Sequence[DutyPoint], factor: float, steady_state: _Steady, settings: ThermalSettings
-) -> dict[float, float]:
-    """Compute the torque limit by the share of the time that the drive runs, resting for the remaining time [N m].
+def _find_tightest_time(design: Design, course: TemperatureCourse) -> TightestTime:
+    """Find the time of the warm-up and its cycles at which the parts have the least play."""
+    ambient = design.service.ambient_temperature
+    times = []
+    for index, time in enumerate(course.times):
+        rises = {part: float(rise[index]) for part, rise in course.rises.items()}
+        warm = at_temperatures(design, {part: ambient + rise for part, rise in rises.items()})
+        play, clearances = tooth_play(warm), warm_clearances(warm)
+        pair = min(clearances, key=clearances.__getitem__)
+        times.append(TightestTime(float(time), play, pair, clearances[pair], rises))
+    return min(times, key=lambda item: min(item.play, item.clearance))
 
-    The mean losses are those at the limit of the duty, `factor` times its torques; losses are linear in the torque.
+
+@dataclass(frozen=True)
+class _TorqueLimit:
+    """Largest torque of a duty that heat allows [N m], its limit in words, and torques [N m] by share of the time."""
+
+    torque: float
+    name: str
+    by_duty: dict[float, float]
+
+
+def _limit_torque(
+    reducer: Reducer,
+    points: Sequence[DutyPoint],
+    steady_state: _Steady,
+    tightest: TightestTime | None,
+    settings: ThermalSettings,
+) -> _TorqueLimit:
+    """Compute the torque limit of a duty, and by the share of the time that a drive runs and then rests.
+
+    Without the `tightest` time of a cycle, limits are those of the mean losses; with it, no limit is exceeded at that
+    time either. Losses are linear in the torque, for the cycle and for other shares of the time.
     """
-    largest = max(abs(point.torque) for point in points)
+    factor, name = _largest_duty_factor(
+        reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady_state, settings
+    )
     temperatures = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)
     if steady_state.converged:
         temperatures = steady_state.temperatures
     light = [replace(point, torque=settings.light_load * point.torque) for point in points]
     by_point, _ = _solve_losses(reducer, light, temperatures, steady_state.network.capacities, settings)
-    running = sum(point.share for point in points)
+    largest, running = max(abs(point.torque) for point in points), sum(point.share for point in points)
     loaded = steady_state.warm if steady_state.converged else steady_state.cold
-    full_loss, light_loss = (sum(_mean(points, losses).values()) / running for losses in (loaded, by_point))
-    loss_slope = (full_loss - light_loss) / (1.0 - settings.light_load)
-    allowed_loss = running * (full_loss + loss_slope * (factor - 1.0))
-    return {
-        share: max(0.0, 1.0 + (allowed_loss / share - full_loss) / loss_slope) * largest
-        for share in settings.duty_shares
-    }
+    full, least = (sum(_mean(points, losses).values()) / running for losses in (loaded, by_point))
+    growth = (full - least) / (1.0 - settings.light_load)
+
+    def factor_at(losses: float) -> float:
+        """Return the factor on the torques at which the running drive loses a power [W]; 0 if it always loses more."""
+        return max(0.0, 1.0 + (losses - full) / growth)
+
+    allowed = running * (full + growth * (factor - 1.0))
+    by_duty = {share: factor_at(allowed / share) * largest for share in settings.duty_shares}
+    if tightest is not None and math.isfinite(factor):
+        limit = _find_limit(reducer, tightest.rises, settings)
+        in_cycle = factor_at(limit.factor * full)
+        if in_cycle < factor:
+            factor, name = in_cycle, f"{limit.name}, at times of a cycle"
+    return _TorqueLimit(factor * largest, name, by_duty)
 
 
 def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tuple[str, float]]:
@@ -342,14 +379,18 @@ class _LossLimit:
 def _find_loss_limit(
     reducer: Reducer, network: Network, losses: Mapping[str, float], settings: ThermalSettings
 ) -> _LossLimit:
-    """Find the factor on losses by source [W] at which the first thermal limit is reached, by Brent's method.
+    """Find the factor on losses by source [W] at which the first thermal limit is reached.
 
     Temperature rises are in proportion to the losses.
     """
+    return _find_limit(reducer, network.rises(heat_by_node(reducer, losses)), settings)
+
+
+def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalSettings) -> _LossLimit:
+    """Find the factor on temperature rises [K] at which the first thermal limit is reached, by Brent's method."""
     from scipy.optimize import brentq
 
     ambient = reducer.design.service.ambient_temperature
-    rises = network.rises(heat_by_node(reducer, losses))
 
     def temperatures_at(loss_factor: float) -> dict[str, float]:
         """Return the temperatures [°C] for rises times a factor."""

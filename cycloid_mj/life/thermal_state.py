@@ -12,6 +12,26 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.life.thermal_network import Network
 
 
+@dataclass(frozen=True)
+class TightestTime:
+    """Time of a warm-up [s] with the least play.
+
+    `play` is the radial play of the teeth [m], `pair` the pair with the smallest `clearance` [m] at this time, and
+    `rises` are the temperature rises of the parts over the air [K].
+    """
+
+    time: float
+    play: float
+    pair: str
+    clearance: float
+    rises: Mapping[str, float]
+
+    @property
+    def jams(self) -> bool:
+        """True if a clearance is lost at this time."""
+        return min(self.play, self.clearance) <= 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class ThermalState(Presented):
     """Temperatures of a drive under a duty, and the limits by heat.
@@ -45,6 +65,8 @@ class ThermalState(Presented):
         Largest temperature of each part in the last cycle of the duty [°C].
     largest_difference
         Largest difference of disc and ring in the warm-up [K].
+    tightest
+        Time of the warm-up and its cycles with the least play.
     converged
         Whether losses and temperatures agree; false if the parts jam on the way.
     assumptions
@@ -69,13 +91,19 @@ class ThermalState(Presented):
     warm_up: Mapping[str, Array]
     peaks: Mapping[str, float]
     largest_difference: float
+    tightest: TightestTime
     converged: bool
     assumptions: tuple[str, ...]
 
     @property
-    def jams(self) -> bool:
-        """True if a clearance is lost in the steady state."""
+    def jams_when_steady(self) -> bool:
+        """True if a clearance is lost at the steady temperatures, those of the mean losses."""
         return self.play <= 0.0 or min(self.clearances.values()) <= 0.0
+
+    @property
+    def jams(self) -> bool:
+        """True if a clearance is lost in the steady state, or at any time of the warm-up and its cycles."""
+        return self.jams_when_steady or self.tightest.jams
 
     @property
     def quantities(self) -> dict[str, Quantity]:
@@ -91,6 +119,7 @@ class ThermalState(Presented):
             ),
             Quantity("jam_difference_k", "difference that closes the teeth", self.jam_difference, "K"),
             Quantity("tooth_play_um", "radial play of the teeth, warm", 1e6 * self.play, "um"),
+            Quantity("smallest_tooth_play_um", "the same, smallest in the warm-up", 1e6 * self.tightest.play, "um"),
             Quantity("loss_w", "power lost", sum(self.losses.values()), "W"),
             Quantity("thermal_torque_nm", f"thermal torque limit: {self.limited_by}", self.torque, "N m"),
             Quantity("thermal_speed_rpm", "thermal speed limit at the duty's torque", self.speed / RPM, "rpm"),
@@ -160,6 +189,8 @@ class ThermalState(Presented):
                     "jams": self.jams,
                     "clearances_um": {pair: 1e6 * value for pair, value in self.clearances.items()},
                     "tooth_play_um": 1e6 * self.play,
+                    "smallest_tooth_play_um": 1e6 * self.tightest.play,
+                    "tightest_time_s": self.tightest.time,
                     "losses_w": dict(self.losses),
                     "heat_w": dict(self.heat),
                     "thermal_torque_nm": self.torque,

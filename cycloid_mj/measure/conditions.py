@@ -1,11 +1,12 @@
 """Common conditions of the measures that turn the crank: time step, speed, load and log rate of their runs."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.dynamics.run import STEP_RULES, Solver
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film import drag_torques, film_text
 
 
 @dataclass(frozen=True)
@@ -53,11 +54,21 @@ def require_motion(reducer: Reducer) -> None:
 
 def drag_assumption(reducer: Reducer) -> str:
     """Describe the drag of seals and lubricant on the shafts, or that it is neglected."""
+    if reducer.design.has_film:
+        crank, output = drag_torques(reducer)
+        return f"seals, and idle friction of the cams: {crank:.3g} N m on the crank, {output:.3g} N m on the output"
     drags = [
         f"drag.{shaft}_nm {torque:g} N m" if torque else f"drag.{shaft}_nm 0: neglected"
         for shaft, torque in (("crank", reducer.design.drag.crank), ("output", reducer.design.drag.output))
     ]
     return f"seals and lubricant: {', '.join(drags)}"
+
+
+def friction_assumption(reducer: Reducer, kinds: Iterable[str]) -> str:
+    """Describe the friction of kinds of pairs: their coefficients, or the film law with lubricant and temperature."""
+    if reducer.design.has_film:
+        return film_text(reducer)
+    return f"friction: {', '.join(f'{pair} {reducer.design.friction_of(pair):g}' for pair in kinds)}"
 
 
 def halve_time_step(reducer: Reducer, solver: Solver) -> Reducer:

@@ -18,13 +18,14 @@ from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import loss_breakdown, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import STEADY, drag_assumption
+from cycloid_mj.measure.conditions import STEADY, drag_assumption, friction_assumption
 from cycloid_mj.measure.efficiency_map import EfficiencyMap, OperatingPoint, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import interpolate_friction
 from cycloid_mj.measure.steady import averaging_periods, steady_design
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film_spread import efficiency_spread
 
 
 @dataclass(frozen=True)
@@ -124,29 +125,30 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
     error, residual = 1e2 * efficiency_map.error, max((point.powers.residual for point in efficiency_map.grid), key=abs)
     condition = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
+    inputs = spread.spread_text(efficiency_map.rated.powers.efficiency, efficiency_map.by_input)
+    measured = Quantity("efficiency", f"efficiency {condition}", efficiency, "%", error, note=f"{inputs}; {AS_BUILT}")
+    limit = Quantity(
+        "efficiency_ideal_limit",
+        "the same with fixed pins or lobes, without clearance, with a rigid cam",
+        1e2 * efficiency_map.ideal.powers.efficiency,
+        "%",
+        1e2 * efficiency_map.ideal.shift,
+    )
+    balance = Quantity("balance_residual", "largest residual of the energy balance", 1e2 * residual, "% of input")
+    if reducer.design.has_film:
+        statics = efficiency_spread(efficiency_map.rated.reducer, load)
+        source = "statics with the film friction of each contact; low to high are its 5 to 95 %"
+        measured = replace(measured, reference=statics.value, source=source, low=statics.low, high=statics.high)
+        return [replace(measured, causes=statics.causes), limit, balance]
+    limit_note = (
+        f"{wang.source}: {1e2 * wang.efficiency:.2f} %, without the cam's bearing and without the moment by which "
+        "friction turns the disc back, which increases the tooth forces"
+    )
+    reference, source = 1e2 * ideal.efficiency, ideal.source
     return [
-        Quantity(
-            "efficiency",
-            f"efficiency {condition}",
-            efficiency,
-            "%",
-            error,
-            1e2 * ideal.efficiency,
-            ideal.source,
-            f"{spread.spread_text(efficiency_map.rated.powers.efficiency, efficiency_map.by_input)}; {AS_BUILT}",
-        ),
-        Quantity(
-            "efficiency_ideal_limit",
-            "the same with fixed pins or lobes, without clearance, with a rigid cam",
-            1e2 * efficiency_map.ideal.powers.efficiency,
-            "%",
-            1e2 * efficiency_map.ideal.shift,
-            1e2 * ideal.efficiency,
-            ideal.source,
-            f"{wang.source}: {1e2 * wang.efficiency:.2f} %, without the cam's bearing and without the moment by which "
-            "friction turns the disc back, which increases the tooth forces",
-        ),
-        Quantity("balance_residual", "largest residual of the energy balance", 1e2 * residual, "% of input"),
+        replace(measured, reference=reference, source=source),
+        replace(limit, reference=reference, source=source, note=limit_note),
+        balance,
     ]
 
 
@@ -309,8 +311,7 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
     kinds = reducer.mechanism.kinds
     creep_speed = 1e3 * reducer.contacts.creep_speed
     return (
-        f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
-        f"{drag_assumption(reducer)}; the bearings of the shafts are neglected",
+        f"{friction_assumption(reducer, kinds)}; {drag_assumption(reducer)}; the bearings of the shafts are neglected",
         "contacts of each run have the secant stiffness of its load (that of the output torque without losses); from "
         "rest that of the rated load, which is "
         f"{reducer.at_rated_load.contacts.working_forces_text(kinds)}",

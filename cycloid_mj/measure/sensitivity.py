@@ -50,10 +50,13 @@ class FrictionVariant:
 
 
 def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
-    """Return the variants of the friction table: the design's friction, each pair alone, all pairs together."""
+    """Return the variants of the friction table: the design's friction, each pair alone, all pairs together.
+
+    With the law ``film`` no pair has a coefficient of its own.
+    """
     ring_variants = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
     rows = [row for kind in ring_variants for row in _sliding_variants(kind, quick)]
-    return rows if quick else [*rows, *_bearing_variants(ring_variants[0])]
+    return rows if quick or reducer.design.has_film else [*rows, *_bearing_variants(ring_variants[0])]
 
 
 def ring_kinds(reducer: Reducer) -> list[Reducer]:
@@ -78,8 +81,8 @@ def sliding_pairs(reducer: Reducer) -> list[str]:
 
 
 def with_common_friction(reducer: Reducer, friction: float) -> Reducer:
-    """Return the design with one coefficient for all sliding pairs."""
-    return reducer.but(friction=dict.fromkeys(sliding_pairs(reducer), friction))
+    """Return the design with the law ``coulomb`` and one coefficient for all sliding pairs."""
+    return reducer.but(friction={**dict.fromkeys(sliding_pairs(reducer), friction), "law": "coulomb"})
 
 
 def common_name(friction: float) -> str:
@@ -144,7 +147,7 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
     rows = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]
-    if len(pairs) > 1 and not quick:
+    if len(pairs) > 1 and not quick and not design.has_film:
         pair_values = [(pair, value) for pair in pairs for value in FRICTION_TABLE.sliding]
         rows += [FrictionVariant(pins, *case, reducer.but(friction=dict([case])).design) for case in pair_values]
     return rows + [

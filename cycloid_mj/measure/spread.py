@@ -10,6 +10,7 @@ from typing import Any
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film_spread import RANGES
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,10 @@ class InputEffect:
 
 
 def assumed_inputs(reducer: Reducer) -> list[Input]:
-    """Return the assumed inputs of a design's efficiency or output rate, each with both ends of its plausible range."""
+    """Return the assumed inputs of a design's efficiency or output rate, each with both ends of its plausible range.
+
+    With the law ``film`` these are boundary friction and roughness in place of the coefficients that the law computes.
+    """
     design = reducer.design
     mesh_pairs = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
     stiffness = reducer.contacts["cam"].stiffness
@@ -103,14 +107,37 @@ def assumed_inputs(reducer: Reducer) -> list[Input]:
             ["cam"],
             [share * stiffness for share in INPUTS.cam_stiffness],
         ),
+        *(_film_inputs(reducer) if design.has_film else _coulomb_inputs(reducer, mesh_pairs)),
+        _equal_input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], INPUTS.creep, 1e3),
+        _equal_input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], INPUTS.damping),
+    ]
+
+
+def _coulomb_inputs(reducer: Reducer, mesh_pairs: Sequence[str]) -> list[Input]:
+    """Return the inputs of the friction of teeth, cam and output pins with the law ``coulomb``."""
+    design = reducer.design
+    return [
         _equal_input(reducer, "friction of the teeth", "1", "friction", mesh_pairs, INPUTS.tooth_friction),
         _bearing_input(reducer, "cam", design.gear.bearing == "rolling", INPUTS.bearing_friction),
         _bearing_input(
             reducer, "output", design.output.has_needles, (INPUTS.bearing_friction[0], plain_roller(reducer))
         ),
-        _equal_input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], INPUTS.creep, 1e3),
-        _equal_input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], INPUTS.damping),
     ]
+
+
+def _film_inputs(reducer: Reducer) -> list[Input]:
+    """Return boundary friction and roughness over their ranges of the law ``film``, and the friction of needles."""
+    friction = reducer.design.friction
+    inputs = []
+    for key, value, unit, scale in (
+        ("boundary", friction.boundary, "1", 1.0),
+        ("roughness", friction.roughness, "um", 1e6),
+    ):
+        limits = [factor * value for factor in (RANGES[key].low, RANGES[key].high)]
+        inputs.append(_equal_input(reducer, RANGES[key].name, unit, "friction", [key], limits, scale))
+    if reducer.design.output.has_needles:
+        inputs.append(_bearing_input(reducer, "output", True, INPUTS.bearing_friction))
+    return inputs
 
 
 def creep_variants(inputs: Sequence[Input]) -> set[Design]:

@@ -30,6 +30,7 @@ from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Input, InputEffect
 from cycloid_mj.measure.steady import averaging_periods, first_half, run_steady, steady_design
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film import film_text
 
 _RUNS: dict[Hashable, str] = {"own": "as designed", "halved": "the same with half the time step"}
 """Names of the runs that do not vary the design."""
@@ -298,15 +299,24 @@ def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
     return tuple(curves)
 
 
+def _friction_text(reducer: Reducer) -> str:
+    """Describe the friction of sliding pairs and rolling bearings."""
+    design = reducer.design
+    if design.has_film:
+        return film_text(reducer)
+    friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(reducer))
+    return (
+        f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
+        f"output {design.friction_of('output'):g}"
+    )
+
+
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
     """Return the sentences on friction, contact stiffness, averaging, motor and numerical errors of the test."""
     design = reducer.design
-    friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(reducer))
     pins = round(periods * design.output.pins / design.lobes, 2)
     return (
-        f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
-        f"output {design.friction_of('output'):g}; {drag_assumption(reducer)}; the bearings of the shafts are "
-        "neglected",
+        f"{_friction_text(reducer)}; {drag_assumption(reducer)}; the bearings of the shafts are neglected",
         "contacts have the secant stiffness of one working force in all runs: "
         f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins: the torque repeats with both, and "

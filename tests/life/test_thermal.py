@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -163,6 +164,20 @@ def test_temperatures_follow_the_points_of_a_duty() -> None:
     torques = list(state.duty_torques.values())
     assert torques == sorted(torques, reverse=True)
     assert state.duty_torques[1.0] < state.torque, "30 % of the time allow more than all of it"
+
+
+def test_a_long_cycle_jams_where_its_mean_temperatures_do_not() -> None:
+    """30 % of 21.6 N m: in cycles of 1 min the mean counts, in cycles of 12 min the disc heats beyond 2.0 K."""
+    speed = PRESETS["nonpin"].drive.speed
+    points = DutyPoint(21.6, speed, 0.3), DutyPoint(0.0, 0.0, 0.7)
+    short, long = (thermal("nonpin", Duty(points, 40.0, period=60.0 * minutes)) for minutes in (1.0, 12.0))
+    assert not short.jams
+    assert not long.jams_when_steady
+    assert long.jams
+    assert long.tightest.play < 0.0 < long.play
+    assert long.torque < 21.6 < short.torque
+    lighter = tuple(replace(point, torque=0.97 * long.torque * (point.torque > 0.0)) for point in points)
+    assert not thermal("nonpin", Duty(lighter, 40.0, period=720.0)).jams
 
 
 def test_computed_film_replaces_the_coefficient_of_the_design() -> None:

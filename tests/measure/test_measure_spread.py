@@ -8,7 +8,7 @@ from hsieh2014.stated import torques
 
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.measure import loss_breakdown, spread
+from cycloid_mj.measure import loss_breakdown, sensitivity, spread
 from cycloid_mj.measure.closed_form import ideal_efficiency
 from cycloid_mj.measure.conditions import STEADY, halve_time_step
 from cycloid_mj.measure.efficiency import efficiency
@@ -88,6 +88,32 @@ def test_what_slides_is_varied_as_what_slides():
     assert spread.assumed_inputs(Reducer(plain))[4].high_design.friction.cam == 0.1
     # a roller that is a sleeve slides on its core of three quarters of its radius
     assert spread.plain_roller(Reducer(NONPIN)) == pytest.approx(0.05 * 0.75)
+
+
+def test_film_varies_boundary_friction_and_roughness() -> None:
+    film = Reducer(override(PRESETS["pin"], ["friction.law=film"]))
+    inputs = {item.name: item for item in spread.assumed_inputs(film)}
+    assert "friction of the teeth" not in inputs
+    assert inputs["boundary friction"].low_design.friction.boundary == pytest.approx(0.73 * 0.11)
+    assert inputs["roughness"].high_design.friction.roughness == pytest.approx(0.8e-6)
+    assert (inputs["roughness"].low, inputs["roughness"].high) == pytest.approx((0.2, 0.8))
+    common = sensitivity.with_common_friction(film, 0.02)
+    assert not common.design.has_film
+    assert common.design.friction.pin_socket == 0.02
+
+
+@pytest.mark.slow
+def test_efficiency_of_film_friction_has_the_interval_of_statics() -> None:
+    found = efficiency(override(PRESETS["pin"], ["friction.law=film"]), quick=True)
+    value = found.quantities["efficiency"]
+    assert value.low is not None
+    assert value.high is not None
+    assert value.reference is not None
+    assert value.low < value.value < value.high
+    assert value.value == pytest.approx(value.reference, abs=0.2)
+    effects = {one["input"]: one for one in found.details["sensitivity"]}
+    assert effects["boundary friction"]["value_low"] > effects["boundary friction"]["value_high"]
+    assert effects["roughness"]["value_low"] > effects["roughness"]["value_high"]
 
 
 @pytest.mark.slow
