@@ -20,6 +20,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "statics",
         "tolerance",
         "view",
+        "wear",
     ),
 }
 """The only commands that support a layout; empty: all of them."""

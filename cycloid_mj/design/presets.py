@@ -99,12 +99,45 @@ def _make_rv80e() -> Design:
     )
 
 
+def _make_rv64() -> Design:
+    """Return an RV reducer whose pin circle has a radius of 64 mm, as the RV example for the code Exudyn.
+
+    Discs, pins, eccentricity, cranks and needles are those of the example. Sun and planets are not part of it: with a
+    module of 1.25 mm they fit the circle of cranks and have the ratio 121, which the catalogue of the RV-40E states, a
+    drive of this size. Other values are assumed, each with its `preset_reasons`.
+    """
+    mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
+    return Design(name="rv64", layout="rv").but(
+        ring={"teeth": 40, "pin_circle_radius": mm(64.0), "pin_radius": mm(3.0)},
+        gear={"discs": 2, "disc_gap": mm(2.0), "eccentricity": mm(1.3), "face_width": mm(12.0)},
+        planet={"sun_teeth": 12, "planet_teeth": 36, "module": mm(1.25), "face_width": mm(10.0)},
+        cranks={
+            "count": 3,
+            "eccentric_radius": mm(12.0),
+            "needle_radius": mm(2.0),
+            "needles": 16,
+            "taper_radius": mm(18.0),
+            "middle_hole_radius": mm(10.0),
+            "post_radius": mm(8.5),
+            "flange_thickness": mm(15.0),
+        },
+        housing={"outer_radius": mm(80.0)},
+        clearance={"pin_gear": um(0.1), "pin_socket": um(0.1)},
+        contact={"stiffness_law": "uniform"},
+        stiffness={"pin_gear": 4.8e8, "pin_socket": 4.8e8},
+        material={"name": "bearing steel"},
+        drive={"power": 800.0, "torque": 412.0 / 121.0, "speed": RPM.to_si(121.0 * 15.0), "ramp": 0.1, "hold": 0.4},
+        load={"torque": 412.0},
+    )
+
+
 PRESETS = {
     "pin": Design(),
     "nonpin": Design(name="nonpin", ring=Ring(kind="nonpin")),
     "printed": _make_printed(),
     "twodisc": _make_twodisc(),
     "rv80e": _make_rv80e(),
+    "rv64": _make_rv64(),
 }
 """Designs by name."""
 
@@ -122,6 +155,8 @@ _WORKED = "the worked calculation"
 _YANG = "Yang et al. 2021"
 _STIFF_AS = "a drive as stiff as the catalogue's, 196 N m/arcmin"
 
+_EXUDYN = "RV example for Exudyn"
+
 _REASONS: Mapping[str, Mapping[str, str]] = {
     "rv80e": {
         **dict.fromkeys(("ring.teeth", "ring.pin_circle_radius", "ring.pin_radius"), _YANG),
@@ -134,6 +169,24 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         "drive.torque": "rated torque 784 N m over the ratio",
         "drive.speed": "15 rpm of the output (catalogue)",
         "load.torque": "rated torque (catalogue)",
+    },
+    "rv64": {
+        **dict.fromkeys(("ring.teeth", "ring.pin_circle_radius", "ring.pin_radius"), _EXUDYN),
+        **dict.fromkeys(("gear.discs", "gear.eccentricity"), _EXUDYN),
+        **dict.fromkeys(("cranks.count", "cranks.eccentric_radius"), _EXUDYN),
+        **dict.fromkeys(("cranks.needle_radius", "cranks.needles"), _EXUDYN),
+        **dict.fromkeys(("cranks.needle_clearance", "cranks.taper_clearance"), "adjusted without play (assumed)"),
+        **dict.fromkeys(("cranks.needle_stiffness", "cranks.taper_stiffness"), "as rv80e (assumed)"),
+        **dict.fromkeys(("cranks.middle_hole_radius", "cranks.post_radius"), "leaves walls (assumed)"),
+        **dict.fromkeys(("planet.sun_teeth", "planet.planet_teeth"), "ratio 121 of the RV-40E (catalogue)"),
+        **dict.fromkeys(("stiffness.pin_gear", "stiffness.pin_socket"), "as rv80e, by the face width (assumed)"),
+        **dict.fromkeys(("clearance.pin_gear", "clearance.pin_socket"), "paired parts, nearly without play (assumed)"),
+        "planet.module": "cranks on a radius of 30 mm (RV example for Exudyn)",
+        "contact.stiffness_law": "as rv80e (assumed)",
+        "ring.pins": "needles in half-open grooves (assumed)",
+        "drive.torque": "rated torque 412 N m over the ratio",
+        "drive.speed": "15 rpm of the output (catalogue)",
+        "load.torque": "rated torque of the RV-40E (catalogue), a drive of this size",
     },
     "twodisc": {
         **dict.fromkeys(("ring.teeth", "ring.pin_circle_radius", "ring.pin_radius"), _WORKED),

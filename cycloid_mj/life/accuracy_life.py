@@ -27,7 +27,7 @@ from cycloid_mj.life.wear_course import (
 )
 from cycloid_mj.life.wear_data import MM3, RUN_IN, Interval
 from cycloid_mj.life.wearing_surfaces import WearingSurface
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 from cycloid_mj.statics.sheet import quick_sheet
 
 GROWTH = 1.0
@@ -173,7 +173,7 @@ class WearLife(Presented):
             "Archard: the depth of each point is k times its pressure times sliding distance; the drive turns half of "
             "the time each way, and parts of the same kind wear equally",
             "statics is solved again after each step with the worn flanks, pins, holes and cams; curvatures, "
-            "stiffnesses and friction remain those of new parts; rolling bearings do not wear",
+            "stiffnesses and friction remain those of new parts; rolling bearings and teeth of planets do not wear",
             f"run-in: k begins at {RUN_IN.factor:g} times its steady value and falls while the run-in depth is worn "
             f"off; it makes {self.run_in_share:.0%} of the worn volume here, and made {RUN_IN.share:.0%} of the growth "
             "of an RV reducer's lost motion in 1550 h (Lubricants 13 (2025) 362)",
@@ -297,7 +297,7 @@ def wear(
     RunError
         The new drive has no static equilibrium.
     """
-    reducer = Reducer(resolve(design))
+    reducer = reducer_of(resolve(design))
     for name, value in (("hours", hours), ("growth", growth)):
         if not 0.0 < value < math.inf:
             raise UsageError(

@@ -15,14 +15,16 @@ from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.wear_data import Interval, run_in_depth, wear_coefficient, wear_rate, worn_depth
 from cycloid_mj.life.wearing_surfaces import (
     Gap,
+    SlidingContacts,
     WearingSurface,
     dose_rate,
+    rv_sliding_contacts,
     sliding_contacts,
     wearing_surfaces,
     worn_gaps,
 )
-from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.statics import loads, rv_sheet, springs_of
 from cycloid_mj.statics.springs import at_rest, turn_evenly
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
@@ -95,25 +97,27 @@ class WearingDrive:
 
     @cached_property
     def crank(self) -> Array:
-        """Return crank angles spaced evenly over a turn [rad], shape (m,).
+        """Return crank angles spaced evenly over a turn of the crank, or of an RV reducer's carrier [rad], shape (m,).
 
         Their number m has no divisor in common with the numbers of teeth and pins. Over the turn, the pins therefore
         take m different positions within a pitch, equally spaced.
         """
-        design, count = self.reducer.design, self.settings.poses
-        while math.gcd(count, design.ring.teeth * design.output.pins) > 1:
+        reducer, design, count = self.reducer, self.reducer.design, self.settings.poses
+        turn, periods = reducer.mesh_turn, design.output.pins
+        if isinstance(reducer, RvReducer):
+            turn, periods = reducer.crank_turn, design.lobes
+        while math.gcd(count, design.ring.teeth * periods) > 1:
             count += 1
-        return np.arange(count) / count * self.reducer.mesh_turn
+        return np.arange(count) / count * turn
 
     @cached_property
     def deflections(self) -> dict[Gap, float]:
         """Return the elastic deflection of a contact under its working force [m], for each gap whose surfaces wear."""
         contacts = self.reducer.at_rated_load.contacts
-        return {
-            "teeth": contacts.teeth.force / contacts.mesh_stiffness,
-            "output": contacts["output"].force / contacts["output"].stiffness,
-            "cam": contacts["cam"].force / contacts["cam"].stiffness,
-        }
+        deflections: dict[Gap, float] = {"teeth": contacts.teeth.force / contacts.mesh_stiffness}
+        others: tuple[Gap, ...] = ("output", "cam")
+        gaps = {surface.gap for surface in self.surfaces}
+        return deflections | {gap: contacts[gap].force / contacts[gap].stiffness for gap in others if gap in gaps}
 
     def dose_rates(self, worn_reducer: Reducer) -> dict[str, Array]:
         """Compute the rate of pressure times sliding distance of each surface, by key [Pa m/s], shape (cells,).
@@ -130,12 +134,19 @@ class WearingDrive:
             turning_reducer = worn_reducer.but(
                 drive={"speed": math.copysign(point.speed, worn_reducer.design.drive.speed)}
             )
-            springs = springs_of(turning_reducer, self.crank)
-            torque = math.copysign(abs(point.torque), turning_reducer.design.drive.speed)
-            sliding = sliding_contacts(turning_reducer, springs, loads(turning_reducer, springs, torque, follow=True))
+            sliding = _sliding_contacts(turning_reducer, self.crank, abs(point.torque))
             for surface in self.surfaces:
                 rates[surface.key] += point.share * dose_rate(surface, sliding[surface.gap])
         return rates
+
+
+def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Gap, SlidingContacts]:
+    """Return the sliding contacts at crank angles [rad], shape (m,), under a load that brakes the output [N m]."""
+    if isinstance(reducer, RvReducer):
+        return rv_sliding_contacts(reducer, crank, load)
+    springs = springs_of(reducer, crank)
+    torque = math.copysign(load, reducer.design.drive.speed)
+    return sliding_contacts(reducer, springs, loads(reducer, springs, torque, follow=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +165,8 @@ class WearState:
 
 def lost_motion(reducer: Reducer) -> float:
     """Compute the mean rotation of the output between +3 % and -3 % of the rated torque [rad], without friction."""
+    if isinstance(reducer, RvReducer):
+        return rv_sheet.lost_motion(reducer, reducer.design.rated_torque)
     still = at_rest(reducer)
     springs = springs_of(still, turn_evenly(reducer), friction=False)
     small = LOST_MOTION_SHARE * reducer.design.rated_torque
@@ -176,7 +189,8 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
     RunError
         There is no static equilibrium.
     """
-    reducer = Reducer(drive.reducer.design)
+    layout = type(drive.reducer)
+    reducer = layout(drive.reducer.design)
     doses = {surface.key: np.zeros(surface.cells) for surface in drive.surfaces}
     depths, hours = dict(doses), 0.0
     yield WearState(hours, doses, depths, reducer, lost_motion(reducer))
@@ -189,7 +203,7 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
             step, hours = (end - hours, end) if last else (step, hours + step)
             doses = {key: dose + step * HOUR * rates[key] for key, dose in doses.items()}
             depths = {key: worn_depth(dose, *drive.laws[key].values(case)) for key, dose in doses.items()}
-            reducer = Reducer(drive.reducer.design, worn_gaps(drive.surfaces, depths, rates))
+            reducer = layout(drive.reducer.design, worn_gaps(drive.surfaces, depths, rates))
             yield WearState(hours, doses, depths, reducer, lost_motion(reducer))
 
 

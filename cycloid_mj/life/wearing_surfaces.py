@@ -14,10 +14,12 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import profile
 from cycloid_mj.life.loading import relative_speed
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.contact import CONTACT
 from cycloid_mj.reducer.worn import WornGaps, table_angles
 from cycloid_mj.statics import Loads, Springs
+from cycloid_mj.statics.rv import compute_rv_friction, compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv_sheet import torque_on_carrier
 
 Gap = Literal["teeth", "output", "cam"]
 """A gap that a worn surface opens."""
@@ -95,7 +97,9 @@ class SlidingContacts:
 
 
 def wearing_surfaces(reducer: Reducer) -> tuple[WearingSurface, ...]:
-    """Return the surfaces of a reducer that slide; rolling bearings and rollers are not among them."""
+    """Return the surfaces of a reducer that slide; rolling bearings, rollers and planets are not among them."""
+    if isinstance(reducer, RvReducer):
+        return tuple(_tooth_surfaces(reducer))
     return (*_tooth_surfaces(reducer), *_output_surfaces(reducer), *_cam_surfaces(reducer))
 
 
@@ -221,6 +225,19 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
             _half_width(reducer, "cam", cam_force, None, design.gear.bore_radius),
         ),
     }
+
+
+def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict[Gap, SlidingContacts]:
+    """Return the contacts of discs and ring of an RV reducer that a torque on the output [N m] brakes.
+
+    `crank` are crank angles against the ring [rad], shape (m,). Raises as `solve_rv_loads`.
+    """
+    springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
+    force = solve_rv_loads(springs, on_carrier, compute_rv_friction(reducer, crank, np.sign(on_carrier))).pins
+    speed = np.abs(springs.slip) * abs(float(reducer.member.against_ring(reducer.design.drive.speed)))
+    kind, radius = reducer.design.tooth_pair, reducer.design.ring.pin_radius
+    half_width = _half_width(reducer, kind, force, springs.curvature, radius)
+    return {"teeth": SlidingContacts(_wrap(-springs.phase), force, speed, half_width)}
 
 
 def _wrap(angle: Array) -> Array:

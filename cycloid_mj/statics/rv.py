@@ -68,7 +68,7 @@ class RvSprings:
         shape (m, c, u). The pins of all discs come first, then two flanks of each planet.
     pins
         Number of contacts with the ring.
-    disc, shift, shift_slope, bend, twist
+    disc, shift, shift_slope, bend, twist, phase
         Disc of each of these, shape (pins,); displacement along the flank at z = 0 [m], shape (m, pins), its gradient
         [1], shape (m, pins, u), and curvature of the flank [1/m], shape (m, pins), as in `reducer.gaps.Gaps`.
     curvature, slip
@@ -93,6 +93,7 @@ class RvSprings:
     shift_slope: Array
     bend: Array
     twist: Array
+    phase: Array
     curvature: Array
     slip: Array
     offset: Array
@@ -197,6 +198,7 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
         shift_slope=_padded(teeth.shift_slope, unknowns),
         bend=teeth.bend,
         twist=teeth.twist,
+        phase=teeth.phase,
         curvature=teeth.relative_curvature,
         slip=np.einsum("mcu,mu->mc", teeth.slip_slope, ideal_motion(reducer, crank)),
         offset=offset,

@@ -140,12 +140,20 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("backlash", float(width.mean()))
     yield sheet_quantity("backlash_min", float(width.min()))
     yield sheet_quantity("backlash_max", float(width.max()))
-    lost = np.abs(rotation(LOST_MOTION_SHARE) - rotation(-LOST_MOTION_SHARE))
-    yield sheet_quantity("lost_motion_ideal", float(lost.mean()) / ARCMINUTE)
+    yield sheet_quantity("lost_motion_ideal", lost_motion(reducer, load) / ARCMINUTE)
     low, high = STRAIGHT
     rise = np.abs(rotation(high) - rotation(low)) + np.abs(rotation(-high) - rotation(-low))
     stiffness = 2.0 * (high - low) * load / rise * ARCMINUTE
     yield sheet_quantity("stiffness_ideal", float(stiffness.mean()))
+
+
+def lost_motion(reducer: RvReducer, load: float) -> float:
+    """Compute the mean rotation of the output between +3 % and -3 % of a load [N m] without friction [rad]."""
+    turns = [
+        balance_rv(reducer, share * load, SETTINGS.rotation_angles).carrier_turn
+        for share in (LOST_MOTION_SHARE, -LOST_MOTION_SHARE)
+    ]
+    return reducer.share * float(np.mean(np.abs(turns[0] - turns[1])))
 
 
 def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:

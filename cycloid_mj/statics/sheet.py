@@ -188,6 +188,9 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     They are the motions, the forward transmission error under the load, the loads up to first yield, and the
     efficiency.
     """
+    if isinstance(reducer, RvReducer):
+        rv_parts: tuple[SheetPart, ...] = ("motions", "loads", "losses")
+        return _assemble_sheet(reducer, load, (*map(_cached_part, rv_parts), _loaded_error))
     return _assemble_sheet(reducer, load, (_motion_figures, _loaded_error, _loads_and_yield, _efficiency_figures))
 
 
