@@ -28,8 +28,8 @@ def parse_design(values: Any) -> Design:
     """
     if not isinstance(values, Mapping):
         raise UsageError(
-            f"the design is of type {type(values).__name__}: send a JSON object of design-file keys and values, such "
-            'as {"ring.teeth": 36}'
+            f"the design is no JSON object, but of type {type(values).__name__}: send an object of design-file keys "
+            'and values, such as {"ring.teeth": 36}'
         )
     return override(BASE, {str(key): _as_integer(key, value) for key, value in values.items()})
 

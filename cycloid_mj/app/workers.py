@@ -81,7 +81,8 @@ class Worker:
                 if not self._closed:
                     self._start()
                 raise WorkerDied(
-                    "the job was stopped, or its process ended, possibly for lack of memory: start the job again"
+                    "the job was stopped, or its process ended. Start the job again; if its process ends again, free "
+                    "memory or choose fewer samples"
                 ) from error
 
     def stop(self) -> None:

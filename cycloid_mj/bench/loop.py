@@ -174,8 +174,8 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     )
     if header is None:
         raise UsageError(
-            f"{path}: no header line with the column names was found; the file has {columns[:80]}. Add the header: "
-            f"{requirement}"
+            f"{path}: no header line with the column names was found; the first line is {columns[:80]!r}. Add the "
+            f"header: {requirement}"
         )
     keys = [key.strip() for key in numbered_lines[header][1].lstrip("# ").split(",")]
     if absent := [name for name in names if name not in keys]:

@@ -173,7 +173,10 @@ def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Yield line number and cells of each line of a CSV file that is neither empty nor a comment (#)."""
     try:
         if note_input(path).stat().st_size > LIMITS.size:
-            raise DesignError(f"{path} has more than {LIMITS.size:,} bytes: reduce it to at most {LIMITS.rows:,} rows")
+            raise DesignError(
+                f"{path} is larger than {LIMITS.size:,} bytes. Delete rows until it has at most {LIMITS.size:,} bytes "
+                f"and {LIMITS.rows:,} rows"
+            )
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise DesignError(

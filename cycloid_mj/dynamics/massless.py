@@ -42,7 +42,7 @@ def require_pin_bodies(reducer: Reducer, unsupported: str) -> None:
     if design.ring.has_massless_pins:
         real_kinds = {massless_kind: real_kind for real_kind, massless_kind in MASSLESS.items()}
         raise DesignError(
-            f'{design.name}: ring.pins = "{design.ring.pins}" is supported for mean values under load only, not for '
+            f'{design.name}: ring.pins = "{design.ring.pins}" is supported only for mean values under load, not for '
             f'{unsupported}. Set ring.pins = "{real_kinds[design.ring.pins]}"'
         )
 

@@ -216,5 +216,6 @@ def _require_figure(name: str) -> None:
         figure(name)
     except UsageError as error:
         raise UsageError(
-            f"unknown measure {name!r:.80}: choose one of {', '.join(MEASURED)}, or a figure ({error})"
+            f"unknown measure {name!r:.80}: choose one of {', '.join(MEASURED)}, or a key of the figures that "
+            f"`cycloid-mj figures` lists ({error})"
         ) from error

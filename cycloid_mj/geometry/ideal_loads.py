@@ -155,12 +155,20 @@ def hertz_line_contact(
         If a force is negative, or a length, curvature or modulus is not positive.
     """
     force, length, kappa = (np.asarray(values, float) for values in (force, length, relative_curvature))
-    if not (np.all(force >= 0) and np.all(length > 0) and np.all(kappa > 0) and modulus > 0):
-        raise DesignError(
-            "a Hertz line contact needs a force of at least 0 and a positive length, relative curvature and modulus, "
-            f"but the smallest values are {np.min(force):.4g} N, {np.min(length):.4g} m, {np.min(kappa):.4g} 1/m and "
-            f"{modulus:.4g} Pa. Remove contacts without force, and contacts of conformal surfaces"
-        )
+    inputs = {
+        "force": (force, "N"),
+        "length": (length, "m"),
+        "relative curvature": (kappa, "1/m"),
+        "modulus": (modulus, "Pa"),
+    }
+    for name, (values, unit) in inputs.items():
+        least = float(np.asarray(values).min())
+        if not (least > 0.0 or (name == "force" and least == 0.0)):
+            raise DesignError(
+                f"{name} = {least:.4g} {unit} is not valid for a Hertz line contact: a force must be at least 0, and "
+                "length, relative curvature and modulus must be positive. Correct this value, or remove contacts of "
+                "conformal surfaces, whose relative curvature is 0"
+            )
     half_width = 2 * np.sqrt(force / (np.pi * length * kappa * modulus))
     peak_pressure = np.sqrt(force * kappa * modulus / (np.pi * length))
     return HertzContact(half_width, peak_pressure, LARGEST_SHEAR * peak_pressure, SHEAR_DEPTH * half_width)

@@ -239,7 +239,7 @@ class LogWriter:
             if values[group.topic].shape != (time.size, len(group.units)):
                 raise LogError(
                     f"the samples of {group.topic} have shape {values[group.topic].shape}: pass an array of shape "
-                    f"({time.size}, {len(group.units)}) with one row per time"
+                    f"({time.size}, {len(group.units)}) with one row per sample"
                 )
         if not (np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last) > 0.0).all()):
             raise LogError(

@@ -58,8 +58,9 @@ def preloaded(design: Named) -> Design:
         angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, upper, rtol=1e-4))
     except RunError as error:
         raise DesignError(
-            f"{design.name}: no preload angle produces ring.preload_torque_nm = {torque:g}: {error}. Reduce this "
-            "torque, or set ring.preload_arcmin instead"
+            f"{design.name}: ring.preload_torque_nm = {torque:g} is not possible, because a preload angle on the way "
+            f"to it has no equilibrium ({error}). Reduce this torque, or set ring.preload_arcmin from 0 to "
+            f"{MAX_ANGLE / ARCMINUTE:g} instead"
         ) from error
     return rotate_halves(angle)
 

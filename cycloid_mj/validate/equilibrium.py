@@ -137,8 +137,9 @@ def solve(
         if residual < max_residual:
             return _make_equilibrium(locked, pose)
     raise RunError(
-        f"no static equilibrium at crank angle {np.degrees(crank):.4g} deg: the residual force is {residual:.3g} N, "
-        f"but at most {max_residual:.3g} N is allowed. Check the clearances of the design, or reduce the load"
+        f"{reducer.design.name}: no static equilibrium at crank angle {np.degrees(crank):.4g} deg: the residual force "
+        f"is {residual:.3g} N, but at most {max_residual:.3g} N is allowed. Reduce the load (--load-nm), or increase "
+        "the clearances (clearance.*)"
     )
 
 

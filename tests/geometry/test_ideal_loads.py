@@ -186,7 +186,7 @@ def test_hertz_takes_arrays_and_refuses_what_it_cannot_hold():
     assert contact.peak_pressure[2] / contact.peak_pressure[1] == pytest.approx(2)
     good = {"force": 1.0, "length": 0.01, "relative_curvature": 500.0, "modulus": 1e11}
     for spoiled in ({"force": -1.0}, {"length": 0.0}, {"relative_curvature": [3.0, -1e-9]}, {"modulus": math.nan}):
-        with pytest.raises(DesignError, match="Hertz line contact"):
+        with pytest.raises(DesignError, match="not valid for a Hertz line contact"):
             ideal_loads.hertz_line_contact(**{**good, **spoiled})
 
 

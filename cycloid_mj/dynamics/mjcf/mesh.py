@@ -107,8 +107,8 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
     design = reducer.design
     if isinstance(reducer, RvReducer):
         raise DesignError(
-            f"{design.name}: runs with mesh contact do not support RV reducers, whose crank bearings would be springs "
-            "without logged forces. Use --contact profile, or `cycloid-mj build` for a model without this package"
+            f"{design.name}: --contact mesh does not support RV reducers, because it cannot log the forces in their "
+            "crank bearings. Use --contact profile, or `cycloid-mj build`, which writes a model that MuJoCo runs alone"
         )
     if design.contact.law == "impact":
         raise DesignError(
