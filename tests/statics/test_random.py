@@ -1,12 +1,14 @@
 """Random drives balance under every load, and a jam is told where ideal teeth would jam."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from coulomb import friction_borne, left_over
 from random_drives import random_drives
 
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
@@ -64,6 +66,13 @@ def test_twelve_random_drives_have_an_equilibrium() -> None:
 @pytest.mark.slow
 def test_two_hundred_random_drives_have_an_equilibrium() -> None:
     require_all_balanced(200, 2)
+
+
+def test_wedged_cams_are_no_equilibrium() -> None:
+    """Without inertia, parts pressed together by 150 000 times the load would also balance: such a result is wrong."""
+    design = load(Path(__file__).parents[1] / "data" / "wedged_cams.toml")
+    for share in (0.001, 1.5):
+        require_balance(design, 6.169354995327815, 1.0, 1.0, share)
 
 
 MOST_FRICTION = 2.0

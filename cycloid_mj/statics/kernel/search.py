@@ -32,7 +32,8 @@ class SearchSettings(NamedTuple):
     clearance_steps
         Steps in which clearance grows if a path without friction fails: each a descent of the energy.
     wedged_force, wedged_depth
-        Force of a cam over the load, and deflection over the clearance, beyond which friction wedges the parts.
+        Force of a cam over the load, and deflection over the clearance, beyond which friction wedges the parts. A
+        deflection beyond the reach under a force that large is wedged too.
     """
 
     short_work: int = 3
@@ -257,8 +258,9 @@ def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float
 @njit(nogil=True, error_model="numpy", inline="always")
 def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float) -> bool:
     """Return whether friction wedges a cam at crank angle `k`: it is deflected far more than by the load [N] alone."""
+    valid = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
     max_deflection = max(
-        _SEARCH.wedged_depth * largest_play(springs), _SEARCH.wedged_force * load / springs.cam_stiffness
+        min(_SEARCH.wedged_depth * largest_play(springs), valid), _SEARCH.wedged_force * load / springs.cam_stiffness
     )
     for disc in range(springs.cam_place.shape[1]):
         x = z[3 * disc] - springs.cam_place[k, disc, 0]
