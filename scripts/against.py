@@ -100,9 +100,9 @@ class Trial:
     ours: tuple[str, ...] = ()
     """Further words for this tree."""
     reference: tuple[str, ...] = ()
-    """Further words for another run of both trees, whose figures the others are held against; none without."""
+    """Further words for a reference run of both trees; none: no reference run."""
     figures: Callable[[Finished], Figures] = figures_of_log
-    """What both are held against each other by."""
+    """Figures by which both trees are compared."""
     logged: bool = True
     """Whether the command takes ``--out`` for its files."""
 

@@ -328,7 +328,7 @@ def stale(artefact: Artefact, kept: Mapping[str, Any] | None) -> list[str]:
 
 
 def list_changes(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
-    """Compare the figures of an artefact's probes with earlier ones, and return a sentence for each that changed."""
+    """Compare the figures of an artefact's probes with earlier figures, and return a sentence for each that changed."""
     changes = []
     for name in artefact.probes:
         was, now = before.get(name, {}), probe_values(name)

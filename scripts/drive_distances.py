@@ -53,7 +53,7 @@ class Distance:
     axial: bool
 
     def keeps(self, play: float) -> bool:
-        """Return whether the parts are apart, along the axis by at least the axial play [m]."""
+        """Return whether the parts do not touch; along the axis, whether their gap is at least the axial play [m]."""
         return self.value >= (play if self.axial else 0.0) - SAME_LENGTH and self.value > 0.0
 
 
@@ -67,7 +67,7 @@ class Face:
     owners: Array
 
     def moved(self, place: PlacedPart) -> "Face":
-        """Return it at a place of its part."""
+        """Return the face at a place of its part."""
         motion = occ.gp_Trsf()
         motion.SetRotation(occ.gp_Ax1(occ.gp_Pnt(), occ.gp_Dir(0.0, 0.0, 1.0)), place.angle)
         at = MILLIMETRES * np.array(place.origin[:2])

@@ -1,6 +1,6 @@
-"""Exudyn side by side with this project: the same gear, ring of fixed pins, cam and load, the cost and the results.
+"""Compare Exudyn with this project: cost and results for the same gear, ring of fixed pins, cam and load.
 
-Exudyn is no dependency: put it into an environment of its own beside this project, then run this script there.
+Exudyn is no dependency: install it in a separate environment together with this project, and run this script there.
 
     pip install exudyn==1.13.6
     python scripts/peer_exudyn.py
@@ -9,8 +9,8 @@ Both have one planar gear on a cam that turns at constant speed, with the load o
 no pins in holes), uniform contact stiffness, no play in the cam and no friction there. Exudyn's settings are the best
 of those tried on version 1.13.6. For its own contact, a polygon, these are generalised alpha at 10 us (20 us fails),
 contact model 0 (model 1 does not converge), no contact damping (with it the efficiency without friction leaves 1), and
-as many segments as it takes, since ``polynomialData`` is refused. A segment is a bed of springs per length: they are
-made as stiff as our contact at the working force, so mean transmission errors may differ by some percent. With contacts
+as many segments as it takes, since ``polynomialData`` is refused. A segment is a bed of springs per length, with the
+stiffness of our contact at the working force, so mean transmission errors may differ by some percent. With contacts
 that its user compiles (numba), of the exact teeth and of free pins in their sockets, it is its explicit RK44.
 """
 
@@ -116,7 +116,7 @@ def run_ours(timestep: float, friction: float, end: float, pins: str = "fixed") 
 def match_stiffness(design: Design, stiffness: float) -> float:
     """Compute the bedding modulus [N/m2] at which a pin enters Exudyn's segments as deep as it enters our contact.
 
-    A circle of radius rho, p deep in the bed, meets a force of 4/3 sqrt(2 rho) p^(3/2) times the modulus. `stiffness`
+    On a circle of radius rho, p deep in the bed, acts a force of 4/3 sqrt(2 rho) p^(3/2) times the modulus. `stiffness`
     is that of our contact [N/m].
     """
     force = Reducer(design).contacts[design.tooth_pair].force
@@ -438,7 +438,7 @@ def main() -> None:
     for name, run in runs.items():
         try:
             motion = run()
-        except Exception as problem:  # Exudyn's solver gives up: the other rows go on
+        except Exception as problem:  # Exudyn's solver fails: continue with the other rows
             print(f"{name:32}{type(problem).__name__}: {problem}", flush=True)
             continue
         mean, peak_to_peak, rms, efficiency = compute_figures(motion, lobes)

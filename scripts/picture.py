@@ -81,7 +81,7 @@ def screenshot(page: Path, path: Path, width: int, height: int) -> None:
     with TemporaryDirectory() as folder:
         taken = Path(folder) / "taken.png"
         look = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--window-size={width},{height}"]
-        # the charts of the page are drawn by its own script, which is given this time [ms]
+        # time for the script of the page to draw its charts [ms]
         look += ["--virtual-time-budget=10000", f"--screenshot={taken}"]
         subprocess.run([chromium, *look, page.resolve().as_uri()], check=True, capture_output=True)
         keep_small(taken, path)

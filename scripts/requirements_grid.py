@@ -2,8 +2,8 @@
 
     python scripts/requirements_grid.py [--seed 1] [--count 40] [--thorough]
 
-Requirements from 5:1 to 120:1, 30 to 300 mm, 0.2 to 500 N m, of all processes, with up to two further ones, are spread
-evenly by the points of Sobol, scrambled by the seed. A written drive has to pass `design check`, and to meet the
+Requirements from 5:1 to 120:1, 30 to 300 mm, 0.2 to 500 N m, of all processes, with up to two further requirements, are
+spread evenly by the points of Sobol, scrambled by the seed. A written drive has to pass `design check`, and to meet the
 requirement by its rating within its tolerances, its tolerance study, and its size with covers. After a refusal, the
 largest possible torque and a remedy are tried with the flags that the command suggests; `--thorough` tries all remedies
 and all drives of a shortlist. The exit code is 1 if one fails.

@@ -1,6 +1,6 @@
 """Jobs of the page: long work in queues of its own kind, which reports its progress and can be stopped.
 
-Studies wait for each other, and so do files; neither waits for the other. A file that takes no time is made at once.
+Studies wait for each other, and so do files; neither waits for the other. A small file is written immediately.
 """
 
 import itertools

@@ -12,7 +12,7 @@ class ServerLimits:
     body_bytes: int = 1_000_000
     """Bytes of a question; a design file has some thousand."""
     questions: int = 24
-    """Questions being answered at the same time; further ones are refused, so that no page fills the memory."""
+    """Questions being answered at the same time; further questions are refused, so that no page fills the memory."""
     backlog: int = 256
     """Connections that wait in the kernel to be accepted."""
     connections: int = 256

@@ -31,7 +31,7 @@ def cache_folder() -> Path | None:
     """Return the writable folder for the compiled code of the current sources; None if there is none.
 
     It is in ``NUMBA_CACHE_DIR``, or else next to the sources or in the home folder, and is created if needed. Two
-    folders of earlier sources are kept, older ones removed.
+    folders of earlier sources are kept, older folders removed.
     """
     name = f"kernels-{_digest_of_sources()}"
     for folder in [config.CACHE_DIR] if config.CACHE_DIR else [f"{PACKAGE}/__pycache__", "~/.cache/cycloid_mj"]:

@@ -20,7 +20,7 @@ class MemorySettings:
         each hundred thousand.
     mallopt
         Parameter of ``mallopt`` -> value in bytes, the largest that it may have: free memory to keep
-        (M_TRIM_THRESHOLD), and size from which an array is allocated apart (M_MMAP_THRESHOLD).
+        (M_TRIM_THRESHOLD), and size from which an array is allocated separately (M_MMAP_THRESHOLD).
     """
 
     thresholds: tuple[int, int, int] = (100_000, 20, 100)

@@ -1,4 +1,4 @@
-"""Registry of what upper layers provide to lower ones, so that no lower layer imports an upper one.
+"""Registry of functions that upper layers provide, so that no lower layer imports an upper layer.
 
 `cycloid_mj/__init__.py` fills the registry; Python imports it before every other module of the package.
 """

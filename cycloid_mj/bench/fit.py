@@ -243,7 +243,7 @@ def _refine(
     problem
         The least-squares problem.
     solutions
-        Cost and scaled values of the searches so far, the best first; the new ones are added.
+        Cost and scaled values of the searches so far, the best first; the new searches are added.
     fits
         Fits with their intervals; those of this search are added.
     offset_gain

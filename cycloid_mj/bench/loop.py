@@ -340,7 +340,7 @@ def _median_filter(values: Array) -> Array:
 
 
 def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> int:
-    """Count the points before the loop: those of a first branch that starts away from the later ones in its direction.
+    """Count the points before the loop: those of a first branch that starts away from later branches of its direction.
 
     A bench that starts from rest starts in the middle of the loop; a closed loop starts on its own branch.
     """
@@ -397,7 +397,7 @@ def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:
     if not reversals:
         return (), np.zeros(len(torque), int)
     inner = [_reversal_torque(torque, medians, index) for index in reversals]
-    # torques from which the first branch comes and to which the last goes: the other ends of the loop
+    # torques at which the first branch begins and the last one ends: the other ends of the loop
     first_extreme = inner[1] if len(inner) > 1 else float(medians[: reversals[0] + 1][0])
     last = inner[-2] if len(inner) > 1 else float(medians[reversals[-1] :][-1])
     beginning, end = medians[: reversals[0] + 1], medians[reversals[-1] :]

@@ -76,7 +76,7 @@ def _branches_with_contact_friction(
 ) -> Branches:
     """Compute the branches between reversal torques [N m] with friction in the contacts (`friction_path`).
 
-    Points are at most `max_turn` [rad] apart.
+    The distance of neighbouring points is at most `max_turn` [rad].
     """
     spans = list(pairwise(reversals))
     lead = [

@@ -139,7 +139,7 @@ def needs_contact_friction(keys: Sequence[str]) -> bool:
 
 
 def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of some keys: named ones (`NAMED`), or numbers of the design file.
+    """Return the parameters of some keys: named parameters (`NAMED`), or numbers of the design file.
 
     Those that depend on the measured loops take start, scale and bounds from `loops`.
 

@@ -18,7 +18,7 @@ from cycloid_mj.statics.friction_path import Losses
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Prediction(Presented):
-    """Loops of a reducer at the torques of measured ones.
+    """Loops of a reducer at the torques of measured loops.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     Returns
     -------
     Prediction
-        Modelled loops next to the measured ones.
+        Modelled and measured loops.
 
     Raises
     ------

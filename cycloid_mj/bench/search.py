@@ -69,7 +69,7 @@ class Trials:
         self.done, self.later, self._total, self._progress = 0, 0.0, 0.0, progress
 
     def expect(self, more: float) -> None:
-        """Set how many evaluations of this fit follow; `later` ones, of other fits, are added."""
+        """Set how many evaluations of this fit follow; the `later` evaluations, of other fits, are added."""
         self._total = self.done + more + self.later
 
     def __call__(self) -> None:

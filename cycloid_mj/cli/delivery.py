@@ -23,7 +23,7 @@ RUNS = "runs"
 
 @dataclass(frozen=True)
 class TextLimits:
-    """How much of an outcome is printed without ``--all``."""
+    """Limits of the printed text without ``--all``."""
 
     max_lines: int = 25
     """Lines on the terminal."""

@@ -215,7 +215,7 @@ MOTOR = MotorInterface()
 
 @dataclass(frozen=True, kw_only=True)
 class ExportFlags:
-    """What is exported, and how exactly."""
+    """Flags of an export: its contents and their accuracy."""
 
     polylines: PolylinesFlag = False
     chord_error_um: ChordFlag = 1.0
@@ -246,7 +246,7 @@ class ExportFlags:
 
     @property
     def has_casing(self) -> bool:
-        """Whether files of the whole drive are requested, with covers and flanges."""
+        """True if files of the whole drive, with covers and flanges, are requested."""
         return self.plate or self.assembly or self.drawings
 
     def require_consistent(self, file_format: str) -> None:
@@ -432,7 +432,7 @@ def _clearance_table(outlines: "Export", offset: float) -> Table:
 
 @dataclass(frozen=True)
 class _Plates:
-    """What --plate adds: plates by file, files, notes, tables and entries of the JSON object."""
+    """Results of --plate: plates by file, files, notes, tables and entries of the JSON object."""
 
     plates: "dict[str, PrintPlate]"
     files: dict[str, bytes]

@@ -223,7 +223,7 @@ _BOLT_RANGES = {
 }
 """ISO 4762:2004, table 1: thread -> length of the shortest and of the longest screw [mm].
 
-FreeCAD's Fasteners workbench has shorter ones of M6 and M8, 8 and 10 mm, as DIN 912; all else is alike.
+FreeCAD's Fasteners workbench also lists M6 x 8 mm and M8 x 10 mm, as DIN 912; all other lengths agree.
 """
 
 _BOLT_HOLES = {1.6: 1.8, 2: 2.4, 2.5: 2.9, 3: 3.4, 4: 4.5, 5: 5.5, 6: 6.6, 8: 9, 10: 11, 12: 13.5, 16: 17.5}

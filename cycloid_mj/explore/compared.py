@@ -43,7 +43,7 @@ class RunPlan:
     starts
         Each design under each load -> its independent starts.
     variations, assumptions
-        Variations of all cases, and of the loaded ones only.
+        Variations of all cases, and of the loaded cases only.
     names
         Every design that is simulated, and the name of its run.
     solver

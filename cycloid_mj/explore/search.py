@@ -30,9 +30,9 @@ class CmaSettings:
     """First standard deviation of a search, and of a restart about the best point (Hansen recommends 0.2 to 0.5 of a
     range for the first)."""
     tolerance: float = 1e-6
-    """Step length at which a search ends (``tolx``): far below what a part can be made to."""
+    """Step length at which a search ends (``tolx``): far below the accuracy of any part."""
     min_dimensions: int = 2
-    """Dimensions of a search at least; one over a single number has an idle second one, as CMA-ES requires two."""
+    """Smallest number of dimensions of a search: CMA-ES requires two. Over a single number the second one is idle."""
     selection_share: float = 0.5
     """Share of the evaluations for the rounds of combinations, and of those left for the rounds of starts."""
     max_restarts: int = 5
@@ -149,7 +149,7 @@ def search_minimum(
     budget
         Approximate number of evaluations.
     starts
-        Number of searches at the best combination: the one that found it, and others from random starts.
+        Number of searches at the best combination: the search that reached it, and others from random starts.
     seed
         Random seed.
     start_point

@@ -110,7 +110,7 @@ class InvoluteGear:
 
     @property
     def fault(self) -> str:
-        """What makes the teeth unusable: "undercut" or "pointed"; empty if nothing does."""
+        """Reason why the teeth are unusable: "undercut" or "pointed"; empty if they are usable."""
         if self.corner_depth <= 0.0 or self.first_roll < 0.0:
             return "undercut"
         return "pointed" if self.tip_half_angle <= 0.0 else ""
@@ -145,14 +145,14 @@ class InvoluteGear:
         h, r = self.corner_depth, self.reference_radius
         distance = np.hypot(s, h)
         stretch = 1.0 + self.module * CORNER_RADIUS / distance
-        return _turned(s * stretch, r - h * stretch, (s - self.corner_offset) / r)
+        return _rotate(s * stretch, r - h * stretch, (s - self.corner_offset) / r)
 
     def fillet_tangents(self, corner: npt.ArrayLike) -> Array:
         """Compute unit tangents (n, 2) of the fillet towards the involute."""
         s = np.asarray(corner, dtype=np.float64)
         distance = np.hypot(s, self.corner_depth)
         angle = (s - self.corner_offset) / self.reference_radius
-        return _turned(self.corner_depth / distance, s / distance, angle)
+        return _rotate(self.corner_depth / distance, s / distance, angle)
 
     def fillet_length(self, corner: npt.ArrayLike) -> Array:
         """Compute the arc length of the fillet from the root circle [m]."""
@@ -224,7 +224,7 @@ def gear_pair(
     return pinion, mate
 
 
-def _turned(x: npt.ArrayLike, y: npt.ArrayLike, angle: Array) -> Array:
-    """Turn vectors counter-clockwise by angles (n,) [rad]; return them as (n, 2)."""
+def _rotate(x: npt.ArrayLike, y: npt.ArrayLike, angle: Array) -> Array:
+    """Rotate vectors counter-clockwise by angles (n,) [rad]; return them as (n, 2)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack([cos * x - sin * y, sin * x + cos * y], -1)

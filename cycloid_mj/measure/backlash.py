@@ -41,7 +41,7 @@ class PressSettings:
     share: float = 0.0025
     """The smaller torque relative to the rated one; the larger is twice as large."""
     levels: tuple[float, ...] = (20.0, 2.0, 1.0, -20.0, -2.0, -1.0)
-    """Sequence of torques in units of the smaller one; the large ones seat the parts."""
+    """Sequence of torques in units of the smaller torque; the larger torques seat the parts."""
     settling: float = 4.0
     """Time at each torque, relative to the time in which it moves output and disc across their clearance."""
     all_clearances: float = 4.0

@@ -3,7 +3,7 @@
 The motion is so slow that inertia does not matter, so time steps may be longer than in a run at speed. A free pin or
 sleeve is the exception: pressed between disc and socket by a force F, it rolls in its clearance delta like a ball in a
 bowl, with the stiffness F/(delta + F/K) across the force and its own mass m. The step must resolve this oscillation, or
-be stable where friction holds the pin. A run that fails is repeated with half the step.
+be stable where friction keeps the pin in place. A run that fails is repeated with half the step.
 """
 
 import math
@@ -55,7 +55,7 @@ class BenchSettings:
     pin_step: float = 0.5
     """Time step relative to the stability limit 2 sqrt(m/k) of a pressed pin that rolls in its clearance."""
     held_pin_step: float = 1.5
-    """The same where friction holds the pin: it does up to about twice that limit (36 and 21 free pins)."""
+    """The same if friction keeps the pin in place, which works up to about twice that limit (36 and 21 free pins)."""
     max_halvings: int = 3
     """Number of times that the time step of a failed run is halved."""
     contact_step: float = 2.0

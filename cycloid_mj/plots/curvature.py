@@ -26,7 +26,7 @@ PARTS: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
     (("sigma2",), ON_SIGMA),
 )
 MAX_LINE_WIDTH = 4.0
-"""Line width of the first design [pt]; further ones are narrower, so that equal curves remain visible."""
+"""Line width of the first design [pt]; further designs have narrower lines, so that equal curves remain visible."""
 
 
 @with_style

@@ -41,7 +41,7 @@ class SweepStyle:
     label_width: int = 22
     """Characters of a line of an axis label."""
     max_points: int = 4000
-    """Points of a panel of a pair plot; of more, evenly spaced ones are drawn."""
+    """Points of a panel of a pair plot; of more, evenly spaced points are drawn."""
     max_markers: int = 60
     """Points of a line up to which each has a marker."""
     max_inputs: int = 6

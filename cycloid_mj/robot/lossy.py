@@ -143,7 +143,7 @@ def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
             f'solref="{-SHOE.stiffness:g} {-2.0 * SHOE.stiffness**0.5:g}" '
             f'solreffriction="-1 {-shoe.creep:g}" solimp="{SHOE.impedance} {SHOE.impedance} 0.001 0.5 2"/>\n'
         )
-    # a centre of mass beside the axis, or MuJoCo takes the mass alone for all that moves
+    # a centre of mass off the axis: with one on the axis, MuJoCo counts only this body's mass as moving
     body = f"""    <body name="{name}" pos="0 0 {SHOE.height}">
       <inertial pos="0.001 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>
       <joint name="{name}" type="hinge" pos="{SHOE.lever} 0 0" axis="0 1 {xml_number(tilt)}" \

@@ -190,7 +190,7 @@ def _elements_without_springs(reduced: ReducedJoint, joint: str) -> str:
 
 
 def _sticking() -> str:
-    """Return the MJCF attributes of friction that lets a joint stick."""
+    """Return the MJCF attributes of friction with which a joint sticks."""
     solimp = " ".join(f"{value:g}" for value in MJCF.sticking_impedance)
     return f'solreffriction="{MJCF.sticking_time:g} 1" solimpfriction="{solimp}"'
 

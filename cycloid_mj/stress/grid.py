@@ -225,7 +225,7 @@ def _clamped_circles(region: Region) -> Array:
 def quadratic_mesh(
     points: Array, cells: Integers, edge_ends: Integers, middles: Array, part: str, keep_order: bool = False
 ) -> tuple[Any, Integers, Integers]:
-    """Return a quadratic scikit-fem mesh whose given edges pass through given middles.
+    """Return a quadratic scikit-fem mesh with edges that pass through prescribed middles.
 
     Parameters
     ----------

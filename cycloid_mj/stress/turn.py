@@ -110,7 +110,7 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
 
 
 def require_same(reducer: Reducer, ran: Reducer) -> None:
-    """Raise UsageError unless a design is the one that ran, apart from load, speed, environment and settings."""
+    """Raise UsageError if a design differs from the one that ran in more than load, speed, environment and settings."""
     if differing := list_differences(reducer, ran):
         raise UsageError(
             f"the log does not belong to the design {reducer.design.name!r}: it differs in {'; '.join(differing[:3])} "
@@ -119,7 +119,7 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
 
 
 def list_differences(reducer: Reducer, logged_reducer: Reducer) -> list[str]:
-    """List where a design differs from the one that ran, apart from load, speed, environment and settings, in words."""
+    """List the keys in which a design differs from the one that ran, except load, speed, environment and settings."""
     requested, logged_values = _compared_values(reducer), _compared_values(logged_reducer)
     return [
         f"{key} ({requested.get(key)} in the design, {logged_values.get(key)} in the log)"

@@ -262,7 +262,7 @@ STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
     partial(path_rows, ONE, BALANCE.max_travel, 30),
     partial(path_rows, TWO),
 )
-"""Functions that return the rows, the quick ones first.
+"""Functions that return the rows, the fastest first.
 
 Tests on further designs check that forces are the gradient of the energy, and the effect of each single sign.
 """

@@ -213,7 +213,7 @@ class DisplacedSprings:
 def _pin_forces(gaps: Array, compliance: Array) -> Array:
     """Solve for the forces of D discs on one bent output pin [N], from the gaps of the unbent pin [m], shape (D,).
 
-    Solves the linear complementarity problem by enumeration: closed contacts have f >= 0, open ones a gap >= 0.
+    Solves the linear complementarity problem by enumeration: closed contacts have f >= 0, open contacts a gap >= 0.
     """
     discs = gaps.size
     for code in range(2**discs):

@@ -272,7 +272,7 @@ STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
     partial(shifted_pin_rows, 5.0, "gear.discs=2"),
     *(partial(stop_rows, kind) for kind in (FIXED, FREE)),
 )
-"""Functions that return the rows that need no compiled model, the quick ones first."""
+"""Functions that return the rows that need no compiled model, the fastest first."""
 
 MODELS: tuple[Callable[[], list[ValidationRow]], ...] = tuple(
     partial(model_rows, pins) for pins in ("fixed", "free", "sleeved", "massless")

@@ -48,7 +48,7 @@ class SharingBounds:
     force: float = 0.23
     turn: float = 0.04
     cam: float = 0.05
-    """Allowed errors [%]: three times the largest ones seen, 0.075, 0.013 and 0.016."""
+    """Allowed errors [%]: three times the largest observed errors, 0.075, 0.013 and 0.016."""
     settled: float = 0.008
     """Time at which the load is applied and its transient has decayed [s]."""
 

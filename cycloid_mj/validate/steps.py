@@ -1,6 +1,6 @@
 """Validation step "steps": figures of a run at rated load for several time steps, against the shortest.
 
-Time steps up to the automatic one must agree; longer ones are listed without a bound, with the observed order of
+Time steps up to the automatic one must agree; longer steps are listed without a bound, with the observed order of
 convergence. A light load is checked, too, where the time step could reverse friction (``dynamics.law.impratio``).
 """
 

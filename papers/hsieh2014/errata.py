@@ -107,7 +107,7 @@ def _eq6() -> tuple[float, float]:
 
 
 def orbit_speed(rate: float) -> float:
-    """Speed [rad/s] at which the gear's centre by Eq. 16 goes round, counter-clockwise, at a rate dzeta/dt."""
+    """Speed [rad/s] at which the gear's centre by Eq. 16 revolves counter-clockwise, at a rate dzeta/dt."""
     moved = first(lambda time: kinematics.gear_centre(eq.GEAR, eq.GEAR.lobes * rate * time), np.array([0.01]), 1e-5)
     later = kinematics.gear_centre(eq.GEAR, eq.GEAR.lobes * rate * 0.01)
     return float((later[0] * moved[0, 1] - later[1] * moved[0, 0]) / eq.GEAR.eccentricity**2)

@@ -24,7 +24,7 @@ def pin_claims(motions: Motions, rated: PinMotion) -> tuple[Claim, ...]:
 
 
 def sway(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 moves within its clearance, apart from the deflection of the contact."""
+    """Judge whether pin 1 moves within its clearance, except for the deflection of the contact."""
     starts, clearance = motions.base, motions.base[0].clearance
     reach, span = _spread(starts, lambda one: one.reach), _spread(starts, lambda one: one.span)
     judged = ruling(

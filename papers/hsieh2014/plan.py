@@ -211,7 +211,7 @@ def contact_ranges(plan: Plan) -> tuple[Range, ...]:
 
 
 def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[Design]:
-    """List the starts of a design without load with one parameter varied; the main ones if it has no effect."""
+    """List the starts of a design without load with one parameter varied; the main starts if it has no effect."""
     changed, count = variation.of(Reducer(design)), plan.varied_starts
     if changed == design:
         return idle_runs(plan, design)

@@ -69,7 +69,7 @@ GENERIC = in_millimetres("unnamed material", 1e5, 2.2, 10.0, 0.1)
 """The default without a material: stiffness 1e5 N/mm, exponent 2.2, damping 10 N s/mm ("Contact Parameters for
 Parts with Small Mass", Adams View help, https://adams.thisaray.com/adams_view/building_models_contacts.11.10.html).
 
-Its 3-D contacts are found on polygons by default (RAPID; CONTACT statement, Adams Solver help,
+It detects 3-D contacts on polygons by default (RAPID; CONTACT statement, Adams Solver help,
 https://adams.thisaray.com/adams_solver/state_contact.html).
 """
 

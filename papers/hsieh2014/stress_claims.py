@@ -56,7 +56,7 @@ def stress_claims(
 def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, searched: Searched) -> Claim:
     """Judge the maximum of a part's curve, with our contacts and with every searched treatment of contact.
 
-    Forces depend continuously on stiffness and chord error: a height between two computed ones can be reached.
+    Forces depend continuously on stiffness and chord error: a height between two computed heights can be reached.
     """
     theirs, ours = HEIGHTS[part, design], idle_stress.starts[part]
     low, high = LEAST * theirs, MOST * theirs

@@ -53,7 +53,7 @@ _MATES = (
 
 @dataclass(frozen=True)
 class Annulus:
-    """What a stretch of a part sweeps: radii and ends along z [m], with its part and the body that it moves with."""
+    """Space that a stretch of a part sweeps: radii and ends along z [m], with its part and the body it moves with."""
 
     part: str
     body: str
