@@ -67,7 +67,7 @@ def test_the_number_of_teeth_fits() -> None:
 
 
 @pytest.mark.slow
-def test_two_discs_are_held_against_one_under_the_same_load_a_disc(monkeypatch) -> None:
+def test_two_discs_are_compared_with_one_under_the_same_load_per_disc(monkeypatch) -> None:
     def cost(design, compiled):
         assert compiled.model.opt.timestep == design.settings.timestep
         assert costs.schedule(Reducer(design)).steps == costs.WARM + 10_000
@@ -111,7 +111,7 @@ def test_a_ratio_to_exudyn_is_to_each_published_cost(monkeypatch) -> None:
         assert table[kind]["Exudyn / here"] == pytest.approx([cost * step / 20.0 for cost in published])
 
 
-def test_figures_of_two_trees_are_held_against_each_other_by_name(tmp_path) -> None:
+def test_figures_of_two_trees_are_compared_by_name(tmp_path) -> None:
     printed = {"a": [{"key": "x", "value": 2.0}, 3.0], "wall_s": 1.0, "n": 4, "none": None, "bad": float("inf")}
     ours = against.figures_of_json(against.Finished(1.0, 1.0, json.dumps(printed), tmp_path))
     assert ours == {"a.x.value": 2.0, "a.1": 3.0}
@@ -223,7 +223,7 @@ def test_designs_of_the_requirements_pass_their_checks() -> None:
 
 
 @pytest.mark.slow
-def test_a_command_is_launched_in_a_folder_of_its_own() -> None:
+def test_a_command_runs_in_a_separate_folder() -> None:
     took = costs.launch("figures", "--quiet")
     assert 0.0 < took.cpu < 60.0
     assert took.memory > 10.0

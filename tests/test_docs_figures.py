@@ -61,7 +61,7 @@ def test_the_script_lists_all_that_is_generated() -> None:
     )
 
 
-def test_an_artefact_is_stale_where_what_it_prints_has_moved(made: ModuleType, tmp_path: Path, capsys) -> None:
+def test_an_artefact_is_stale_if_its_printed_values_have_changed(made: ModuleType, tmp_path: Path, capsys) -> None:
     one = made.ARTEFACTS["one"]
     assert "no stamp" in made.stale(one, None)[0]
     assert made.main() == 0
@@ -81,7 +81,7 @@ def test_an_artefact_is_stale_where_what_it_prints_has_moved(made: ModuleType, t
     assert capsys.readouterr().out.startswith("one: out is not what the stamp is of (0.1 min of CPU)")
 
 
-def test_what_is_done_is_not_done_again_unless_the_model_has_moved(
+def test_finished_steps_are_repeated_only_if_the_model_has_changed(
     made: ModuleType, tmp_path: Path, monkeypatch
 ) -> None:
     """Stopped after the first step: the same command goes on; a model that says otherwise begins anew."""

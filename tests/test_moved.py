@@ -9,7 +9,7 @@ def test_a_figure_moves_when_its_printed_digits_do() -> None:
     assert listed == {"moved": "+5 %", "gone": "gone", "from_zero": "from 0", "new": "new"}
 
 
-def test_what_only_one_revision_prints_is_counted_and_not_listed() -> None:
+def test_values_of_only_one_revision_are_counted_but_not_listed() -> None:
     of = [moved.Move("pin", "rate", "life", 1.0, None), moved.Move("pin", "rate", "heat", 1.0, 1.5)]
     assert moved.table(of).cells == [["pin", "rate", "heat", "1", "1.5", "+50 %"]]
     assert moved.come_and_gone(of) == "Printed by one revision alone: 0 new, 1 gone."

@@ -56,7 +56,7 @@ def imports(path: Path) -> tuple[set[str], set[str]]:
     return named(tree.body), named(list(ast.walk(tree)))
 
 
-def test_what_is_imported_is_required_or_of_an_extra() -> None:
+def test_every_import_is_a_requirement_or_an_extra() -> None:
     """What the base does not install is imported where it is used."""
     packages = importlib.metadata.packages_distributions()
     required, *_ = offered = [
@@ -166,7 +166,7 @@ LEAVING = Paper(
 
 
 @pytest.mark.parametrize("value", FAULTY)
-def test_a_paper_with_a_fault_is_named_in_one_line_and_stops_no_command(value, found, capsys, tmp_path, monkeypatch):
+def test_a_faulty_paper_is_reported_in_one_line_and_stops_no_command(value, found, capsys, tmp_path, monkeypatch):
     (tmp_path / "leaves_2000.py").write_text("import sys\nsys.exit('I leave')\n")
     monkeypatch.syspath_prepend(tmp_path)
     for argv in (["rate", "--help"], ["--help"], ["design", "show", "pin"]):
@@ -185,13 +185,13 @@ def test_a_paper_that_fails_is_skipped(found, capsys):
             assert ask(Reducer(PRESETS["pin"])) == nothing
 
 
-def test_a_paper_that_answers_what_is_no_list_is_passed_over(found):
+def test_a_paper_that_returns_no_list_is_skipped(found):
     found(odd="test_packaging:ODD")
     with pytest.warns(CycloidWarning, match="paper odd: passed over: 'int' object is not iterable"):
         assert published_torques(Reducer(PRESETS["pin"])) == []
 
 
-def test_what_a_paper_prints_as_it_loads_is_no_result(found, capsys, tmp_path, monkeypatch):
+def test_output_of_a_paper_during_import_goes_to_stderr(found, capsys, tmp_path, monkeypatch):
     (tmp_path / "talks_2000.py").write_text("from test_packaging import SECOND\nprint('I load')\n")
     monkeypatch.syspath_prepend(tmp_path)
     found(talks="talks_2000:SECOND")

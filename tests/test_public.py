@@ -19,13 +19,13 @@ from cycloid_mj.base.frame import Frame
 from cycloid_mj.cli.contents import GROUPS, PYTHON, WITHOUT_PYTHON
 
 
-def test_every_public_name_is_there() -> None:
+def test_every_public_name_exists() -> None:
     assert all(getattr(cm, name) is not None for name in cm.__all__)
     assert len(set(cm.__all__)) == len(cm.__all__)
     assert dir(cm) == sorted(cm.__all__), "the public names alone"
 
 
-def test_a_package_completes_to_its_public_names_alone() -> None:
+def test_a_package_completes_to_its_public_names_only() -> None:
     for room in (cm.measure, cm.stress, cm.statics, cm.report):
         assert dir(room) == sorted(room.__all__)
 
@@ -105,7 +105,7 @@ def taking_a_design() -> dict[str, Callable[..., Any]]:
 
 
 @pytest.mark.parametrize("name", taking_a_design())
-def test_whatever_takes_a_design_takes_its_name(name: str) -> None:
+def test_every_function_of_a_design_accepts_its_name(name: str) -> None:
     function = taking_a_design()[name]
     others = {
         key: None

@@ -153,7 +153,7 @@ def imports() -> dict[str, set[str]]:
     return {module: set(graph.find_modules_directly_imported_by(module)) for module in graph.modules}
 
 
-def test_no_module_imports_itself_by_way_of_others() -> None:
+def test_no_module_imports_itself_indirectly() -> None:
     graph = imports()
     TopologicalSorter(graph).prepare()
     above = next(module for module, below in graph.items() if "cycloid_mj.base.errors" in below)

@@ -265,7 +265,7 @@ def test_a_crank_at_rest_has_no_relative_error():
 # --- which samples count
 
 
-def test_means_are_over_whole_turns_and_extremes_over_all():
+def test_means_cover_whole_turns_and_extremes_the_whole_run():
     design = designed(turns=1.5)
     found = analyze(ideal(design, gear_angle=10 * ARCSEC * wave(design, 0.75)), settle=0.0)
     first_turn = 10 * np.mean(wave(design, 0.75)[:TURN])
@@ -274,7 +274,7 @@ def test_means_are_over_whole_turns_and_extremes_over_all():
     assert found.gear_transmission_error.peak_to_peak_arcsec == near(everything)
 
 
-def test_a_hold_shorter_than_a_turn_is_averaged_over_whole_meshes():
+def test_a_hold_shorter_than_a_turn_is_averaged_over_whole_mesh_periods():
     design = designed(turns=0.87)  # 313 deg: 31 meshes of 10 deg
     odd_part = np.where(np.arange(313) >= 310, 1e3, 0.0)
     last_mesh = np.where(np.arange(313) >= 300, 31.0, 0.0)
@@ -283,7 +283,7 @@ def test_a_hold_shorter_than_a_turn_is_averaged_over_whole_meshes():
     assert found.gear_transmission_error.peak_to_peak_arcsec > 900
 
 
-def test_a_hold_shorter_than_a_mesh_is_averaged_whole():
+def test_a_hold_shorter_than_a_mesh_period_is_averaged_completely():
     found = analyze(ideal(designed(turns=7 / 360), contacts=np.arange(7.0)), settle=0.0)
     assert found.contact_summary.mean_active == near(3.0)
 
@@ -312,7 +312,7 @@ def test_a_slow_drive_settles_over_a_share_of_its_turn():
     assert time[window.in_hold(Reducer(slow), time)][0] == near(ramp + 1.0 / 8.0)
 
 
-def test_what_happens_while_it_settles_is_not_judged():
+def test_the_settling_time_is_not_judged():
     design = designed(turns=5)
     jolt = np.where(np.arange(1800) < 50, 1.0, 0.0)
     run = ideal(design, gear_speed=jolt, peak_force=1e4 * jolt, penetration=1e-3 * jolt, pin_1_x=1e-3 * jolt)
@@ -511,7 +511,7 @@ def test_absurd_numbers_are_left_out_without_a_warning_of_numpy(column):
     assert "left out" in found.note
 
 
-def test_what_there_is_of_a_broken_run_is_judged():
+def test_the_completed_part_of_a_broken_run_is_judged():
     design = designed(turns=3)
     broken = np.where(np.arange(1080) >= 700, np.nan, 0.0)
     run = replace(ideal(design, gear_vx=broken), complete=False, note="stopped: not a number")
@@ -559,7 +559,7 @@ def test_a_simulated_run_stays_within_its_clearances():
 
 
 @pytest.mark.parametrize("miss", [0.0, 3e-8, -3e-8])
-def test_turns_are_whole_where_samples_fall_on_their_ends_but_for_the_servo(miss):
+def test_turns_are_complete_if_samples_fall_on_their_ends_except_for_the_servo(miss):
     crank = np.radians(np.arange(3 * 360 + 1.0))
     crank[1:] += miss
     assert [turn.stop - turn.start for turn in turn_by_turn(crank)] == [360] * 3

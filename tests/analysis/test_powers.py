@@ -22,7 +22,7 @@ FIXED = override(PRESETS["pin"], ["ring.pins=fixed"])
 
 @pytest.mark.parametrize("kind", ["fixed", "light"])
 @pytest.mark.parametrize("spin", [5.0, -5.0])
-def test_powers_are_what_the_forces_on_the_gear_take_from_its_motion(kind: str, spin: float) -> None:
+def test_powers_equal_force_times_velocity_on_the_gear(kind: str, spin: float) -> None:
     """The ring stands still: what a tooth takes, by its normal and by friction, is -(F v + M omega) of the gear."""
     design = override(FIXED if kind == "fixed" else unlike(kind), ["clearance.cam_um=100", "clearance.output_um=300"])
     compiled = build(design)

@@ -139,7 +139,7 @@ def test_values_between_samples_are_those_of_the_signal(share):
 
 @pytest.mark.parametrize("every", [1, 5, 10])
 @pytest.mark.parametrize("share", [0.05, 0.2, 0.39])
-def test_thinning_keeps_the_band_and_takes_away_what_folds_into_it(every, share):
+def test_thinning_keeps_the_band_and_removes_aliases(every, share):
     times = np.arange(4000.0)
     rows = slice(10, -10)
     inside = decimate(np.cos(2.0 * np.pi * share / every * times), every)[rows]

@@ -50,7 +50,7 @@ def command(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[dict, str]
 # Python
 
 
-def test_a_model_has_its_warnings_and_a_run_issues_and_keeps_them() -> None:
+def test_a_run_issues_and_stores_the_warnings_of_its_model() -> None:
     design = override(PRESETS["nonpin"], [UNUSED, "drive.ramp_s=0", "drive.hold_s=0.0005", "settings.timestep_us=5"])
     compiled = build(design)
     assert [NO_EFFECT in text for text in compiled.warnings] == [True]
@@ -152,7 +152,7 @@ def test_each_warning_is_shown_once_whichever_thread_it_comes_from(capsys) -> No
     assert sorted(written.err.splitlines()) == ["warning: pin: too coarse", "warning: pin: too fast"]
 
 
-def test_other_warnings_go_their_own_way() -> None:
+def test_other_warnings_are_passed_on() -> None:
     with pytest.warns(UserWarning, match="of another kind"), collect_warnings(tell):
         python_warnings.warn("of another kind", UserWarning, stacklevel=1)
 

@@ -170,7 +170,7 @@ def test_header_and_checks_state_the_same_life() -> None:
             assert name not in {one["name"] for one in left}
 
 
-def test_the_page_has_one_torque() -> None:
+def test_the_page_changes_the_torques_of_load_and_drive_together() -> None:
     design = with_load(PRESETS["pin"])
     less = apply_changes(design, {"load.torque_nm": 12.34})
     assert less.rated_torque == pytest.approx(12.34)
@@ -277,7 +277,7 @@ def test_items_of_the_life_tab_are_judged_as_by_rate(torque: float) -> None:
         assert item.verdict in rows[name]["text"]
 
 
-def test_an_item_that_outlasts_everything_is_passed_with_a_full_bar() -> None:
+def test_an_item_with_unlimited_life_passes_with_a_full_bar() -> None:
     for hours in (2_697_000.0, math.inf):
         wear = RatedItem("pin_gear_wear", "wear of the disc", 0.01, 50.0, "um", None, hours, "Archard")
         row = rated_item(wear, 6000.0)
@@ -289,7 +289,7 @@ def test_an_item_that_outlasts_everything_is_passed_with_a_full_bar() -> None:
     assert rated_item(replace(worn, life=6000.0), 6000.0)["share"] == 0.5
 
 
-def test_the_bars_of_the_page_are_drawn_by_their_judgement_alone() -> None:
+def test_the_bars_of_the_page_depend_only_on_their_verdict() -> None:
     """No figure is compared in JavaScript: marks and styles come from one table of judgements."""
     folder = resources.files("cycloid_mj.app").joinpath("assets")
     texts = {file.name: file.read_text() for file in folder.iterdir() if file.name.endswith(".js")}
@@ -329,7 +329,7 @@ def test_covers_count_for_the_diameter() -> None:
 
 
 @pytest.mark.parametrize("value", [None, "", "x", True, math.nan, math.inf, -1, [], {}])
-def test_what_is_no_requirement_is_not_judged(value: Any) -> None:
+def test_figures_without_a_requirement_are_not_judged(value: Any) -> None:
     figures = {"ratio": 15, "drive_diameter_mm": 60.0, "rated_torque_nm": 2.0, "life_h": 100.0}
     assert requirement_verdicts(dict.fromkeys(REQUIREMENTS, value), figures) == {}
     assert requirement_verdicts(value, figures) == {}
@@ -738,7 +738,7 @@ def test_jobs_report_progress_and_result() -> None:
         jobs.get(99)
 
 
-def test_a_queued_job_names_the_one_that_it_waits_for() -> None:
+def test_a_queued_job_names_the_job_it_waits_for() -> None:
     worker = Slow()
     jobs = Jobs({"studies": worker})
     first = waiting(jobs.start("studies", "tolerances", lambda told: {}), "running")

@@ -458,7 +458,7 @@ def test_a_connection_is_kept_for_further_requests(small: Running) -> None:
 
 
 @pytest.mark.slow
-def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_ports_and_flags_are_reported_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["app", "--design", "pin", "--port", "0"]) == 2
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

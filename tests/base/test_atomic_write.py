@@ -45,7 +45,7 @@ def test_messages_name_files_as_they_were_given(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), RuntimeError("broken")])
-def test_what_breaks_off_leaves_no_trace(error, tmp_path):
+def test_an_interrupted_write_leaves_no_trace(error, tmp_path):
     write_files({tmp_path / "a": b"old"})
     with pytest.raises(type(error)), atomic_files([tmp_path / "a", tmp_path / "b"]) as beside:  # noqa: PT012
         beside[0].write_bytes(b"new")
@@ -53,7 +53,7 @@ def test_what_breaks_off_leaves_no_trace(error, tmp_path):
     assert contents(tmp_path) == {"a": b"old"}
 
 
-def test_what_a_link_points_to_is_replaced(tmp_path):
+def test_the_target_of_a_link_is_replaced(tmp_path):
     (tmp_path / "there").mkdir()
     (tmp_path / "link").symlink_to(tmp_path / "there" / "file")
     write_files({tmp_path / "link": b"new"})
@@ -141,7 +141,7 @@ def test_model_folder_is_never_a_mixture(tmp_path):
     assert set(contents(tmp_path).values()) == {b"old"}
 
 
-def test_an_outcome_is_written_whole(tmp_path):
+def test_an_outcome_is_written_completely(tmp_path):
     sizes = {"shaft": 100, "gear": 100}
 
     def written():

@@ -123,7 +123,7 @@ def test_the_folder_depends_on_every_file_with_compiled_functions() -> None:
     }
 
 
-def test_without_a_home_and_a_writable_folder_nothing_is_kept(tmp_path, monkeypatch):
+def test_nothing_is_cached_without_a_home_or_a_writable_folder(tmp_path, monkeypatch):
     (tmp_path / "__pycache__").write_text("")
     monkeypatch.setattr(compile_cache, "PACKAGE", tmp_path)
     monkeypatch.setattr(compile_cache.config, "CACHE_DIR", "")
@@ -157,7 +157,7 @@ def test_folder_in_the_place_of_a_file_is_passed_over(kernels, tmp_path):
 
 
 @pytest.mark.slow
-def test_run_on_a_damaged_cache_states_one_line(tmp_path):
+def test_a_damaged_cache_is_reported_in_one_line(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     first = ran(tmp_path, *RUN, **cache)
     assert first.returncode == 0, first.stderr

@@ -63,14 +63,14 @@ def test_an_error_of_the_work_ends_it(engine: Engine) -> None:
 
 
 @pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
-def test_a_loop_that_is_left_early_warns_of_nothing(engine: Engine) -> None:
+def test_a_stream_that_is_closed_early_has_no_warning(engine: Engine) -> None:
     results = engine.stream(square, range(100))
     next(results)
     results.close()
 
 
 @pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
-def test_a_piece_of_work_uses_one_core(engine: Engine) -> None:
+def test_nested_work_uses_one_core(engine: Engine) -> None:
     assert inner_workers(0) == 8
     assert engine.each(inner_workers, range(3)) == [1, 1, 1]
 
@@ -126,7 +126,7 @@ def test_other_versions_are_refused() -> None:
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_none_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unreachable_scheduler_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     from cycloid_mj.base.engine import cluster as module
 
     monkeypatch.setattr(module, "SECONDS_TO_CONNECT", 0.5)

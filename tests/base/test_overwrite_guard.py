@@ -134,7 +134,7 @@ def names() -> Iterator[str]:
         yield from (f"{name} {one}" for one in inside) if inside else [name]
 
 
-def test_every_command_is_known_to_write_or_not_to() -> None:
+def test_every_command_is_listed_as_writing_files_or_not() -> None:
     assert set(names()) == {name for name in WRITING if name not in ("compare logs", "stress result")} | READING
 
 

@@ -106,7 +106,7 @@ def test_select_refuses_what_is_no_choice_of_samples():
         run.select(slice(None, None, -1))
 
 
-def test_a_topic_has_its_own_columns_alone():
+def test_a_topic_has_only_its_own_columns():
     run = make_run(topics={"/reducer": ("gear_speed", "gear_angle"), "/forces": ("pin_force",)})
     assert list(run.of_topic("/reducer").columns) == ["gear_speed", "gear_angle"]
     assert run.of_topic("/forces")["pin_force"] is run["pin_force"]

@@ -9,7 +9,7 @@ from cycloid_mj.base.version import __version__
 PACKAGE = Path(cycloid_mj.__file__).parent
 
 
-def test_the_package_has_the_version_of_its_one_module() -> None:
+def test_the_version_is_defined_in_one_module() -> None:
     assert cycloid_mj.__version__ == __version__
 
 

@@ -112,7 +112,7 @@ def test_a_partial_reversal_is_forgotten_once_it_closes(held: str) -> None:
 
 
 @pytest.mark.parametrize("stiffness", [2e6, 2e7])
-def test_a_turned_crank_finds_its_way_across_the_play(stiffness: float) -> None:
+def test_a_driven_crank_crosses_the_play(stiffness: float) -> None:
     """Parts that lie loose are carried by nothing: at a held output seals alone resist till the play is crossed."""
     drag, torque = 2.5, course(0.0, 4.0, -4.0, 4.0)
     reducer = Reducer(soft().but(stiffness={"pin_gear": stiffness}))
@@ -301,7 +301,7 @@ def test_two_loops_state_play_and_stiffness_within_their_intervals() -> None:
 @pytest.mark.parametrize(
     ("contacts", "off"), [(1.0, 0.03), (0.02, 0.0)], ids=["hard_contacts_model_off", "soft_contacts"]
 )
-def test_what_is_called_identified_is_within_its_interval(contacts: float, off: float) -> None:
+def test_identified_values_are_within_their_intervals(contacts: float, off: float) -> None:
     """Of 14 seeds each value that is called identified is in its interval for 12, by hard contacts and by soft ones.
 
     Intervals of 95 % hold a value for fewer in 3 % of such fourteens, those of 60 % in 96 %.
@@ -507,7 +507,7 @@ def test_measured_loops_support_friction_that_grows_with_the_load(kind: str) -> 
 
 
 @pytest.mark.slow
-def test_a_model_of_its_own_kind_is_preferred() -> None:
+def test_loops_simulated_with_hysteresis_prefer_the_hysteresis_model() -> None:
     """Loops with hysteresis of constant size are not explained by friction that grows, and the design follows them."""
     found = calibrate(resolve("printed"), locked_loops(1.0, 0.0, 0))
     assert found.preferred is not None
@@ -574,7 +574,7 @@ def test_values_of_another_drive_come_back() -> None:
     assert all(hits.values()), hits
 
 
-def test_the_way_to_the_loop_is_left_out() -> None:
+def test_the_points_before_the_loop_are_left_out() -> None:
     """A bench that starts from rest begins inside the loop; one that goes round has no such points."""
     model = KNOWN["printed"].model
     assert made_loop(model, 20.0, 0, begin=0.0).points_left_out == pytest.approx(COUNT, abs=3)
@@ -582,14 +582,14 @@ def test_the_way_to_the_loop_is_left_out() -> None:
     assert [read_loop(path).points_left_out for path in BENCH] == [0, 0]
 
 
-def test_a_loop_turns_round_where_its_torque_does() -> None:
+def test_a_loop_reverses_at_the_reversals_of_its_torque() -> None:
     """Neither noise nor few points cut off the tips, at which parts stick and from which on they remember."""
     for seed in range(3):
         loop = made_loop(KNOWN["printed"].model, 20.0, seed)
         assert loop.ends == pytest.approx((-20.0, 20.0), rel=0.02)
 
 
-def test_a_leap_has_its_own_torque() -> None:
+def test_a_leap_across_the_play_needs_the_drag_torque() -> None:
     """Under a torque that grows the output leaps across its play: at constant friction, however coarse the course."""
     model = KNOWN["printed"].model
     for most in (19.0, 20.0, 21.0):
@@ -638,7 +638,7 @@ def test_the_measured_loops_show_their_figures() -> None:
     assert 2.0 < read.coulomb.low < read.coulomb.high < 4.0
 
 
-def test_what_a_loop_does_not_show_is_no_number() -> None:
+def test_a_loop_with_too_few_points_has_no_stiffness_or_play() -> None:
     """Six points to a branch: two of them where it is loaded, which lie on a line whatever the loop is."""
     torque = course(-1.0, 1.0, -1.0, 1.0, -1.0, count=6)
     turn = 0.1 * torque - 0.02 * np.gradient(torque)
@@ -647,7 +647,7 @@ def test_what_a_loop_does_not_show_is_no_number() -> None:
     assert math.isnan(read.play.value)
 
 
-def test_an_interval_covers_a_model_that_is_off() -> None:
+def test_an_interval_covers_a_model_error() -> None:
     """Any course of an error of 3 % rms moves a value by no more than the interval reaches, however little noise."""
     generator = np.random.default_rng(3)
     slopes = generator.standard_normal((200, 2)) / 200**0.5
@@ -743,7 +743,7 @@ def pressed_at(trials: int) -> Callable[[int, int], None]:
     return progress
 
 
-def test_a_fit_that_is_stopped_keeps_the_best_there_was() -> None:
+def test_a_stopped_fit_keeps_the_best_values_so_far() -> None:
     """Before a search has ended there is nothing; after it values that explain the loops, by and by as well as all."""
     loops, told, keys = locked_loops(1.0, 0.0, 0), [], ("structure_stiffness", "drag")
     whole = calibrate(resolve("printed"), loops, keys, progress=lambda *counts: told.append(counts))
@@ -778,7 +778,7 @@ def test_the_page_of_a_calibration_lists_correlated_and_undetermined_parameters(
 
 
 @pytest.mark.slow
-def test_a_calibration_that_is_stopped_is_in_its_folder(
+def test_a_stopped_calibration_is_saved_in_its_folder(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("cycloid_mj.cli.progress.count_progress", lambda what, quiet: pressed_at(100))
@@ -809,7 +809,7 @@ def test_a_calibration_whose_design_was_not_tried_is_in_its_folder(
 
 
 @pytest.mark.slow
-def test_what_is_found_before_ctrl_c_is_kept(
+def test_results_before_ctrl_c_are_kept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def pressed(*_: object) -> None:
@@ -840,7 +840,7 @@ def test_noise_counts_point_by_point_and_a_wave_does_not() -> None:
     assert autocorrelation_time(np.sin(np.linspace(0.0, 20.0, 400)) + 0.1 * noise) > 10.0
 
 
-def test_what_no_residual_answers_to_is_unknown() -> None:
+def test_a_value_without_effect_on_residuals_is_unknown() -> None:
     """As the travel of a constant friction of 0: neither a fit's own noise nor its straight line tells of it."""
     generator = np.random.default_rng(0)
     rows, residuals = np.array([[1.0, 0.0]]) * generator.uniform(0.5, 1.0, (50, 1)), generator.standard_normal(50)
@@ -849,7 +849,7 @@ def test_what_no_residual_answers_to_is_unknown() -> None:
     assert errors[1] == pytest.approx(INTERVAL.unknown_error)
 
 
-def test_what_is_hardly_seen_has_an_error() -> None:
+def test_a_nearly_dependent_value_has_a_positive_error() -> None:
     """Of three values of which the third is the sum of the others but for 1e-6: no variance is rounded below 0."""
     draw = np.random.default_rng(17)
     slopes = draw.standard_normal((50, 3))
@@ -977,7 +977,7 @@ def test_a_bad_loop_is_refused(change, told: str, tmp_path: Path, capsys: pytest
         ("clearance.output_mm", "unknown parameter"),
     ],
 )
-def test_what_cannot_be_fitted_is_refused(
+def test_unsuitable_fit_parameters_are_refused(
     fit: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", fit, "--out", str(tmp_path)]
@@ -1064,7 +1064,7 @@ def written_te(path: Path, crank: Array, error: Array) -> Path:
     return path
 
 
-def test_a_measured_error_is_matched_and_its_zero_found(tmp_path: Path) -> None:
+def test_a_measured_error_is_matched_with_its_zero_angle(tmp_path: Path) -> None:
     design = unlike("few").but(errors={"pin_position": 20e-6, "seed": 3})
     path = written_te(tmp_path / "te.csv", *measured_te(design, design.rated_torque, 77.0, 0.0))
     found = compare_bench(design, read_te(path), design.rated_torque)
@@ -1076,7 +1076,7 @@ def test_a_measured_error_is_matched_and_its_zero_found(tmp_path: Path) -> None:
     assert other.explained_share < 0.9 * found.explained_share
 
 
-def test_compare_bench_writes_and_tells(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_compare_bench_writes_files_and_prints_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     design = unlike("few")
     path = written_te(tmp_path / "te.csv", *measured_te(design, 1.0, 10.0, 0.1))
     words = ["compare-bench", "--design", str(design_file("few")), "--te", str(path), "--load-nm", "1"]

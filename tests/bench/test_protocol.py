@@ -66,7 +66,7 @@ def test_intervals_hold_the_truth_in_noise() -> None:
         assert found.high - found.low < 0.1 * truth
 
 
-def test_what_a_loop_does_not_reach_has_no_number() -> None:
+def test_a_torque_range_beyond_the_loop_has_no_stiffness() -> None:
     loop = loop_of(0.3, most=0.4 * RATED)
     assert math.isnan(stiffness_between(loop, 0.5 * RATED, RATED).value)
     assert math.isnan(stiffness_between(loop, 0.15 * RATED, 0.5 * RATED).value)
@@ -93,7 +93,7 @@ def test_friction_of_the_wind_up_is_in_the_models_loop() -> None:
     assert loop_coulomb_torque(loop).value == pytest.approx(2.0, rel=0.02)
 
 
-def test_a_bench_that_recorded_the_model_agrees_with_it(tmp_path: Path) -> None:
+def test_a_measurement_simulated_by_the_model_agrees_with_it(tmp_path: Path) -> None:
     """Files written of the model's own loop give the model's figures, through the command."""
     design = PRESETS["pin"]
     rated = design.rated_torque
@@ -128,7 +128,7 @@ def test_the_back_driving_torque_leaves_a_free_crank_none() -> None:
     assert found["lost_motion_arcmin"].value * ARCMINUTE < 1e-3
 
 
-def test_a_crank_starts_where_it_leaves_for_good(tmp_path: Path) -> None:
+def test_a_crank_breaks_away_where_it_does_not_return(tmp_path: Path) -> None:
     file = tmp_path / "start.csv"
     # it moves within its play and comes back, then goes
     file.write_text(f"crank_deg,{OUTPUT_TORQUE}\n5.0,0.0\n5.3,0.5\n5.02,1.0\n5.05,-1.5\n6.0,-2.0\n9.0,-2.1\n")
@@ -147,7 +147,9 @@ def test_a_crank_starts_where_it_leaves_for_good(tmp_path: Path) -> None:
         (["--starting", "none.csv"], "cannot read"),
     ],
 )
-def test_wrong_flags_are_one_line(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_flags_are_reported_in_one_line(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["protocol", "pin", *words]) == 2
     error = capsys.readouterr().err.strip().splitlines()
     assert len(error) == 1

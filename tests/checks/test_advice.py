@@ -165,7 +165,7 @@ def test_few_lobes_are_warned_of_and_the_advice_resolves_them() -> None:
     assert next(one for one in mended if one.name == "pressure_angle").value == pytest.approx(70.0, abs=0.05)
 
 
-def test_discs_on_cantilevers_share_by_the_give_of_their_pins() -> None:
+def test_discs_on_cantilever_pins_share_by_pin_compliance() -> None:
     """`twodisc`, roots 9.75 and 26.25 mm away: a beam of bending and shear leaves the far disc 0.140 of the torque."""
     shares = {
         support: sheet(Reducer(PRESETS["twodisc"].but(output={"support": support}))).quantities

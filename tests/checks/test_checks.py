@@ -267,7 +267,7 @@ def test_a_design_just_inside_its_limits_passes(changes: list[str]) -> None:
 
 
 @pytest.mark.parametrize(("changes", "names", "key"), FAILING)
-def test_every_remedy_helps_and_is_as_small_as_it_can_be(changes: list[str], names: set[str], key: str) -> None:
+def test_every_remedy_helps_and_is_minimal(changes: list[str], names: set[str], key: str) -> None:
     design = override(PRESETS["pin"], changes)
     for name, item in failed(design).items():
         for remedy in alternatives(item.remedy):

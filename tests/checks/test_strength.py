@@ -63,7 +63,7 @@ def test_a_design_fails_its_check_and_each_remedy_resolves_it(changes, name):
             assert name not in failed(override(design, remedied)), remedy
 
 
-def test_of_the_presets_the_teeth_yield_below_the_rated_torque_and_they_run_all_the_same():
+def test_presets_fail_only_the_yield_checks_and_run():
     assert set(failed(PIN)) == {"tooth_yield"}
     assert set(failed(PRESETS["nonpin"])) == {"tooth_yield", "ring_tool"}
     for design in presets_for("stress").values():
@@ -99,7 +99,7 @@ def test_the_valley_of_the_gear_and_the_root_of_the_ring_set_the_tool():
     assert "radius of 0.546 mm" in found["ring_tool"].why
 
 
-def test_what_rests_on_a_sound_design_is_left_out_of_an_unsound_one():
+def test_checks_that_need_a_valid_design_are_skipped_for_an_invalid_design():
     names = {item.name for item in check(override(PIN, ["ring.pin_radius_mm=2.7"]))}
     assert "tooth_yield" not in names
     assert "undercut" in names

@@ -349,7 +349,7 @@ def test_ctrl_c_before_the_run_is_reported(here, monkeypatch):
     assert rejected("simulate", "--design", "pin", *SHORT) == (130, "error: stopped by Ctrl-C")
 
 
-def test_full_disk_is_one_line(here, two_samples, monkeypatch):
+def test_a_full_disk_is_reported_in_one_line(here, two_samples, monkeypatch):
     def full(self, time, values):
         raise LogError("cannot write log: No space left on device")
 
@@ -616,7 +616,7 @@ def test_kinematics_and_profile_take_changes_of_the_design(tmp_path):
     assert largest == pytest.approx(40.75 - 2.0 + 1.0, abs=1e-9)
 
 
-def test_design_show_takes_changes_and_forgets_their_reasons():
+def test_design_show_applies_changes_and_drops_their_reasons():
     _, shown, _ = told("design", "show", "twodisc", "--set", "gear.disc_gap_mm=5")
     assert loads(shown) == PRESETS["twodisc"].but(gear={"disc_gap": 0.005})
     (line,) = [line for line in shown.splitlines() if line.startswith("disc_gap_mm")]
@@ -627,7 +627,7 @@ def test_design_show_takes_changes_and_forgets_their_reasons():
 @pytest.mark.parametrize(
     "words", [("design", "kinematics", "--csv", "x.csv"), ("design", "profile", "--csv", "x.csv")], ids=lambda w: w[1]
 )
-def test_a_change_that_no_design_takes_is_wrong_usage(words):
+def test_a_change_of_an_unknown_key_is_wrong_usage(words):
     code, message = rejected(*words, "--design", "pin", "--set", "ring.teth=3")
     assert (code, "ring.teth" in message) == (2, True)
 
@@ -643,7 +643,7 @@ def test_csv_is_written_to_stdout_only():
     assert len(out.splitlines()) == 4
 
 
-def test_csv_is_replaced_only_when_it_is_whole(tmp_path, monkeypatch):
+def test_csv_is_replaced_only_when_complete(tmp_path, monkeypatch):
     file = tmp_path / "gear.csv"
     file.write_text("old")
 
@@ -669,7 +669,7 @@ def test_csv_follows_a_link_and_keeps_it(tmp_path):
 
 
 @pytest.mark.slow
-def test_closed_pipe_ends_the_command_in_silence():
+def test_closed_pipe_ends_the_command_without_output():
     command = [sys.executable, "-m", "cycloid_mj", "design", "kinematics", "--design", "pin", "--csv", "-"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout
@@ -756,7 +756,7 @@ def test_unsound_design_is_not_simulated_and_every_reason_is_reported(unsound, h
 
 
 @pytest.mark.parametrize("command", FOLDED)
-def test_a_command_of_a_group_is_found_by_the_name_that_scripts_have(command: str, capsys) -> None:
+def test_a_command_of_a_group_is_found_by_its_name_in_scripts(command: str, capsys) -> None:
     assert main([command, "--help"]) == 0
     shown = capsys.readouterr()
     assert " ".join(FOLDED[command]) in shown.out
@@ -833,7 +833,7 @@ MOTION = ("design", "kinematics", "--design", "pin", "--csv", "x.csv")
         ((*MOTION, "--q", "1;2"), ("--q", "X,Y")),
     ],
 )
-def test_wrong_use_is_one_line_and_exit_code_2(argv, words, here):
+def test_wrong_usage_is_one_line_and_exit_code_2(argv, words, here):
     code, message = rejected(*argv)
     assert code == 2
     assert all(word.lower() in message.lower() for word in words), message
@@ -908,7 +908,7 @@ def test_flags_keep_the_limits_of_the_design():
         (("design", "profile", "--design", "loops.toml", "--csv", "x.csv"), ("eccentricity", "mm")),
     ],
 )
-def test_what_cannot_be_read_or_written_is_one_line_and_exit_code_1(argv, words, here):
+def test_file_errors_are_one_line_and_exit_code_1(argv, words, here):
     Path("broken.toml").write_text("[gear\n")
     Path("unknown.toml").write_text("[load]\ntorqe_nm = 3.0\n")
     Path("empty.toml").write_text("")
@@ -932,7 +932,7 @@ def test_what_cannot_be_read_or_written_is_one_line_and_exit_code_1(argv, words,
         (("rate", "pin", "--duty", "none.csv"), ("none.csv: No such file",)),
     ],
 )
-def test_a_name_where_there_is_no_file_is_a_mistake_in_the_command(argv, words, here):
+def test_the_name_of_a_missing_file_is_wrong_usage(argv, words, here):
     """A folder in a design's place, and any log that was not there, ended with 1 where a missing design was 2."""
     code, message = rejected(*argv)
     assert code == 2
@@ -940,7 +940,7 @@ def test_a_name_where_there_is_no_file_is_a_mistake_in_the_command(argv, words, 
     assert "Errno" not in message
 
 
-def test_a_table_without_a_name_is_reported_by_the_flag_that_it_has(run, here):
+def test_a_table_without_a_name_is_reported_by_its_flag(run, here):
     code, message = rejected("log", "csv", str(run[1]), "")
     assert code == 2
     assert "--out ''" in message
@@ -964,7 +964,7 @@ def test_a_fault_of_the_program_is_not_taken_for_a_mistake_of_the_user(monkeypat
         main(["design", "show", "pin"])
 
 
-def test_a_command_with_duckdb_ends_without_a_word(tmp_path: Path) -> None:
+def test_a_command_with_duckdb_prints_nothing_at_its_end(tmp_path: Path) -> None:
     """Its nanobind tells of every object that is left when Python ends."""
     pytest.importorskip("duckdb")
     script = """
@@ -1027,7 +1027,7 @@ process.run()
 """
 
 
-def test_ctrl_c_while_a_module_in_c_is_loaded_is_one_line() -> None:
+def test_ctrl_c_during_the_import_of_a_c_module_is_reported_in_one_line() -> None:
     done = subprocess.run([sys.executable, "-c", STOPPED_IN_AN_IMPORT], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (130, "error: stopped by Ctrl-C\n")
 
@@ -1050,6 +1050,6 @@ process.run()
 """
 
 
-def test_message_of_the_first_start_is_one_line() -> None:
+def test_the_first_start_prints_one_line() -> None:
     done = subprocess.run([sys.executable, "-c", FIRST_START], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "first start: Python compiles its modules, which takes some seconds\n")

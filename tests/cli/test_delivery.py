@@ -105,7 +105,7 @@ def test_results_replace_no_others_without_force(tmp_path: Path, capsys: pytest.
 
 
 @pytest.mark.parametrize("html", [("a.html", "b.html"), ("pin",), ("page.toml",)])
-def test_a_page_has_one_name_and_that_of_a_page(html: tuple[str, ...]) -> None:
+def test_the_name_of_a_page_ends_in_html(html: tuple[str, ...]) -> None:
     with pytest.raises(UsageError, match="html"):
         claim_destination(Delivery(html=html), "stem")
 
@@ -147,7 +147,7 @@ def test_commands_that_write_files_or_lists_take_the_same_flags(
     assert "already exists" in capsys.readouterr().err
 
 
-def test_columns_are_json_where_no_file_is_named_and_ranges_with_all(
+def test_columns_are_json_without_a_file_and_show_ranges_with_all(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     motion = ("design", "kinematics", "pin", "--until-s", "0.01", "--step-s", "0.005", "--csv")

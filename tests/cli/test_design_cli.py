@@ -127,7 +127,7 @@ def test_a_strict_check_and_a_checked_rating_fail_where_the_design_does(here):
     assert [told("rate", "pin", *flags)[0] for flags in (("--check",), (), ("--check", *light))] == [1, 0, 0]
 
 
-def test_what_a_short_file_inherits_is_listed(here):
+def test_values_inherited_by_a_short_file_are_listed(here):
     Path("short.toml").write_text('name = "short"\n[ring]\nteeth = 20\n')
     code, out, _ = told("design", "check", "short.toml")
     assert code == 0

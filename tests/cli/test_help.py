@@ -66,7 +66,7 @@ def test_an_example_can_be_pasted_as_it_is_printed(chain):
         assert re.match(r"  (cycloid-mj|python) |\w[\w ]*:$|$", line), line
 
 
-def test_an_example_is_broken_between_its_flags_alone():
+def test_an_example_is_wrapped_between_flags_only():
     line = "  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 --limit 'mass_kg <= 1' --out here"
     assert fold_line(line).splitlines() == [
         "  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 \\",
@@ -94,7 +94,7 @@ def rows(page: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("width", [20, 60, 80, 500])
-def test_the_list_names_every_command_in_one_line_each_as_its_own_page_begins(width, monkeypatch, capsys):
+def test_the_list_has_each_command_in_one_line_equal_to_its_help(width, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", str(width))
     assert main(["--help"]) == 0
     listed = capsys.readouterr().out
@@ -232,9 +232,7 @@ def designs_of(bound: BoundArguments) -> tuple[str, ...]:
     return (*given.get("names", ()), *given.get("designs", ()), *given.get("design", ()))
 
 
-def test_a_flag_that_was_renamed_still_works_and_states_its_name(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_renamed_flag_still_works_and_states_its_new_name(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compare", "pin", "--jobs=2"]) == 2
     assert capsys.readouterr().err.splitlines() == [
         "warning: the flag --jobs is deprecated: use --workers; the old name will be removed in the next release",
@@ -242,7 +240,7 @@ def test_a_flag_that_was_renamed_still_works_and_states_its_name(
     ]
 
 
-def test_no_whole_number_is_rounded() -> None:
+def test_integers_are_not_rounded() -> None:
     """cyclopts rounds 1.5 to 2 by itself: every flag for a whole number reads it by `whole`."""
     found = {
         (one.name[-1], argument.name): argument.parameter.converter
@@ -354,6 +352,6 @@ def test_a_wrong_word_of_a_fixed_set_is_refused_with_the_choices(capsys: pytest.
     assert 'Choose from: "mujoco", "planar"' in capsys.readouterr().err
 
 
-def test_the_command_reference_lists_the_flags_of_help_alone() -> None:
+def test_the_command_reference_lists_exactly_the_flags_of_help() -> None:
     text = application().generate_docs(output_format="markdown")
     assert re.findall(r"`[^`]*, --(?:no|empty)-[\w-]+|\*\[default: ", text) == []

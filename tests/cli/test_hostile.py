@@ -181,7 +181,7 @@ def test_design_of_another_run_is_one_error(argv, foreign, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_samples_of_a_cut_log_are_repaired_without_a_scene_where_its_design_is_of_another_run(foreign, tmp_path):
+def test_a_cut_log_with_the_design_of_another_run_is_repaired_without_a_scene(foreign, tmp_path):
     whole = next(iter(foreign.values()))
     cut, new = tmp_path / "cut.mcap", tmp_path / "new.mcap"
     cut.write_bytes(whole.read_bytes()[:-100])
@@ -261,7 +261,7 @@ def test_control_codes_are_shown_and_not_obeyed(tmp_path):
             assert "x1b" in err
 
 
-def test_what_can_be_read_is_printed_as_it_is():
+def test_readable_text_is_printed_unchanged():
     text = "Hsieh, 謝: ω_c = 2 ω_i\n\t± 1 µm"
     assert printable(text) == text
     assert printable("\x1b[0m\x00\udcff") == "\\x1b[0m\\x00\\udcff"

@@ -210,6 +210,6 @@ def killed(count: int, seed: int, chosen: tuple[str, ...], folder: Path) -> None
 
 
 @pytest.mark.slow
-def test_commands_ended_at_any_moment_leave_all_results_whole(tmp_path):
+def test_commands_interrupted_at_any_moment_leave_complete_results(tmp_path):
     """Each command is ended once by each signal."""
     killed(len(COMMANDS) * len(SIGNALS), SEED, tuple(COMMANDS), tmp_path)

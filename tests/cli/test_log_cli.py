@@ -135,7 +135,7 @@ def test_parquet_holds_the_columns_with_their_units(path, tmp_path, monkeypatch)
     assert "pip install 'cycloid-mj[parquet]', or write CSV" in message
 
 
-def test_repair_makes_a_cut_log_whole(cut, tmp_path):
+def test_repair_completes_a_cut_log(cut, tmp_path):
     before = cut.read_bytes()
     code, out, err = told("log", "repair", cut)
     mended = tmp_path / "cut-repaired.mcap"
@@ -153,7 +153,7 @@ def test_repair_makes_a_cut_log_whole(cut, tmp_path):
     assert told("log", "repair", mended) == (0, "", f"{mended} is complete: nothing to repair\n")
 
 
-def test_repair_yields_a_whole_log_another_scene(path, tmp_path):
+def test_repair_replaces_the_scene_of_a_complete_log(path, tmp_path):
     slow = tmp_path / "slow.mcap"
     code, out, _ = told("log", "repair", path, slow, "--scene-hz", "2000")
     assert (code, out) == (0, f"{slow}\n")

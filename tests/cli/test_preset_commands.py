@@ -134,7 +134,7 @@ def test_a_command_takes_a_log_of_two_discs(words: tuple[str, ...], log: str, ca
     call(words, log=log)
 
 
-def test_a_viewer_without_a_display_is_one_line(
+def test_a_viewer_without_a_display_is_reported_in_one_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for variable in ("DISPLAY", "WAYLAND_DISPLAY"):

@@ -155,7 +155,7 @@ def test_files_of_a_comparison(compared):
 
 
 @pytest.mark.slow
-def test_logs_of_further_starts_have_samples_and_design_alone(compared):
+def test_logs_of_further_starts_have_only_samples_and_design(compared):
     """Nobody looks at each of the starts: their frames and models would take a quarter of the time."""
     _, folder = compared
     first, second = (read(folder / f"pin-no-load{start}.mcap") for start in ("", "-start-2"))
@@ -184,7 +184,7 @@ def test_logs_give_the_comparison_again(compared, tmp_path, undrawn):
 
 
 @pytest.mark.slow
-def test_one_log_is_one_start_which_determines_nothing(compared, tmp_path, undrawn):
+def test_one_log_is_one_start_and_determines_no_claim(compared, tmp_path, undrawn):
     found, _ = compared
     logs = [run["findings"]["log"] for run in found["runs"] if not run["load_nm"]]
     one = json.loads(told("compare", *logs, "--out", str(tmp_path), "--json")[1])
@@ -243,7 +243,7 @@ def test_default_hold_is_whole_turns_after_settling(here, planned):
     assert f"{design.drive.hold:.4f}" == "0.2661", "the help says how long"
 
 
-def test_planar_runs_have_the_step_that_accelerations_take_unless_it_is_given(here, planned):
+def test_planar_runs_use_the_step_for_accelerations_by_default(here, planned):
     steps = []
     for more in ((), ("--timestep-us", "2"), ("--solver", "mujoco")):
         planned.clear()
@@ -410,7 +410,7 @@ def test_a_log_of_a_stopped_run_is_not_compared(compared, tmp_path):
         (("pin", "nonpin", "--frob"), ("--frob",)),
     ],
 )
-def test_wrong_use_is_one_line_and_exit_code_2(argv, words, here):
+def test_wrong_usage_is_one_line_and_exit_code_2(argv, words, here):
     code, message = rejected("compare", *argv)
     assert code == 2
     assert all(word.lower() in message.lower() for word in words), message

@@ -59,7 +59,7 @@ def test_turns_are_whole_and_follow_one_another():
     assert all(one.stop == other.start for one, other in pairwise(parts))
 
 
-def test_a_hold_of_less_than_a_turn_is_one_part():
+def test_a_hold_of_less_than_a_turn_is_not_divided():
     motion = settle_run(ideal_mechanism(designed("pin", turns=0.5)))
     (part,) = full_turns(motion)
     assert part == slice(int(np.argmax(motion.hold)), len(motion.run))
@@ -185,7 +185,7 @@ def test_a_run_without_forces_is_refused():
 # --- conditions
 
 
-def test_under_takes_conditions_and_leaves_the_design():
+def test_under_changes_conditions_only():
     first = designed("pin", "settings.timestep_us=3.0", "environment.gravity_y_m_s2=0.0", "load.rise_s=0.01")
     other = override(PRESETS["nonpin"], ["contact.damping_ratio=0.2", "drive.torque_nm=5.0"])
     found = apply_conditions(Reducer(other), conditions(Reducer(first)), 12.5)
@@ -309,7 +309,7 @@ def test_designs_of_one_kind_are_compared():
         (lambda: [*pair(), trial_of("pin", "load.torque_nm=5.0", "gear.face_width_mm=9.0")], "two designs are named"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(trials, words):
+def test_incomparable_trials_are_refused(trials, words):
     with pytest.raises(UsageError, match=words):
         compare(trials())
 

@@ -12,14 +12,14 @@ from cycloid_mj.design.model import NO_FRICTION
 PIN = PRESETS["pin"]
 
 
-def test_override_takes_values_as_well_as_words():
+def test_override_accepts_values_and_text():
     words = override(PIN, ["load.torque_nm=36", "ring.pins=fixed", "name=other", "output.rollers=false"])
     values = {"load.torque_nm": 36.0, "ring.pins": "fixed", "name": "other", "output.rollers": False}
     assert override(PIN, values) == words
     assert override(PIN, {}) is PIN
 
 
-def test_override_takes_lists_and_numbers_of_numpy():
+def test_override_accepts_lists_and_numpy_numbers():
     listed = override(PIN, {"errors.pin_dr_um": np.full(36, 0.5), "ring.teeth": np.int64(36), "load.torque_nm": 3})
     assert listed == override(PIN, [f"errors.pin_dr_um={[0.5] * 36}", "load.torque_nm=3"])
     assert override(PIN, {"errors.pin_dr_um": {"2": 1.5}}) == override(PIN, ["errors.pin_dr_um={2 = 1.5}"])
@@ -43,7 +43,7 @@ def test_a_wrong_value_is_reported_in_the_words_of_the_file(changes, error, word
     assert "--set" not in str(raised.value)
 
 
-def test_but_takes_si_and_leaves_the_rest():
+def test_but_changes_only_the_given_si_values():
     changed = PIN.but(load={"torque": 36.0}, gear={"face_width": 0.012}, name="wide")
     assert changed == override(PIN, ["load.torque_nm=36", "gear.face_width_mm=12", "name=wide"])
     assert PIN.but() == PIN

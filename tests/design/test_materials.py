@@ -26,7 +26,7 @@ PLASTICS = {"POM", "PA6", "PA12", "PA-CF", "Onyx", "PETG", "PLA", "resin"}
 
 
 @pytest.mark.slow
-def test_the_library_is_plausible_and_states_where_it_is_from() -> None:
+def test_the_library_is_plausible_and_states_its_sources() -> None:
     for name, entry in MATERIALS.items():
         assert entry.source, name
         assert entry.yield_strength <= entry.tensile_strength < 0.05 * entry.youngs_modulus, name

@@ -118,7 +118,7 @@ def test_a_ball_bearing_is_found_where_no_needle_bearing_has_the_size() -> None:
     assert [one.designation for one in stock.bearings_outside(72e-3)] == ["RNA4910"]
 
 
-def test_an_insert_is_found_by_its_thread() -> None:
+def test_an_insert_is_chosen_by_its_thread() -> None:
     found = stock.insert_of(3e-3)
     assert found is not None
     assert found.designation == "M3 x 5.7"

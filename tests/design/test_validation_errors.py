@@ -66,7 +66,7 @@ def test_a_range_is_written_in_the_units_of_the_file() -> None:
     assert set(BOUNDS) == {"gt", "ge", "lt", "le"}
 
 
-def test_a_value_without_a_declared_range_has_that_of_the_error() -> None:
+def test_a_value_without_a_declared_range_states_the_violated_bound() -> None:
     class Inner(BaseModel):
         x: list[int] = Field(default=[], description="places")
 
@@ -87,7 +87,7 @@ def test_a_material_is_found_in_capital_and_small_letters(name: str, change) -> 
     assert PRESETS["pin"].but(gear_material={"name": change(name)}).gear_material == found
 
 
-def test_no_two_materials_differ_by_their_letters_case_alone() -> None:
+def test_no_two_materials_differ_only_in_case() -> None:
     assert len({name.casefold() for name in MATERIALS}) == len(MATERIALS)
 
 

@@ -185,13 +185,13 @@ def test_a_log_without_peaks_is_read_and_judged_as_before(tmp_path) -> None:
     assert analyze(again).contact_summary == analyze(run).contact_summary
 
 
-def test_peaks_stand_with_the_forces() -> None:
+def test_peak_forces_are_logged_with_the_forces() -> None:
     run = simulate(sampled(short("pin"), STRIDE))
     assert {"cam_peak_force", "pin_1_peak_force", "socket_36_peak_force"} <= set(run.topics["/forces"])
     assert "peak_force" in run.topics["/reducer"]
 
 
-def test_a_model_of_ours_goes_its_way_without_a_run() -> None:
+def test_a_model_steps_without_a_run() -> None:
     compiled = build(short("nonpin"))
     data = mujoco.MjData(compiled.model)
     data.ctrl[:] = 1e-3

@@ -63,7 +63,7 @@ def test_a_jam_leaves_its_log(tmp_path, capsys) -> None:
     assert len(run) > 5
 
 
-def test_what_rubs_but_turns_is_none() -> None:
+def test_a_nearly_self_locking_run_warns() -> None:
     with pytest.warns(Warning, match="has no effect"):
         run = simulate(rubbing(0.5, 1.0, "drive.hold_s=0.05"))
     assert any("almost self-locking" in text for text in analyze(run).warnings)

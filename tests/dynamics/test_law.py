@@ -117,7 +117,7 @@ def test_the_added_mass_keeps_a_body_on_a_contact_stable_at_any_step(ratio: floa
 
 @pytest.mark.parametrize("ratio", [0.0, 0.5, 2.0])
 @pytest.mark.parametrize("longer", [3.0, 10.0])
-def test_a_contact_that_settles_takes_steps_of_implicit_euler(ratio: float, longer: float) -> None:
+def test_a_settling_contact_follows_implicit_euler_steps(ratio: float, longer: float) -> None:
     """Their eigenvalues are 1/(1 - s dt) for those s of the contact itself: what is too fast for the step dies away."""
     pin = 1.25e-3
     swing = math.sqrt(STIFFNESS / pin)
@@ -189,7 +189,7 @@ def test_a_crank_at_rest_has_the_largest_impratio() -> None:
     assert build(PRESETS["pin"].but(drive={"speed": 0.0})).model.opt.impratio == FRICTION.impratio
 
 
-def test_friction_takes_its_creep_at_every_impratio() -> None:
+def test_friction_has_its_creep_at_every_impratio() -> None:
     law = ContactParameters(STIFFNESS, 100.0, 0.1, 0.05, creep=8.0)
     for ratio in (0.2, FRICTION.impratio):
         parameters = solver_parameters(law, 1.0 / MASS, ratio)
@@ -224,7 +224,7 @@ def others(kind: str, before: Design, after: Design) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_each_pair_has_a_stiffness_of_its_own(kind: str) -> None:
+def test_each_pair_has_its_stiffness(kind: str) -> None:
     before, after = with_pair(kind), with_pair(kind, f"stiffness.{kind}_n_m=1.5e8")
     assert Reducer(before).contacts[kind].stiffness != 1.5e8
     assert laws_of(after)[kind].stiffness == 1.5e8
@@ -232,7 +232,7 @@ def test_each_pair_has_a_stiffness_of_its_own(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_each_pair_has_a_damping_of_its_own(kind: str) -> None:
+def test_each_pair_has_its_damping(kind: str) -> None:
     before, after = with_pair(kind), with_pair(kind, f"damping.{kind}=0.1")
     assert (Reducer(before).contacts[kind].damping_ratio, Reducer(after).contacts[kind].damping_ratio) == (0.5, 0.1)
     assert laws_of(after)[kind].damping == pytest.approx(0.2 * laws_of(before)[kind].damping, rel=1e-12)
@@ -240,7 +240,7 @@ def test_each_pair_has_a_damping_of_its_own(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_each_pair_has_a_working_force_of_its_own(kind: str) -> None:
+def test_each_pair_has_its_working_force(kind: str) -> None:
     before, after = (
         with_pair(kind, "contact.working_force_n=100", *own) for own in ([], [f"working_force.{kind}_n=400"])
     )
@@ -268,7 +268,7 @@ def test_teeth_follow_their_own_stiffness_and_force() -> None:
     )
 
 
-def test_a_stiffness_for_all_is_that_of_a_pin_on_a_flat() -> None:
+def test_the_common_stiffness_is_that_of_a_pin_on_a_flat() -> None:
     design = with_pair("pin_gear", "contact.stiffness_n_m=1e8", "contact.working_force_n=100")
     assert Reducer(design).contacts["pin_gear"].stiffness == 1e8
     assert Reducer(design).contacts["cam"].stiffness == pytest.approx(1e8 * 20 / (2 * STRIBECK), rel=1e-12)

@@ -49,7 +49,7 @@ def test_a_pin_of_any_kind_has_one_without_inertia(name):
 
 
 @pytest.mark.parametrize("name", ["light", "printed"])
-def test_what_has_no_moving_pins_stays_as_it_is(name):
+def test_designs_without_moving_pins_are_unchanged(name):
     assert massless(Reducer(unlike(name))) == Reducer(unlike(name))
 
 
@@ -152,7 +152,7 @@ def test_pins_are_drawn_where_the_gear_presses_them():
     assert np.array_equal(place["pin_2"], home["pin_2"])
 
 
-def test_what_a_measure_takes_from_massless_pins_it_says(monkeypatch):
+def test_a_measure_states_its_use_of_massless_pins(monkeypatch):
     """The map and the varied inputs of a design with moving pins, but not its rated point; of others nothing."""
     seen = []
 

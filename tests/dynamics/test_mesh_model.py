@@ -162,7 +162,7 @@ def test_stiffness_does_not_grow_with_the_number_of_slices(kind: str) -> None:
         assert force == pytest.approx(expected, rel=tolerance)
 
 
-def test_patches_agree_where_both_hold() -> None:
+def test_hole_and_flank_patches_agree_for_little_penetration() -> None:
     """A hole with little penetration is a parabola of curvature play / (r R); the foundation's integral is 4/3 s d."""
     radius, play, depth = 5e-3, 1e-4, 1e-8
     curvature = 1.0 / (radius - play) - 1.0 / radius
@@ -385,7 +385,7 @@ def test_help_recommends_no_step_that_a_run_by_mesh_warns_of() -> None:
 
 
 @pytest.mark.slow
-def test_twice_the_slices_give_the_same_run() -> None:
+def test_doubling_the_slices_leaves_the_run_unchanged() -> None:
     """A quarter of the chord error: the output lags the same within 2 %, so the whole mesh is as stiff."""
     design = changed("pin", "drive.ramp_s=0.0", "drive.hold_s=0.02", "load.torque_nm=36.0")
     usual, fine = (judged(design, "mesh", ConvexSettings(chord_error=error)) for error in (1e-7, 2.5e-8))
@@ -499,7 +499,7 @@ def test_no_other_kind_of_contact(word: str, tmp_path: Path, capsys: pytest.Capt
 
 
 @pytest.mark.parametrize("change", ["ring.pins=sleeved", "modification.rotation_arcsec=30"])
-def test_what_has_no_meshes_is_refused(change: str) -> None:
+def test_designs_that_meshes_cannot_represent_are_refused(change: str) -> None:
     with pytest.raises(DesignError, match=change.partition("=")[0].replace(".", r"\.")):
         build_mesh(Reducer(changed("pin", change)))
 
@@ -645,7 +645,7 @@ def spoiled(surface: ConvexSurface) -> ConvexSurface:
 
 
 @pytest.mark.slow
-def test_what_is_worse_than_its_bound_is_an_error_and_no_file(
+def test_an_exceeded_error_bound_is_an_error_without_a_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def wrong(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface, ...]:

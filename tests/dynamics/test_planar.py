@@ -304,7 +304,7 @@ def test_a_long_step_stays_bounded() -> None:
     assert errors[0].mean() == pytest.approx(errors[1].mean(), rel=1e-4)
 
 
-def test_friction_that_turns_round_takes_few_rounds() -> None:
+def test_reversing_friction_needs_few_iterations() -> None:
     """Hardly pressed contacts creep in a narrow range of speeds: rounds of a step must not jump over it for ever."""
     run = settled(simulate(design_of("free", 0.03), planar_model(Reducer(design_of("free", 0.03)))))
     assert run["solver_iterations"].max() < 30

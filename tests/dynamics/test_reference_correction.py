@@ -83,7 +83,7 @@ def test_a_sliding_block_presses_by_its_weight(friction: float, island: str, spe
     assert abs(along) == pytest.approx(friction * normal, rel=1e-9)
 
 
-def test_what_does_not_slide_or_does_not_press_is_left_alone() -> None:
+def test_creeping_or_separating_contacts_are_unchanged() -> None:
     creeping = 0.5 * CREEP_SPEED
     stock = forces(*block(0.3, 2.0, speed=creeping))
     with collider.install():
@@ -100,7 +100,7 @@ def test_a_foreign_model_is_left_as_it_is() -> None:
     assert forces(*block(0.3, 2.0)) == stock
 
 
-def test_a_body_that_circles_in_a_bore_presses_by_its_centripetal_force() -> None:
+def test_a_body_circling_in_a_bore_presses_with_its_centripetal_force() -> None:
     """K times the penetration is m w^2 r; the added mass, a fifth of m, must not act: the gap stays as it is."""
     mass, bore, radius, angular, stiffness, step = 0.25, 20e-3, 17.5e-3, 1000.0, 1e9, 2e-5
     law = contact_law(stiffness, 0.5, mass, 0.0, 0.0, step)

@@ -67,7 +67,7 @@ def test_the_presets_and_their_stable_steps_cause_no_warning(made: tuple[str, ..
         (("pin", "friction.cam=0.01"), {"friction.cam"}),
     ],
 )
-def test_each_bad_regime_is_reported_where_it_is(made: tuple[str, ...], kinds: set[str]) -> None:
+def test_every_unsuitable_contact_regime_has_its_warning(made: tuple[str, ...], kinds: set[str]) -> None:
     assert {re.split(r"[: ]", text)[0] for text in told(*made)} == kinds
 
 
@@ -102,7 +102,7 @@ def test_heavy_or_soft_parts_allow_a_longer_step() -> None:
     assert told("pin", *large, "settings.timestep_us=5") == ()
 
 
-def test_a_stiff_cam_that_is_warned_of_does_chatter() -> None:
+def test_a_stiff_cam_with_a_warning_does_chatter() -> None:
     """At K dt^2/m = 390 the gear's speed error is many times that at a hundredth of it."""
     changes = [FIXED, "drive.ramp_s=0", "drive.hold_s=0.006", "load.torque_nm=36", "load.rise_s=0.001"]
     changes += ["settings.timestep_us=10", "settings.log_rate_hz=20000", "drive.hold_s=0.012"]

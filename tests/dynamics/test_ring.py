@@ -53,7 +53,7 @@ def rig() -> Rig:
 
 
 @pytest.mark.parametrize("crank", [0.0, 0.4, 1.7, 5.9])
-def test_ideal_contacts_are_where_the_envelope_has_them(crank: float) -> None:
+def test_ideal_contacts_are_at_the_points_of_the_envelope(crank: float) -> None:
     """36 arcs and 4 or 5 lines on Sigma, with the envelope's own points and normals."""
     rig = Rig(nonpin(), margin=1e-5)
     found = rig.contacts(crank)

@@ -62,7 +62,7 @@ def test_an_uncorrected_cone_lift_is_detected():
     assert selftest.try_correction(0).startswith("forces of ")
 
 
-def test_what_has_passed_is_kept_by_release_and_what_has_not_is_one_line(monkeypatch, tmp_path):
+def test_a_passed_validation_is_stored_and_a_failed_one_is_one_line(monkeypatch, tmp_path):
     monkeypatch.setattr(selftest, "cache_folder", lambda: tmp_path)
     tried = []
     for _ in range(2):

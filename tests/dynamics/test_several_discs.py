@@ -171,7 +171,7 @@ def test_half_a_turn_later_the_second_disc_does_what_the_first_does(run: Run) ->
         assert np.abs(motion.of_disc(disc).q_position.error).max() < 20e-6
 
 
-def test_a_disc_is_drawn_where_it_is(run: Run) -> None:
+def test_a_disc_is_drawn_at_its_position(run: Run) -> None:
     """Arrows of each disc act on that disc: their points lie in it, on its pins, and on its cam."""
     design = design_of(run)
     columns = {name: values[300:303] for name, values in run.columns.items()}
@@ -392,7 +392,7 @@ def mesh_orders(teeth: int, discs: int) -> dict[int, float]:
 
 
 @pytest.mark.slow
-def test_two_discs_average_away_odd_mesh_orders_of_odd_rings_alone() -> None:
+def test_two_discs_cancel_odd_mesh_orders_of_odd_rings_only() -> None:
     """Equal spacing takes the crank orders k N that the number of discs does not divide; an even N gains nothing."""
     even, odd = ([mesh_orders(teeth, discs) for discs in (1, 2)] for teeth in (30, 31))
     assert even[1] == pytest.approx(even[0], rel=0.05)

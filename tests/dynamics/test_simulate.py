@@ -176,7 +176,7 @@ def test_a_step_too_long_ends_the_run(tmp_path, monkeypatch) -> None:
     assert not list(tmp_path.iterdir()), "MuJoCo's own log file is not wanted"
 
 
-def test_not_a_number_ends_the_run(monkeypatch) -> None:
+def test_a_nan_ends_the_run(monkeypatch) -> None:
     monkeypatch.setattr(drive_cycle, "servo_target", lambda compiled, law, time: np.where(time > 1e-3, np.nan, 0.0))
     samples, message = ended(changed(*QUICK))
     assert samples > 1

@@ -162,7 +162,7 @@ def test_checks_know_the_sleeve() -> None:
     require_sound(Reducer(override(PRESETS["pin"], ["clearance.pin_sleeve_um=120"])))
 
 
-def test_every_room_takes_sleeves_for_bodies_without_sockets() -> None:
+def test_analysis_and_figures_support_sleeves_without_sockets() -> None:
     run = made_run(changed("drive.ramp_s=0"))
     findings, motion = analyze(run), series(run)
     assert findings.pin1 is not None

@@ -51,9 +51,7 @@ def test_gradients_are_taken_where_the_step_resolves_moving_pins(design: Design,
     ],
     ids=lambda value: value.name if isinstance(value, Design) else str(value),
 )
-def test_islands_are_found_where_pins_that_do_not_carry_can_be_left_out(
-    design: Design, load: float, islands: bool
-) -> None:
+def test_islands_are_used_only_if_unloaded_pins_can_be_omitted(design: Design, load: float, islands: bool) -> None:
     flags = build(override(design, [f"load.torque_nm={load}"])).model.opt.disableflags
     assert bool(flags & NO_ISLANDS) != islands
 
@@ -114,7 +112,7 @@ def test_a_run_leaves_out_what_its_model_has_nothing_for() -> None:
 
 
 @pytest.mark.parametrize("name", ["pin", "nonpin"])
-def test_what_is_left_out_changes_nothing(name: str) -> None:
+def test_omitted_islands_change_no_result(name: str) -> None:
     changes = ["drive.ramp_s=0", "drive.hold_s=0.002", "load.torque_nm=20", "load.rise_s=0.0005"]
     design = override(PRESETS[name], [*changes, "settings.log_rate_hz=20000"])
     run, compiled = simulate(design), build(design)

@@ -37,7 +37,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
 
 @pytest.mark.slow
-def test_a_sweep_has_the_bits_of_a_local_one_though_a_worker_is_killed(cluster: Cluster, tmp_path: Path) -> None:
+def test_a_sweep_equals_a_local_sweep_bit_by_bit_after_a_worker_is_killed(cluster: Cluster, tmp_path: Path) -> None:
     vary = {"clearance.cam_um": "1:3:6", "ring.kind": "pin,nonpin"}
     here = sweep(PIN, vary, "statics,mass", engine=Engine(1))
 

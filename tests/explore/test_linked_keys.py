@@ -40,7 +40,7 @@ def test_a_formula_is_arithmetic_of_the_file(formula: str, value: float) -> None
     assert found == {"output.hole_radius_mm": pytest.approx(value, rel=1e-12)}
 
 
-def test_later_keys_stand_on_earlier_ones() -> None:
+def test_later_keys_depend_on_earlier_keys() -> None:
     found = at({"ring.teeth": 31}, "output.pins=(ring.teeth - 1) / 3", "output.pin_radius_mm=output.pins / 4")
     assert found == {"output.pins": 10, "output.pin_radius_mm": 2.5}
 
@@ -55,7 +55,7 @@ def test_two_keys_know_how_they_follow() -> None:
     assert at({"ring.teeth": 31}, "drive.torque_nm")["drive.torque_nm"] == pytest.approx(PIN.rated_torque / 30.0)
 
 
-def test_what_follows_is_a_column_of_the_sweep_and_what_cannot_an_error() -> None:
+def test_a_dependent_value_is_a_column_and_an_invalid_one_an_error() -> None:
     found = sweep(PIN, {"gear.eccentricity_mm": [0.8, 1.0, 1.1]}, "mass", follow=[HOLE], engine=HERE)
     assert found["output.hole_radius_mm"].tolist() == [4.8, 5.0, 5.1]
     assert found.frame.units["output.hole_radius_mm"] == "mm"

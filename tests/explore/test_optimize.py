@@ -131,7 +131,7 @@ def test_active_ends_of_ranges_and_limits_are_reported() -> None:
     assert sentence.startswith(f"mass_kg is at its limit mass_kg>={bound:g}: ")
 
 
-def test_values_alone_are_all_tried() -> None:
+def test_all_combinations_of_discrete_values_are_tried() -> None:
     found = optimize(PIN, {"output.pins": "6:9"}, "mass_kg", verify=False, engine=HERE)
     masses = {row.values["output.pins"]: row.values["mass_kg"] for row in found.rows}
     assert set(masses) == {6, 7, 8, 9}
@@ -176,7 +176,7 @@ def test_the_paper_s_design_presses_its_teeth_less_in_the_same_housing() -> None
 # --- figures
 
 
-def test_an_old_key_is_the_column_that_it_was_and_the_number_of_the_new_one() -> None:
+def test_former_and_new_keys_of_limits_have_the_same_figures() -> None:
     pairs = {"backlash": "backlash_arcmin", "pin_gear_pressure": "pin_gear_pressure_mpa"}
     found = optimize(
         PIN, {"output.pins": "7:8"}, limits=[f"{key}<=2000" for key in pairs], minimize="mass_kg", **SERIAL
@@ -225,7 +225,7 @@ def test_a_search_may_start_from_a_design_that_cannot_be_built() -> None:
 
 
 @pytest.mark.slow
-def test_strict_takes_warnings_for_refusals() -> None:
+def test_strict_treats_warnings_as_failures() -> None:
     """The paper's teeth yield under its torque: a warning of the check tooth_yield."""
     vary = {"gear.face_width_mm": "9:20"}
     loose, strict = (

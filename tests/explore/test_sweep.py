@@ -115,7 +115,7 @@ def test_wrong_points_are_refused(vary: dict[str, str], message: str) -> None:
         grid_points(vary)
 
 
-def test_tables_give_points() -> None:
+def test_tables_are_converted_to_points() -> None:
     found = list_rows([{"clearance.cam_um": "2", "ring.kind": "nonpin"}, {"ring.kind": "pin", "clearance.cam_um": 1}])
     assert found.rows == ((2.0, "nonpin"), (1.0, "pin"))
     for rows in ([], [{"clearance.cam_um": 1}, {"ring.kind": "pin"}], [{"clearance.cam_um": None}]):
@@ -146,12 +146,12 @@ def test_rows_are_single_runs(statics: sweeps.Sweep) -> None:
 
 
 @pytest.mark.slow
-def test_two_processes_give_the_same_bits(statics: sweeps.Sweep) -> None:
+def test_two_processes_compute_the_same_bits(statics: sweeps.Sweep) -> None:
     again = sweep(PIN, {"clearance.cam_um": [1.0, 2.0], "ring.kind": "pin,nonpin"}, "statics", engine=Engine(2))
     assert same(statics.frame, again.frame)
 
 
-def test_other_packages_take_the_table(statics: sweeps.Sweep) -> None:
+def test_other_packages_accept_the_table(statics: sweeps.Sweep) -> None:
     import duckdb
 
     found = duckdb.sql("select count(*), min(backlash_arcmin) from statics").fetchall()
@@ -159,7 +159,7 @@ def test_other_packages_take_the_table(statics: sweeps.Sweep) -> None:
     assert len(statics) == 4
 
 
-def test_a_point_that_fails_has_its_error_and_others_their_figures() -> None:
+def test_a_failed_point_has_an_error_and_the_others_have_figures() -> None:
     found = sweep(PIN, {"gear.eccentricity_mm": [1.0, 1.2, -1.0]}, ["statics", "checks"], engine=HERE)
     good, unsound, invalid = found["error"]
     assert good == ""
@@ -275,7 +275,7 @@ def command(folder: Path, *more: str) -> list[str]:
 
 
 @pytest.mark.slow
-def test_the_command_leaves_one_table_three_ways(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_writes_one_table_in_three_formats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     import duckdb
 
     assert main([*command(tmp_path, "--json", "--workers", "1"), "--vary", "ring.kind=pin,nonpin"]) == 0
@@ -331,14 +331,14 @@ def test_figures_suit_the_inputs(vary: dict[str, object], columns: int, tmp_path
     assert "https://" not in page
 
 
-def test_what_failed_everywhere_still_has_a_page() -> None:
+def test_a_sweep_with_only_errors_has_a_page() -> None:
     found = made_up({"clearance.cam_um": "1"}, spoiled=0)
     assert select_quantities(found) == ()
     assert "1 of 1" in sweep_page(found, (), b"<svg/>")
     assert sweep_figure(found, ()) is not None
 
 
-def test_a_sweep_continues_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_continues_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Broken off after some points, with half a line of a row: the rest is done, and nothing twice."""
     monkeypatch.setattr(sweeps, "SECONDS_BETWEEN_TABLES", 0.0)
     vary, whole = {"clearance.cam_um": "1:3:8"}, tmp_path / "whole"

@@ -86,7 +86,7 @@ def test_infinite_zones_are_refused_before_any_sample(tmp_path: Path, capsys, te
     assert not list(tmp_path.iterdir())
 
 
-def test_a_fit_is_for_a_clearance_alone() -> None:
+def test_a_fit_applies_to_a_clearance_only() -> None:
     with pytest.raises(DesignError, match=r"tolerance\.pin_radius"):
         parse_zone("H7/g6", "pin_radius", 0.0045)
 
@@ -368,7 +368,7 @@ def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: E
     assert "without tolerance.pin_position the parts" in str(stopped.value)
 
 
-def test_a_study_of_which_nearly_all_jams_ends_after_its_first_block(monkeypatch) -> None:
+def test_a_study_with_mostly_jammed_samples_ends_after_its_first_block(monkeypatch) -> None:
     """A cam 3 um too small to 1000 um too large: 2 of 1000 fit."""
     monkeypatch.setattr(sampling, "SAMPLING", sampling.SamplingSettings(first_batch=40))
     design = override(PIN, {"tolerance.cam": "between -1000 1", "tolerance.mesh": "uniform 0.1"})
@@ -526,7 +526,7 @@ def test_the_command(tmp_path: Path, capsys) -> None:
     assert load(tmp_path / "pin-worst-1.toml").clearance.cam > PIN.clearance.cam
 
 
-def test_the_command_fails_with_one_message_where_a_few_samples_all_jam(tmp_path: Path, capsys) -> None:
+def test_the_command_fails_with_one_message_if_all_of_few_samples_jam(tmp_path: Path, capsys) -> None:
     flags = ["--samples", "4", "--out", str(tmp_path), "--set", 'tolerance.cam="between -8 -6"']
     assert main(["tolerance", "--design", "pin", *flags]) == 1
     said = capsys.readouterr()
@@ -583,7 +583,7 @@ def test_wrong_wishes_are_refused(tmp_path: Path, capsys, flags: list[str], mess
     assert message in capsys.readouterr().err
 
 
-def test_a_limit_takes_a_figure_that_samples_are_designs_for() -> None:
+def test_a_limit_accepts_a_figure_evaluated_design_by_design() -> None:
     """Lost motion is not balanced for many samples at a time: each is a design, whose own value stands in the table."""
     design = override(PIN, {"tolerance.cam": "uniform 0.5"})
     found = tolerance(design, 3, 1, ["lost_motion_arcmin<=1.1"], engine=Engine(1, kind="threads"))

@@ -8,7 +8,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer
 
 
-def test_designs_stand_side_by_side_under_the_catalogue_s_keys() -> None:
+def test_designs_are_compared_side_by_side_by_catalogue_key() -> None:
     designs = [PRESETS["pin"], PRESETS["nonpin"]]
     found = catalogue_figures(designs)
     table = catalogue_table(found)

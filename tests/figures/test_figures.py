@@ -40,7 +40,7 @@ def test_the_rows_of_statics_are_the_numbers_of_the_sheet(name: str) -> None:
         assert there[key].name.startswith(row.name.split(",")[0]), key
 
 
-def test_a_figure_of_samples_is_that_of_one_made_as_designed() -> None:
+def test_samples_without_errors_have_the_figures_of_the_design() -> None:
     states = solve_states(PIN, identical_samples(PIN, 3), STATES)
     for row in OF_SAMPLES:
         assert row.sampled

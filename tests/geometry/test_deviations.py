@@ -45,7 +45,7 @@ def nonpin(*changes: str) -> Design:
 # --- what is drawn and what is listed
 
 
-def test_draws_follow_the_seed_and_each_kind_has_its_own() -> None:
+def test_draws_follow_the_seed_independently_for_each_kind() -> None:
     changes = ["errors.pin_position_um=2.0", "errors.seed=5"]
     first, again = (deviations(override(PRESETS["pin"], changes)) for _ in range(2))
     np.testing.assert_array_equal(first.pin_place, again.pin_place)
@@ -333,7 +333,7 @@ def test_a_displaced_pin_shows_in_its_gap() -> None:
             assert np.abs(np.delete(slope, number - 1)).max() < 1e-6
 
 
-def test_parts_of_the_model_stand_where_they_were_made() -> None:
+def test_model_parts_are_at_their_manufactured_positions() -> None:
     design = override(
         PRESETS["pin"],
         [
@@ -365,7 +365,7 @@ def test_parts_of_the_model_stand_where_they_were_made() -> None:
 # --- assembly
 
 
-def test_an_ideal_reducer_has_its_clearance_as_room() -> None:
+def test_the_free_room_of_an_ideal_reducer_is_its_smallest_clearance() -> None:
     for preset in presets_for("stress").values():
         least = min(getattr(preset.clearance, kind) for kind in preset.pair_kinds if kind != preset.seat_pair)
         assert limits.best_fit(Reducer(preset), 0.7).room == pytest.approx(least, rel=1e-6)
@@ -382,7 +382,7 @@ def test_the_best_pose_is_seen_by_the_collider() -> None:
         assert simulate(design)["penetration"][0] == pytest.approx(-room, abs=0.15e-6)
 
 
-def test_free_pins_that_are_in_the_way_move_aside() -> None:
+def test_obstructing_free_pins_move_aside() -> None:
     design = override(
         PRESETS["pin"], ["errors.pin_y_um={1 = -3.0}", "drive.ramp_s=0.0", "drive.hold_s=1e-5", "clearance.cam_um=0.1"]
     )
@@ -469,7 +469,7 @@ def test_load_sharing_is_the_independent_solution(name: str) -> None:
     )
 
 
-def test_every_disc_has_errors_of_its_own_and_the_first_those_of_a_single_one() -> None:
+def test_every_disc_has_its_errors_and_the_first_those_of_a_single_disc() -> None:
     drawn = [
         *("errors.hole_position_um=1.0", "errors.disc_size_um=2.0", "errors.cam_position_um=0.5"),
         *("errors.pin_position_um=1.0", "errors.seed=7"),

@@ -130,7 +130,7 @@ def test_warm_materials_are_softer_and_weaker() -> None:
     assert disc.material_of("pin").youngs_modulus == plastic.material_of("pin").youngs_modulus
 
 
-def test_a_warm_drive_of_steel_is_one_of_a_softer_steel() -> None:
+def test_a_warm_steel_drive_equals_a_drive_of_softer_steel() -> None:
     """At 100 °C: the stiffness, pressures and yield of a drive of 0.98 of the modulus and 0.96 of the strength."""
     hot = warm("pin", *(f"thermal.{part}_c=100" for part in ("disc", "ring", "crank", "output")))
     steel = PRESETS["pin"].material

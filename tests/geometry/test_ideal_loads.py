@@ -180,7 +180,7 @@ def test_output_sleeves_published_by_krol_et_al(hole_circle, width, sleeve, hole
     assert contact.peak_pressure / 1e6 == pytest.approx(published, abs=0.6)
 
 
-def test_hertz_takes_arrays_and_refuses_what_it_cannot_hold():
+def test_hertz_accepts_arrays_and_refuses_invalid_values():
     contact = ideal_loads.hertz_line_contact([0.0, 100.0, 400.0], 0.01, 500.0, 1e11)
     assert contact.half_width[0] == contact.peak_pressure[0] == 0
     assert contact.peak_pressure[2] / contact.peak_pressure[1] == pytest.approx(2)

@@ -39,7 +39,7 @@ def with_wave(path: Path, preset: str, order: int, amplitude_um: float) -> Desig
 
 
 @pytest.mark.parametrize("preset", ["pin", "printed"])
-def test_one_micrometre_less_everywhere_equals_one_more_of_clearance(preset: str, tmp_path: Path) -> None:
+def test_a_measured_gear_one_micrometre_smaller_adds_one_micrometre_of_clearance(preset: str, tmp_path: Path) -> None:
     angle = np.arange(360.0)
     path = write(tmp_path / "cmm.csv", "angle_deg,deviation_um", angle, np.full(360, -1.0))
     measured = override(PRESETS[preset], {"measured.gear": str(path)})

@@ -84,7 +84,7 @@ def test_sliding_equals_that_of_the_gaps() -> None:
     assert np.abs(springs.slip[0, : springs.teeth]) == pytest.approx(np.abs(speeds.sliding), rel=1e-9)
 
 
-def test_entrainment_vanishes_where_published() -> None:
+def test_entrainment_vanishes_at_the_published_angles() -> None:
     assert np.degrees(entrainment_zeros(Reducer(resolve("pin")).tooth_profile)) == pytest.approx(
         [32.69, 164.31], abs=0.01
     )

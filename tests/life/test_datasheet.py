@@ -45,7 +45,7 @@ def told(sheet: Datasheet) -> dict[str, Quantity]:
 
 
 @pytest.mark.slow
-def test_the_rated_torque_is_just_borne(sheet) -> None:
+def test_the_deciding_item_just_reaches_the_required_life_at_the_rated_torque(sheet) -> None:
     """At that torque what decides it lasts as long as asked, and nothing but wear and stops is weaker."""
     torque = told(sheet)["rated_torque"].value
     found = rate(PIN, constant_duty(torque, PIN.drive.speed), sheet.life)
@@ -78,7 +78,7 @@ def test_progress_is_counted_to_the_end() -> None:
     assert [done for done, _ in counted] == list(range(1, counted[0][1] + 1))
 
 
-def test_the_torque_of_the_bearings_goes_by_their_law(sheet) -> None:
+def test_the_bearing_torque_follows_its_law(sheet) -> None:
     near = rate(PIN).items["shaft_bearing_near"]
     by_law = PIN.rated_torque * (near.life / 6000.0) ** 0.3
     assert told(sheet)["bearing_torque"].value == pytest.approx(by_law, rel=0.03)
@@ -140,7 +140,7 @@ def test_the_inertia_at_the_input_is_that_of_the_energy() -> None:
     )
 
 
-def test_a_ring_that_turns_counts_in_the_place_of_the_output() -> None:
+def test_a_rotating_ring_replaces_the_output() -> None:
     """The discs then orbit without turning, and housing and pins turn by one in N."""
     turned = PIN.but(output={"member": "ring"})
     solids = {name: mass_properties(solid) for name, solid in parts(Reducer(turned)).items()}
@@ -201,7 +201,7 @@ def test_the_pdf_has_three_pages_and_is_the_same_each_time(sheet) -> None:
 
 
 @pytest.mark.slow
-def test_the_page_stands_alone_and_has_every_number(sheet) -> None:
+def test_the_page_needs_no_other_file_and_has_every_number(sheet) -> None:
     page = datasheet_page(sheet)
     assert re.findall(r'(?:src|href)="(?!#)([^"]*)"', page) == ["data:,"]
     assert page.count("<svg") == len(datasheet_pictures(sheet)) == 2

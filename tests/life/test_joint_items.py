@@ -91,7 +91,7 @@ def test_torques_of_carrier_ring_and_crank_balance() -> None:
     assert (turning.carrier, turning.ring, turning.crank) == pytest.approx((35.0 * 35 / 36, 35.0, 35.0 / 36))
 
 
-def test_pressed_pins_keep_an_interference_over_their_whole_zones() -> None:
+def test_pressed_pins_have_an_interference_over_their_tolerance_zones() -> None:
     assert fit_code("m6 in N7") == "N7/m6"
     assert max(fits.clearances("N7/m6", 6e-3)) < 0.0 < max(fits.clearances("H7/m6", 6e-3))
     seat = joints_of("pin")["joint_output_pin_press"]

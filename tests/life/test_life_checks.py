@@ -31,7 +31,7 @@ def test_a_hard_surface_carries_more_and_the_core_is_unchanged() -> None:
     assert after["peak_pin_bending"].limit == 490.0
 
 
-def test_a_plastic_takes_a_set_as_its_creep_modulus_falls() -> None:
+def test_a_plastic_creeps_as_its_creep_modulus_falls() -> None:
     """Hostaform C 9021: 2850 MPa in a short test, 2500 after 1 h, 1300 after 1000 h of load."""
     assert set_hours(2500.0 / 2850.0, 1.0) == pytest.approx(1.0)
     assert set_hours(1300.0 / 2850.0, 1.0) == pytest.approx(1000.0)
@@ -91,7 +91,7 @@ def test_the_checks_state_the_weakest_item_of_each_kind() -> None:
 
 
 @pytest.mark.parametrize("name", ["pin", "printed", pytest.param("twodisc", marks=pytest.mark.slow)])
-def test_every_check_that_fails_is_mended_by_each_of_its_ways(name: str) -> None:
+def test_each_remedy_of_a_failed_check_makes_it_pass(name: str) -> None:
     reducer = Reducer(PRESETS[name])
     ways = life_remedies(reducer)
     assert ways.keys() == {item.name for item in life_checks(reducer) if not item.passed}
@@ -141,7 +141,7 @@ def test_python_and_terminal_have_the_same_verdicts() -> None:
     assert printed[-1] == f"{len(checks)} checks: {checks.counts}"
 
 
-def test_passes_are_listed_with_all_alone() -> None:
+def test_passed_checks_are_listed_only_with_all() -> None:
     """One failed check brought all "ok" rows with it, which hid it."""
     arguments = ("design", "check", "pin", "--set", "ring.pin_radius_mm=2.7")
     short, full = (told(*arguments, *more)[1].splitlines() for more in ((), ("--all",)))

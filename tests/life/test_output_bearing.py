@@ -40,7 +40,7 @@ def test_a_bearing_carries_its_load_for_the_life_that_is_requested() -> None:
     assert shorter.capacity == shorter.static
 
 
-def test_a_hub_tilts_by_what_the_balls_give() -> None:
+def test_the_tilt_of_the_hub_is_that_of_the_balls() -> None:
     """The tilt by both bearings' approach, from Palmgren's formula in N and mm."""
     found = output_bearings(TWO)
     force = 0.5 * found.moment / found.spacing

@@ -92,7 +92,7 @@ IN_STOCK = PIN.but(
 """One disc of 10 mm on an HK2010; its shaft turns in two HK1210."""
 
 
-def test_what_the_bill_names_is_what_is_rated() -> None:
+def test_the_rated_bearings_are_those_of_the_bill() -> None:
     """The bearings' ratings are those of their maker: here 0.2 and 0.4 of those of rollers that fill the seats."""
     items, lines = rate(IN_STOCK).items, {line.item: line for line in bill(Reducer(IN_STOCK))}
     assert (lines["cam_bearing"].designation, lines["shaft_bearing"].designation) == ("HK2010", "HK1210")
@@ -138,7 +138,7 @@ def test_a_plain_roller_slides_on_its_core() -> None:
     assert on_core["output_roller_pv"].value == pytest.approx(solid["output_pv"].value, rel=0.05)
 
 
-def test_covers_give_heat_to_the_air() -> None:
+def test_covers_dissipate_heat_to_the_air() -> None:
     sizes, radius = casing(Reducer(PIN)), PIN.housing.outer_radius
     drum = 2.0 * math.pi * sizes.outer * (sizes.outer + sizes.top - sizes.face)
     assert cooling_area(Reducer(PIN)) == pytest.approx(
@@ -238,7 +238,7 @@ def test_output_pins_of_several_discs_bend_by_every_disc() -> None:
     assert pin_moment(Reducer(two), np.array([[100.0], [40.0]])) == pytest.approx(100.0 * arms[0] + 40.0 * arms[1])
 
 
-def test_two_discs_share_what_one_carries() -> None:
+def test_two_discs_share_the_load_of_one() -> None:
     """Each cam bears about half, and opposite the other: what is left for the shaft's bearings is their couple."""
     two = PIN.but(gear={"discs": 2})
     one, both = solve_loading(Reducer(PIN), single(PIN)), solve_loading(Reducer(two), single(two))
@@ -417,7 +417,7 @@ def test_a_crank_at_rest_has_no_life_to_rate(capsys) -> None:
 
 
 @pytest.mark.slow
-def test_a_torque_that_is_not_met_is_named() -> None:
+def test_a_torque_without_equilibrium_is_reported() -> None:
     with pytest.raises(RunError, match=r"pin: no equilibrium at 9e\+05 N m at 1640 rpm: .*another torque"):
         rate(PIN, constant_duty(9e5, PIN.drive.speed))
 
@@ -526,7 +526,7 @@ def test_wrong_wishes_are_refused(capsys, flags: list[str], message: str) -> Non
     assert message in capsys.readouterr().err
 
 
-def test_the_page_stands_alone(tmp_path: Path, capsys, monkeypatch, found) -> None:
+def test_the_page_needs_no_other_file(tmp_path: Path, capsys, monkeypatch, found) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["rate", "--design", "pin", "--html", "--json"]) == 0
     page = (tmp_path / "runs" / "pin-rating.html").read_text()
@@ -541,7 +541,7 @@ def test_the_page_stands_alone(tmp_path: Path, capsys, monkeypatch, found) -> No
     assert (tmp_path / "own.html").read_text() == page
 
 
-def test_stress_ranges_of_a_study_take_the_place_of_beam_formulas(tmp_path: Path, found) -> None:
+def test_stress_ranges_of_a_study_replace_beam_formulas(tmp_path: Path, found) -> None:
     parts = [
         {"part": "gear", "range": {"amplitude_mpa": 40.0, "mean_mpa": 30.0}},
         {"part": "ring", "range": {"amplitude_mpa": 8.0, "mean_mpa": -5.0}},
@@ -578,7 +578,7 @@ def test_results_that_are_not_study_are_refused(tmp_path: Path, told: str, messa
         read_ranges(tmp_path, Reducer(PIN))
 
 
-def test_the_give_of_the_cam_decides_what_it_carries(found) -> None:
+def test_the_cam_load_grows_with_its_stiffness(found) -> None:
     """From the softest cam, where clearance counts for little, to ideal sharing; its own spring is what is rated."""
     rows = rate(PIN, compliance=True).cam_compliance.rows
     loads = {row.name: row.load for row in rows}

@@ -349,7 +349,7 @@ def test_one_wrong_bit_in_provenance_and_attachments_is_found(where, end, messag
         read(tmp_path / "damaged.mcap")
 
 
-def test_wrong_length_in_a_file_that_has_its_end_is_no_cut(log, tmp_path):
+def test_a_wrong_length_in_a_complete_file_is_not_a_cut(log, tmp_path):
     damaged = bytearray(log.read_bytes())
     place = chunks_of(log)[5].chunk_start_offset
     damaged[place + 8] = 1
@@ -496,7 +496,7 @@ def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
 
 
 @pytest.mark.parametrize("name", edits())
-def test_what_contradicts_the_format_is_refused(name, log, tmp_path):
+def test_a_log_that_contradicts_the_format_is_refused(name, log, tmp_path):
     edit, message = edits()[name]
     repack(log, tmp_path / "r.mcap", edit)
     with pytest.raises(LogError, match=message) as caught:

@@ -60,7 +60,7 @@ def test_forced_log_is_written_beside_the_old_one_and_replaces_it_when_complete(
 
 
 @pytest.mark.parametrize("error", [RuntimeError("NaN"), KeyboardInterrupt(), Stopped("SIGTERM")])
-def test_forced_log_that_breaks_off_leaves_the_old_one_and_its_own_samples(error, old):
+def test_an_interrupted_forced_log_keeps_the_old_log_and_its_own_samples(error, old):
     for number, name in ((1, "run.partial.mcap"), (2, "run.partial-2.mcap")):
         with pytest.raises(type(error)), LogWriter(old, GROUPS, force=True) as log:  # noqa: PT012
             write(log, 0, 10 * number)
@@ -94,7 +94,7 @@ def test_log_that_another_run_writes_or_replaces_is_not_replaced(old, tmp_path):
     assert (len(read(old)), len(read(tmp_path / "new.mcap"))) == (7, 5)
 
 
-def test_log_written_anew_appears_whole_or_not_at_all(old, tmp_path):
+def test_a_rewritten_log_appears_completely_or_not_at_all(old, tmp_path):
     found = load(old)
     new = tmp_path / "new.mcap"
     with pytest.raises(KeyboardInterrupt), LogWriter(new, GROUPS, hidden=True) as log:  # noqa: PT012
@@ -190,7 +190,7 @@ def test_second_forced_run_meanwhile_ends_with_one_error(here, at_the_end):
 
 
 @pytest.mark.slow
-def test_run_that_takes_the_usual_name_meanwhile_gets_the_next(here, at_the_end, monkeypatch):
+def test_a_run_whose_name_is_taken_meanwhile_uses_the_next_name(here, at_the_end, monkeypatch):
     second = []
     built = cycloid_mj.dynamics.run.model_for
 

@@ -55,7 +55,7 @@ def test_teeth_and_cam_alone_are_those_of_the_pitch_point(name: str):
 
 
 @pytest.mark.parametrize("name", ["free", "nonpin"])
-def test_backlash_grows_in_proportion_and_the_whole_is_more_than_its_parts(name: str):
+def test_backlash_is_proportional_to_clearance_and_exceeds_the_sum_of_its_parts(name: str):
     design = DESIGNS[name]
     doubled = design.clearance.model_copy(update={k: 2.0 * v for k, v in design.clearance.model_dump().items()})
     assert width(design.model_copy(update={"clearance": doubled})) == pytest.approx(2.0 * width(design), rel=1e-9)

@@ -31,7 +31,7 @@ def test_a_ripple_of_a_percent_looks_like_one():
         assert low < 99.0 < 101.0 < high
 
 
-def test_what_varies_much_above_zero_begins_at_zero_and_what_changes_sign_is_shown_whole():
+def test_positive_curves_start_at_zero_and_signed_curves_are_shown_completely():
     low, high = drawn(curve(np.linspace(1.0, 10.0, 37))).axes[0].get_ylim()
     assert low == 0.0
     assert high > 10.0
@@ -44,7 +44,7 @@ def test_an_axis_of_zeros_or_of_no_numbers_is_drawn():
     drawn(curve(np.zeros(37)), curve(np.full(37, np.nan), "two")).canvas.draw()
 
 
-def test_bars_of_two_cases_stand_side_by_side_and_inside_the_panel():
+def test_bars_of_two_cases_are_side_by_side_within_the_panel():
     figure = drawn(curve([5.0, 4.0], "a", "bars", [1.0, 2.0]), curve([3.0, 4.0], "b", "bars", [1.0, 2.0]))
     figure.canvas.draw()
     axes = figure.axes[0]
@@ -59,7 +59,7 @@ def test_bars_of_two_cases_stand_side_by_side_and_inside_the_panel():
     assert axes.get_ylim()[1] > 5.0
 
 
-def test_bars_get_thinner_where_there_are_very_many():
+def test_many_bars_are_drawn_thinner():
     few, many = (
         drawn(curve(np.ones(n), "a", "bars", np.arange(1.0, n + 1.0))).axes[0].collections[0].get_linewidth()[0]
         for n in (10, 400)
@@ -100,5 +100,5 @@ def test_contacts_round_a_ring_are_marked_where_they_can_be_distinguished(count)
     assert axes.get_rmin() == 0.0
 
 
-def test_the_condition_stands_above_the_figure():
+def test_the_condition_is_the_title_of_the_figure():
     assert drawn(curve(X), condition="36.7 N m, 1640 rpm").get_suptitle() == "te: pin, 36.7 N m, 1640 rpm"

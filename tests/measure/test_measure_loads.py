@@ -64,7 +64,7 @@ def test_at_capacity_the_weakest_contact_yields(found) -> None:
 
 
 @pytest.mark.slow
-def test_a_kind_that_nothing_presses_has_no_margin_and_decides_nothing(monkeypatch) -> None:
+def test_an_unloaded_kind_of_contact_has_no_margin(monkeypatch) -> None:
     def idle(kinds: set[str]) -> None:
         def lifted(*args) -> dict:
             return {

@@ -99,7 +99,7 @@ def test_series_of_clearances_and_closed_stiffness_are_of_the_size_of_the_balanc
     assert 0.5 < 1.0 / solved.compliance(solved.turn) / closed_stiffness(design) < 1.05
 
 
-def test_lost_motion_is_the_backlash_and_a_little_give():
+def test_lost_motion_is_slightly_larger_than_the_backlash():
     crank = float(bench.crank_angles(Reducer(PRESETS["pin"]), 6)[1])
     solved = solve_windups(Reducer(PRESETS["pin"]), [crank], 36.68)[0]
     low, high = limits.stops(Reducer(PRESETS["pin"]), crank)

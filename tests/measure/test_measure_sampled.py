@@ -21,7 +21,7 @@ def test_a_closed_form_states_exactly_what_the_samples_leave_out():
     assert error_of_extreme(measured, False, known) == pytest.approx(sampled.min() - 2.0, rel=1e-9)
 
 
-def test_without_one_the_scatter_is_judged_for_so_few_values():
+def test_the_error_without_a_closed_form_follows_from_scatter_and_count():
     # Student's t at 68.3 %: 1.84 for two values, near 1 for many
     assert error_of_mean([1.0, 3.0]) == pytest.approx(1.84, abs=0.01)
     many = np.tile([1.0, 3.0], 5000)
@@ -29,7 +29,7 @@ def test_without_one_the_scatter_is_judged_for_so_few_values():
     assert error_of_extreme([1.0, 3.0, 2.0, 1.5], True) == pytest.approx(0.5)
 
 
-def test_of_one_value_alone_nothing_is_known():
+def test_a_single_value_has_no_error_estimate():
     assert error_of_mean([1.0]) is None
     assert error_of_extreme([1.0], True) is None
     assert error_of_mean([1.0], ClosedForm(np.array([1.0]), np.array([1.0, 2.0]))) == pytest.approx(0.5)

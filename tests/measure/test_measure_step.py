@@ -23,7 +23,7 @@ TEETH21 = unlike("teeth21")
 CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
 
 
-def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
+def test_sticking_pins_allow_a_longer_limited_step_than_sliding_pins():
     rated = TEETH21.rated_torque
     held, sliding = (
         bench.bench_timestep(one, rated, "mujoco")

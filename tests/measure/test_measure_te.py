@@ -45,7 +45,7 @@ def shares(design: Design, place: str, base: float) -> dict[int, float]:
     return {round(order / base): float(size) for order, size in zip(found.order, found.amplitude, strict=True)}
 
 
-def test_each_order_has_one_cause_in_its_place() -> None:
+def test_each_order_has_one_cause() -> None:
     for place, base in (("gear", 1.0), ("stage", AGAINST_GEAR)):
         for multiple in range(1, 100):
             found = [one.key for one in causes(Reducer(fixed())) if one.place == place and one.has(base * multiple)]
@@ -176,7 +176,7 @@ def test_a_crank_that_stands_still_is_refused() -> None:
 
 @pytest.mark.parametrize("name", ["large", "few"])
 @pytest.mark.parametrize("way", [1.0, -1.0])
-def test_statics_is_found_from_the_ideal_pose_of_any_reducer(name: str, way: float) -> None:
+def test_statics_converges_from_the_ideal_pose_of_any_reducer(name: str, way: float) -> None:
     """A step past the middle of a valley's circle would leave the large reducer without a balance at 0.1 rad."""
     design = unlike(name)
     found = transmission_error(Reducer(design), [0.1], way * design.rated_torque)[0]

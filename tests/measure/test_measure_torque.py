@@ -67,7 +67,7 @@ def test_both_name_their_condition(torque, efficiency, folder):
     assert efficiency.condition == f"up to {FIXED.rated_torque:.4g} N m and 1640 rpm, by the planar solver"
 
 
-def test_mean_input_torque_is_the_one_given(torque):
+def test_the_mean_input_torque_equals_the_given_torque(torque):
     # the motor's slope takes nothing in the mean
     assert torque["input_torque"] == pytest.approx(1.048, rel=2e-3)
 
@@ -152,7 +152,7 @@ def test_wang_formula_and_ideal_sharing_meet_at_small_friction():
     assert 1.0 - wang == pytest.approx(1.0 - ideal, rel=0.06)
 
 
-def test_pins_that_turn_take_the_easier_way():
+def test_rotating_pins_slide_at_the_contact_of_lower_friction():
     sleeved = override(PRESETS["pin"], ['ring.pins="sleeved"'])
     ring = sleeved.ring
     assert sleeved.mesh_friction == pytest.approx(0.05 * ring.sleeve_bore_radius / ring.pin_radius)
@@ -173,7 +173,7 @@ def test_output_drives_against_the_crank():
     ("name", "within"),
     [("nonpin-n33-d2-ring-60um", 0.01), ("fixed-n34-d2-carrier-120um", 0.01), ("fixed-n31-d1-carrier-250um", 0.02)],
 )
-def test_an_output_that_crosses_wide_play_drives_the_crank_as_statics_has_it(name, within):
+def test_an_output_crossing_wide_play_drives_the_crank_as_in_statics(name, within):
     """Runs that began to count with the crank in its play had efficiencies of 0 and of 119 %."""
     reducer = steady_design(Reducer(unlike(name)))
     design = reducer.design
@@ -185,7 +185,7 @@ def test_an_output_that_crosses_wide_play_drives_the_crank_as_statics_has_it(nam
 
 
 @pytest.mark.slow
-def test_a_motor_that_crosses_wide_play_is_braked_as_the_held_crank_is():
+def test_the_motor_brakes_across_wide_play_like_the_held_crank():
     reducer = steady_design(Reducer(unlike("fixed-n34-d2-carrier-120um")))
     reducer = reducer.working_at(reducer.design.rated_torque)
     braked = rated_test(reducer, 2 * reducer.mesh_periods)
@@ -196,7 +196,7 @@ def test_a_motor_that_crosses_wide_play_is_braked_as_the_held_crank_is():
 @pytest.mark.parametrize(
     "name", cases(("nonpin-n69-d1-carrier-2um", "fixed-n31-d1-carrier-250um"), "nonpin-n69-d1-carrier-2um")
 )
-def test_a_crank_that_is_slow_to_start_is_not_taken_for_locked(name):
+def test_a_crank_that_starts_slowly_is_not_judged_as_locked(name):
     """In 40 ms the torque turns a large rotor by less than its play, and a wide play is not crossed at all."""
     turns = break_away(steady_design(Reducer(unlike(name))))
     assert not turns.is_locked
@@ -210,7 +210,7 @@ def test_the_discs_weight_is_averaged_over_whole_turns():
     assert averaging_periods(fixed.but(environment={"gravity_y": 0.0}), PERIODS, 1.0) < fixed.mesh_periods
 
 
-def test_free_crank_turns_from_rest_and_a_blocked_one_is_self_locking():
+def test_a_free_crank_turns_from_rest_and_a_blocked_crank_self_locks():
     turns = break_away(steady_design(Reducer(FIXED)))
     assert abs(turns.torque) < 0.05
     blocked = break_away(steady_design(Reducer(override(FIXED, ["friction.pin_gear=2.0"]))))
@@ -226,7 +226,7 @@ def test_interpolated_friction_restores_the_rate_of_a_smooth_law():
     assert math.isnan(sensitivity.interpolate_friction(rates, 0.5))
 
 
-def test_friction_of_the_paper_lies_where_the_rates_do(torque):
+def test_only_the_measured_torque_of_the_paper_needs_a_possible_friction(torque):
     simulated, measured = torque["friction_for_paper_simulated"], torque["friction_for_paper_measured"]
     # 35.08 N m needs less friction than the design's; 35.8 N m none gives: the cam's bearing alone takes 3 points
     assert 0.0 < measured < 0.05
@@ -312,7 +312,7 @@ def from_rest(*torques_and_errors):
     return BreakAway(tuple(StartFromRest(torque, error, 0.5, run) for torque, error in torques_and_errors))
 
 
-def test_a_torque_from_rest_below_its_own_error_is_not_reported():
+def test_a_starting_torque_below_its_error_is_not_reported():
     """Free pins in 15 um of play were told to have 0.003 +- 0.02 N m."""
     told, untold, locked = (from_rest(pair) for pair in ((0.3, 0.1), (0.1, 0.3), (math.nan, math.nan)))
     assert [one.exceeds_error for one in (told, untold, locked)] == [True, False, False]
@@ -346,7 +346,7 @@ def test_weight_turns_the_crank_forward_from_some_starts_and_back_from_others():
 
 
 @pytest.mark.slow
-def test_runs_whose_friction_is_not_whole_are_named_in_one_line():
+def test_runs_with_incomplete_friction_are_reported_in_one_line():
     design = override(unlike("nonpin-n69-d1-carrier-2um"), ["contact.creep_speed_mm_s=19"])
     with pytest.warns(CycloidWarning) as issued:
         run_map(steady_design(Reducer(design)), [1.0], [design.drive.speed], 1, False, silent, "planar")
@@ -358,7 +358,7 @@ def test_runs_whose_friction_is_not_whole_are_named_in_one_line():
 
 
 @pytest.mark.slow
-def test_torque_names_its_runs_whose_friction_is_not_whole_in_one_line():
+def test_torque_reports_runs_with_incomplete_friction_in_one_line():
     """It told of them run by run: a line for each value of the shares."""
     design = override(unlike("nonpin-n69-d1-carrier-2um"), ["contact.creep_speed_mm_s=19"])
     with pytest.warns(CycloidWarning) as issued:

@@ -65,7 +65,7 @@ def test_contact_forces_on_the_housing_are_weight_less_momentum(pins: str) -> No
     assert np.abs(reaction(run, Reducer(design)).ring.mean(axis=0)).max() > 100.0
 
 
-def test_without_the_counterweight_the_unbalance_goes_round() -> None:
+def test_without_the_counterweight_the_unbalance_rotates() -> None:
     design = fixed("drive.ramp_s=0.0", "drive.hold_s=0.002", LONG_STEP)
     run = simulate(design)
     added = without_counterweight(run, Reducer(design), np.zeros((len(run), 2)))

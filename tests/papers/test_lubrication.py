@@ -8,7 +8,7 @@ from cycloid_mj.reducer import Reducer
 
 
 @pytest.mark.parametrize(("name", "rate", "by_hand"), [("pin", 0.936, 0.0209), ("nonpin", 0.956, 0.0143)])
-def test_bound_agrees_with_one_crank_angle(name: str, rate: float, by_hand: float) -> None:
+def test_the_friction_bound_agrees_with_a_hand_calculation(name: str, rate: float, by_hand: float) -> None:
     """The teeth then lose 252 W and the output pins 301 W at a coefficient of 1."""
     assert largest_mean_friction(Reducer(PRESETS[name]), rate) == pytest.approx(by_hand, rel=0.04)
 

@@ -81,7 +81,7 @@ def test_a_feature_is_looked_for_in_both_designs():
     assert "75, 255 deg" in found[0].tell(forces)
 
 
-def test_the_stage_stands_apart_and_the_flag_runs_it(tmp_path, monkeypatch):
+def test_the_separate_stage_runs_by_its_flag(tmp_path, monkeypatch):
     assert AUTHORS.key == "authors"
     assert AUTHORS not in STEPS
     chosen = []

@@ -109,7 +109,7 @@ def test_an_order_depends_only_on_what_turns_it_round(found, varied, verdict):
     assert order_verdict(found, varied) == verdict
 
 
-def test_a_claim_disagrees_only_where_all_was_searched_that_the_paper_leaves_open():
+def test_a_claim_disagrees_only_after_a_search_of_all_that_the_paper_leaves_open():
     def verdict(statement, *unsearched):
         claim = statement.judge(Value("1"), Value("none"), Verdict.DISAGREES, "nothing that was varied gives it")
         found = as_searched(claim, unsearched)
@@ -155,7 +155,7 @@ def test_a_height_and_a_pattern_need_most_starts():
     assert majority_verdict([True] * 5) == "not determined"
 
 
-def test_a_claim_of_several_parts_has_the_p_of_the_part_that_decides():
+def test_a_claim_of_several_parts_has_the_p_of_the_deciding_part():
     agrees, disagrees, unsure = (Verdict.AGREES, 0.01), (Verdict.DISAGREES, 0.03), (Verdict.NOT_DETERMINED, 0.4)
     assert jointly([agrees, (Verdict.AGREES, 0.02)]) == (Verdict.AGREES, 0.02)
     assert jointly([agrees, disagrees, unsure]) == disagrees
@@ -214,7 +214,7 @@ def test_pin_1_sways_and_spins_as_its_starts_say():
     assert motion.pin_1(FEW, spinning([1.0, -1.0]), silent).claims[1].verdict == "not determined"
 
 
-def test_pin_1_that_strays_in_one_start_of_twelve_decides_nothing():
+def test_one_deviating_start_of_twelve_decides_nothing_for_pin_1():
     @Given
     def stray(which):
         found = ideal_runs(which)
@@ -260,7 +260,7 @@ def test_fluctuations_are_judged_at_no_load_over_starts(calm):
 
 
 @pytest.mark.slow
-def test_a_fluctuation_depends_on_what_the_paper_leaves_open_alone():
+def test_a_fluctuation_depends_only_on_what_the_paper_leaves_open():
     open_one = vibration.vibration(FEW, varied_runs(lambda one: one.friction.pin_gear == 0.0), silent)
     speed = by_key(open_one)["gear_speed"]
     assert speed.verdict == "depends"
@@ -428,7 +428,7 @@ def test_heights_and_orders_of_stress(idle):
     assert found["stress_order_of_designs_gear"] == "not determined"
 
 
-def test_a_height_that_a_treatment_of_contact_reaches_depends(idle):
+def test_a_height_reached_by_one_contact_treatment_depends(idle):
     with np.errstate(invalid="ignore"):
         beyond = judged(stressed(), stressed(), idle, reached={("ring", "pin"): {"facets": 200.0}})
         short = judged(stressed(), stressed(), idle, reached={("ring", "pin"): {"facets": 20.0}})
@@ -494,7 +494,7 @@ def evidence_of(stress, starts, varied=None):
     return Evidence({"pin": stress, "nonpin": stress}, stress_evidence.forces_of(judged_on(starts)), changed)
 
 
-def test_pin_1_is_loaded_where_most_of_its_force_falls(idle):
+def test_the_load_range_of_pin_1_contains_most_of_its_force(idle):
     starts, rated = idle
 
     def pressed(degrees):
@@ -540,7 +540,7 @@ def test_a_stress_by_the_force_has_the_weights_part_and_never_falls():
     assert flat.residual == pytest.approx(0.001 * force.std(), rel=1e-9)
 
 
-def test_a_difference_that_the_line_over_the_force_misses_is_not_an_order(idle):
+def test_a_difference_off_the_regression_over_force_is_not_an_order(idle):
     starts, rated = idle
     pressed = {
         name: [at_degrees(run, "cam", (75.0,), force) for run in starts[name]]
@@ -557,7 +557,7 @@ def test_a_difference_that_the_line_over_the_force_misses_is_not_an_order(idle):
     assert verdicts == [("agrees",) * 3, ("not determined",) * 3]
 
 
-def test_what_does_not_fluctuate_has_no_ratio(idle):
+def test_a_constant_stress_has_no_fluctuation_ratio(idle):
     starts, rated = idle
     still = {"pin": starts["pin"], "nonpin": [at_degrees(run, "cam", (75.0,)) for run in starts["nonpin"]]}
     with np.errstate(invalid="ignore"):

@@ -35,7 +35,7 @@ each_claim = pytest.mark.parametrize("claim", CLAIMS, ids=[claim["key"] for clai
 
 
 @each_claim
-def test_a_claim_has_its_condition_ranges_verdict_and_how_sure_it_is(claim):
+def test_a_claim_states_condition_ranges_verdict_and_probability(claim):
     assert claim["condition"]["speed_rpm"] == 1640.0
     assert claim["condition"]["load_nm"] == 0.0 or claim["condition"]["input_torque_nm"] == 1.048
     assert claim["verdict"] in set(Verdict)
@@ -55,7 +55,7 @@ def test_an_idle_claim_has_the_p_of_its_starts(claim):
 
 
 @each_claim
-def test_what_decides_a_claim_is_proven_by_taking_it_away(claim):
+def test_the_cause_of_a_verdict_is_proven_by_its_removal(claim):
     removals = {one["taken_away"]: one for one in claim["removals"]}
     assert removals
     named = re.search(r"left open by the paper: ([^;]*)", claim["decided_by"])
@@ -132,7 +132,7 @@ def test_page_and_documentation_state_every_claim_in_the_same_words():
     assert math.isclose(sum(int(count) for count, _ in counts), len(claims))
 
 
-def test_a_page_of_stages_that_judge_nothing_has_no_section_of_claims():
+def test_a_page_of_stages_without_verdicts_has_no_claims_section():
     page = reproduction_page([StageRun(STEPS[0], StageResult(), 1.0)], [], {}, ())
     assert 'id="claims"' not in page
     assert 'href="#claims"' not in page

@@ -20,7 +20,7 @@ def test_differences_are_of_fourth_order(order):
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.05)
 
 
-def test_every_erratum_is_there_once():
+def test_every_erratum_is_listed_once():
     assert [one.equation for one in ERRATA] == EQUATIONS
 
 
@@ -104,7 +104,7 @@ def test_without_the_tangential_term_eq_19_fails_in_the_ramp():
     assert errata.relative_error(without, wanted) > 100 * RIGHT
 
 
-def test_an_alpha_that_is_a_milliradian_off_fails_eq_2(monkeypatch):
+def test_an_error_of_one_milliradian_in_alpha_fails_eq_2(monkeypatch):
     true = equations.conjugate_alpha
     monkeypatch.setattr(equations, "conjugate_alpha", lambda gear, B: true(gear, B) + 1e-3)
     assert errata.rubbing(-1) > 10 * RIGHT

@@ -16,7 +16,7 @@ def drawn(figure):
 
 
 @pytest.mark.parametrize("first", [0.0, 2.0])
-def test_a_stress_goes_all_round_a_turn_within_its_frame(first):
+def test_the_stress_curve_covers_a_turn_within_its_frame(first):
     degrees = first + np.arange(0.0, 360.0, 9.0)
     curves = {
         f"{design}, {law}": (degrees, size * (2.0 + np.cos(np.radians(degrees))))
@@ -40,7 +40,7 @@ def test_a_stress_goes_all_round_a_turn_within_its_frame(first):
 
 
 @pytest.mark.parametrize("size", [1e-3, 70.0])
-def test_starts_stand_whole_on_axes_with_few_numbers(size):
+def test_the_spread_of_starts_fits_on_axes_with_few_numbers(size):
     values = StartSpread.of(size * np.geomspace(1.0, 30.0, 12))
     cases = {
         name: {one.key: {"pin": values, "nonpin": values} for one in RANKED} for name in ("as it is", "pins fixed")
@@ -56,7 +56,7 @@ def test_starts_stand_whole_on_axes_with_few_numbers(size):
             assert all(low < value < high for value in line.get_ydata())
 
 
-def test_the_cams_force_stands_whole_in_both_panels():
+def test_the_cam_force_fits_in_both_panels():
     curves = {"pin, neither": np.full(36, 4.0), "nonpin, neither": np.full(36, 9.0), "nonpin, soft": np.full(36, 3.0)}
     curves["pin, soft"] = np.full(36, 2.0)
     panels = drawn(cam_figure(curves, (75.0, 255.0))).axes
@@ -66,7 +66,7 @@ def test_the_cams_force_stands_whole_in_both_panels():
     assert panels[0].get_ylim() == panels[1].get_ylim()
 
 
-def test_torques_of_ours_and_the_papers_stand_in_one_panel():
+def test_our_and_the_papers_torques_share_a_panel():
     ours = {"pin": {"line contacts": 32.4, "IMPACT": 30.6}, "nonpin": {"line contacts": 31.7, "IMPACT": 30.2}}
     stated = {"pin": {"the paper": 34.7}, "nonpin": {"the paper": 35.8}}
     panels = drawn(torques_figure(ours, stated, 36.68)).axes
@@ -78,7 +78,7 @@ def test_torques_of_ours_and_the_papers_stand_in_one_panel():
         assert panel.get_xlim()[1] > 36.68
 
 
-def test_pictures_stand_three_beside_each_other_under_their_names():
+def test_pictures_are_shown_three_to_a_row_under_their_names():
     picture = np.zeros((8, 8, 3), dtype=np.uint8)
     names = ("shaft", "gear", "ring", "pins", "output")
     figure = drawn(picture_figure(dict.fromkeys(names, picture)))

@@ -167,7 +167,7 @@ def test_every_pin_design_is_ranked_against_every_nonpin_design():
     assert {(r.pin, r.nonpin) for r in ranked} == {("pin", "nonpin"), ("fixed", "nonpin")}
 
 
-def test_what_decides_an_order_that_is_not_determined_is_not_either():
+def test_an_undetermined_order_has_no_determined_cause():
     ranked = rankings(pair(0.0))
     found = decisions(ranked, [Varied("damping", "0.1", tuple(ranked))])
     assert all(words.endswith("not determined, as the order of the designs is not") for words in found)

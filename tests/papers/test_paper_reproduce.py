@@ -50,7 +50,7 @@ def test_the_presets_differ_in_name_and_ring_kind_alone():
     assert pin == nonpin
 
 
-def test_what_the_ring_implies_is_equal_as_well():
+def test_values_implied_by_the_ring_are_equal():
     # pairs that stand for each other have the same friction, clearance, stiffness, damping and working force
     design = PRESETS["pin"]
     for table in ("friction", "clearance", "stiffness", "damping", "working_force"):
@@ -146,7 +146,7 @@ def test_the_ramp_is_the_papers():
 # --- stages
 
 
-def test_pin_1s_cycle_is_where_its_force_says():
+def test_the_cycle_of_pin_1_follows_its_force():
     design = at_speed(PRESETS["pin"], 36.0, 2)
     run = ideal_run(design)
     # from 300 deg over 0 to 60 deg, and a touch at 180 deg, which is not the cycle
@@ -372,7 +372,7 @@ def test_the_page_agrees_with_the_json():
         docs_results.sections(content | {"claims": content["claims"][1:]})
 
 
-def test_the_tables_of_the_hypothesis_are_kept():
+def test_the_tables_of_the_hypothesis_are_stored():
     stage = {"key": "authors", "error": "", "notes": ["two maxima", "a hypothesis"]}
     stage["tables"] = [{"title": "what brings it", "columns": ["feature", "by"], "rows": [["Fig. 12", "soft"]]}]
     kept = docs_results.kept_authors({"stages": [stage]})
@@ -381,7 +381,7 @@ def test_the_tables_of_the_hypothesis_are_kept():
         docs_results.kept_authors({"stages": [stage | {"error": "ZeroDivisionError"}]})
 
 
-def test_what_brings_a_feature_follows_from_the_table():
+def test_the_cause_of_a_feature_follows_from_the_table():
     """By removal: each row says yes or no of neither change, of each alone, and of both."""
     features, varied, torques = json.loads(docs_results.AUTHORS.read_text(encoding="utf-8"))["tables"]
     names = dict(zip(features["columns"][1:5], CHANGES, strict=True))

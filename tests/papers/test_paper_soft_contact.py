@@ -137,7 +137,7 @@ def test_a_wider_play_needs_longer_facets_to_jam():
     assert soft_idle(loose, STEEL, 50e-6, 1, 0).tooth < 0.5 * turned(50e-6).tooth
 
 
-def test_bulk_begins_where_it_does_under_the_rated_load_in_every_start(monkeypatch):
+def test_the_bulk_of_every_start_begins_as_under_the_rated_load(monkeypatch):
     run, rated = SimpleNamespace(rated=False), SimpleNamespace(rated=True)
     asked = []
 

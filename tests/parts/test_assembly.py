@@ -249,7 +249,7 @@ def common_volumes(reducer: Reducer, crank: float, folder: Path, motor: Motor = 
 
 @pytest.mark.parametrize("crank", [0.0, pytest.param(2.3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", cases((*NEW, "printed", "pin", "twodisc"), "new"))
-def test_no_two_solids_of_a_whole_drive_and_its_motor_meet(name: str, crank: float, tmp_path: Path) -> None:
+def test_no_two_solids_of_a_drive_and_its_motor_overlap(name: str, crank: float, tmp_path: Path) -> None:
     assert common_volumes(Reducer(design_of(name)), crank, tmp_path) == {}
 
 
@@ -288,7 +288,7 @@ def test_a_screws_head_has_play_in_its_counterbore(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NEW)
-def test_the_motors_shaft_goes_into_the_crank(name: str) -> None:
+def test_the_motor_shaft_fits_into_the_crank(name: str) -> None:
     reducer = Reducer(design_of(name))
     sizes = casing(reducer)
     bores = casing_parts(reducer, sizes).get("shaft", RoundPart("shaft")).holes
@@ -318,14 +318,14 @@ def test_pins_under_rollers_are_as_thick_in_the_assembly_as_on_the_bill_and_the_
     assert line.size.startswith(f"diameter {2e3 * output.root_radius:g} ")
 
 
-def test_a_motor_that_has_no_room_is_refused() -> None:
+def test_a_motor_without_room_is_refused() -> None:
     with pytest.raises(DesignError, match="the motor flange NEMA 34 does not fit"):
         casing(Reducer(design_of("new")), "nema34")
     assert casing(Reducer(design_of("printed")), "nema17").motor.name == "NEMA 17"
 
 
 @pytest.mark.parametrize("name", cases(NAMES, "new"))
-def test_all_that_a_whole_drive_buys_is_in_stock_and_its_steps_are_ten(name: str) -> None:
+def test_all_bought_parts_of_a_drive_are_in_stock_and_it_has_ten_steps(name: str) -> None:
     reducer = Reducer(design_of(name))
     sizes = casing(reducer)
     lines = {line.item: line for line in bill(reducer, 0.0, sizes) if line.made_or_bought == "bought"}

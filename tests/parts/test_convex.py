@@ -155,7 +155,7 @@ def test_slices_and_rest_are_the_whole_gear() -> None:
 
 
 @pytest.mark.slow
-def test_coacd_takes_every_slice_as_one_body_and_cuts_what_is_not() -> None:
+def test_coacd_keeps_convex_slices_and_divides_others() -> None:
     for surface in surfaces(Reducer(PIN), SETTINGS):
         require_single(surface, SETTINGS.coacd)
     corner = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]) * 1e-3
@@ -187,7 +187,7 @@ def bent_bar(bound: float) -> Sector:
 
 
 @pytest.mark.slow
-def test_a_rest_that_comes_through_its_slices_is_an_error(band: Sector) -> None:
+def test_a_remainder_that_protrudes_from_its_slices_is_an_error(band: Sector) -> None:
     found = decompose(band, SETTINGS).quality
     assert 0.0 < found.max_overfill < band.bound
     assert found.max_underfill < 5e-6

@@ -69,7 +69,7 @@ def test_pockets_and_a_short_crank_keep_drives_light_and_short(name: str, mass: 
 
 
 @pytest.mark.parametrize("name", ["twodisc", "printed"])
-def test_a_straddled_crank_ends_at_its_bearing_and_holds_the_motor_shaft(name: str) -> None:
+def test_a_straddled_crank_ends_at_its_bearing_and_receives_the_motor_shaft(name: str) -> None:
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)
     shaft = assembly_parts(reducer, sizes)["shaft"].stretches

@@ -611,7 +611,7 @@ MILLED = Path(__file__).parents[1] / "data" / "rim_equals_shoulder.toml"
 
 
 @pytest.mark.parametrize("chord_error", [1e-6, 1e-5, 1e-4])
-def test_faces_whose_radii_differ_by_rounding_alone_make_one_mesh(chord_error: float) -> None:
+def test_faces_with_radii_equal_to_rounding_form_one_mesh(chord_error: float) -> None:
     """In this drive, rim and shoulder of the output are both 27.25 mm, the second one unit in the last place more."""
     reducer = Reducer(resolve(str(MILLED)))
     sizes = casing(reducer)

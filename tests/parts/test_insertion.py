@@ -27,7 +27,7 @@ def test_every_part_can_be_put_in_by_the_steps(name):
     assert len(assembly_order(reducer, sizes)) == 10
 
 
-def test_a_seat_that_is_shut_in_blocks_its_bearing():
+def test_an_enclosed_seat_blocks_its_bearing():
     reducer, sizes = drive("nonpin-n33-d2-ring-60um")
     shut = replace(sizes, cavity=0.5 * (sizes.seat + reducer.design.shaft.radius))
     assert any(one == Blockage("shaft_bearing_1", "motor_cover") for one in blockages(reducer, shut))

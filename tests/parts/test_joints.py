@@ -160,7 +160,7 @@ def test_fits_follow_the_kind_of_load():
 
 
 @pytest.mark.parametrize("name", ["sleeved-n27-d1-carrier-3um", "sleeved-n40-d2-ring-25um"])
-def test_pins_of_sleeves_stand_in_both_covers(name):
+def test_pins_of_sleeves_are_pressed_into_both_covers(name):
     reducer, sizes, joints = zoo(name)
     joint = next(one for one in joints if one.name == "pins of the sleeves")
     (pin,) = assembly_parts(reducer, sizes)["pressed_pin"].stretches

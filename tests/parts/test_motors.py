@@ -33,7 +33,7 @@ def test_a_small_drive_gets_a_small_motor_although_a_larger_one_fits() -> None:
     assert casing(Reducer(resolve("pin", {"drive.torque_nm": 20.0}))).motor.name == "bolt circle"
 
 
-def test_a_pattern_of_ones_own_has_its_circle_screws_and_shaft() -> None:
+def test_a_custom_motor_flange_has_the_given_circle_screws_and_shaft() -> None:
     flags = MotorInterface(motor_circle_mm=70.0, motor_thread_mm=4.0, motor_shaft_mm=8.0, motor_screws=6)
     motor = flags.chosen()
     assert isinstance(motor, MotorFlange)

@@ -113,7 +113,7 @@ def laid(request: pytest.FixtureRequest) -> tuple[str, Design, PrintPlate, np.nd
     return request.param, design, found, 1e-3 * read_stl(stl_bytes(found.mesh, 1e3))
 
 
-def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, PrintPlate, np.ndarray]) -> None:
+def test_every_part_lies_flat_in_its_own_box(laid: tuple[str, Design, PrintPlate, np.ndarray]) -> None:
     """Boxes are apart; each triangle is in one; each box has its part's volume, closed, and stands on z = 0."""
     _, design, found, triangles = laid
     solids = {
@@ -189,7 +189,7 @@ def test_sockets_and_sleeves_take_the_offset_and_pins_keep_their_size() -> None:
 
 
 @pytest.mark.parametrize(("name", "offset"), [("pin", 1.1e-3), ("sleeved", 7.6e-4)])
-def test_an_offset_that_is_too_much_is_refused(name: str, offset: float) -> None:
+def test_an_excessive_offset_is_refused(name: str, offset: float) -> None:
     with pytest.raises(DesignError, match=rf"offset of {1e6 * offset:g} um is too large"):
         widen_clearances(Reducer(DESIGNS[name]), offset)
 
@@ -214,7 +214,7 @@ def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_disc
             np.testing.assert_allclose(np.linalg.norm(bore - centre, axis=1), 2.5e-3, rtol=1e-9)
 
 
-def test_parts_stand_on_their_larger_end_as_they_are_and_not_mirrored() -> None:
+def test_parts_are_placed_on_their_larger_end_without_mirroring() -> None:
     """The shaft stands on its cam, whose eccentricity then points to -y; the plastic output stands pins up."""
     design = override(DESIGNS["plastic"], ["ring.pins=fixed"])
     found = plate(Reducer(design), CHORD_ERROR)
@@ -313,7 +313,7 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
         assert words in shown
 
 
-def test_the_command_without_a_plate_writes_parts_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_without_a_plate_writes_only_parts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["export", "--design", "nonpin", "--chord-error-um", "20", "--out", str(tmp_path)]
     assert main([*arguments, "--json"]) == 0
     assert "bom" not in json.loads(capsys.readouterr().out)
@@ -429,7 +429,7 @@ def made_by_printing(asked: Requirement) -> Design:
     ],
     ids=["preset", "small", "of_two"],
 )
-def test_nothing_of_a_printed_drive_hangs_in_mid_air(design: Design) -> None:
+def test_no_part_of_a_printed_drive_is_unsupported(design: Design) -> None:
     """Each point of a face that looks down has a support a layer below it, or is near walls that it is bridged from."""
     reducer = Reducer(design)
     laid = plate(reducer, CHORD_ERROR, 0.0, casing(reducer))

@@ -161,7 +161,7 @@ def test_the_command_writes_plates_materials_and_torques(tmp_path: Path, capsys,
 
 
 @pytest.mark.parametrize("bed", ["220", "0x200", "axb", "1x2x3", "infx2"])
-def test_a_bed_that_is_not_a_size_is_refused(bed, capsys, tmp_path):
+def test_a_bed_without_a_valid_size_is_refused(bed, capsys, tmp_path):
     assert main(["export", "--design", "printed", "--plate", "--bed", bed, "--out", str(tmp_path / "no")]) == 2
     assert f"--bed {bed} is not a valid size" in capsys.readouterr().err
 

@@ -335,7 +335,7 @@ def test_the_teeth_of_a_disc_ahead_on_the_crank_are_turned_against_its_holes() -
         np.testing.assert_array_equal(hole, same)
 
 
-def test_a_second_output_disc_holds_the_pins_and_lets_the_crank_through() -> None:
+def test_a_second_output_disc_supports_the_pins_around_the_crank() -> None:
     design = override(PIN, ["output.support=both_ends", "gear.discs=2"])
     disc, *pins, second = output_solid(Reducer(design), 1e-6).prisms
     assert all((pin.z0, pin.z1) == (second.z1, disc.z0) for pin in pins)
@@ -427,7 +427,7 @@ def test_a_self_crossing_outline_is_refused() -> None:
         (2.0 * SQUARE - 0.5, "volume"),
     ],
 )
-def test_a_hole_that_is_not_inside_is_refused(hole: np.ndarray, message: str) -> None:
+def test_a_hole_outside_the_outline_is_refused(hole: np.ndarray, message: str) -> None:
     with pytest.raises(DesignError, match=f"of the tried .*{message}"):
         mesh(solid_of(SQUARE, hole))
     assert mesh(solid_of(SQUARE, 0.5 * SQUARE + 0.25)).faces.size

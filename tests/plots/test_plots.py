@@ -217,7 +217,7 @@ def test_a_backward_crank_is_drawn_over_its_own_turn(design):
 
 
 @pytest.mark.parametrize("rounding", [-1e-9, 1e-9])
-def test_a_turn_that_starts_a_rounding_beside_zero_is_drawn_from_zero(design, rounding):
+def test_a_turn_that_starts_within_rounding_of_zero_is_drawn_from_zero(design, rounding):
     run = run_of(override(design, ["drive.ramp_s=0.0", "drive.speed_rpm=1666.6666666666667"]))
     columns = dict(run.columns) | {"crank_angle": run["crank_angle"] + rounding}
     drawn = figures(Run(run.time, columns, run.units, {}, run.attachments))
@@ -282,7 +282,7 @@ def test_maps_of_stress_name_the_load_and_keep_their_titles_apart():
     assert crowded(figure) == []
 
 
-def test_a_long_title_would_be_found(motion):
+def test_a_long_title_is_detected(motion):
     figure = figures(motion)["fig9_pin1"]
     figure.axes[1].set_title("much too long a title for an axes of half of the page's width, as everybody will see")
     assert crowded(figure)
@@ -303,7 +303,7 @@ def test_every_axis_states_its_unit(drawn, name):
             assert list(tick_labels(axes.xaxis))
 
 
-def test_drawing_leaves_matplotlib_alone(motion):
+def test_drawing_does_not_change_matplotlib_settings(motion):
     with matplotlib.rc_context({"font.size": 20.0, "axes.grid": False}):
         before = dict(matplotlib.rcParams)
         figure = figures(motion)["fig5_input"]
@@ -424,7 +424,7 @@ def loaded(design: Design) -> Run:
     return Run(run.time, columns, dict.fromkeys(columns, "1"), {}, run.attachments)
 
 
-def test_forces_start_where_the_pins_touch_the_gear(design):
+def test_force_arrows_start_at_the_contacts_of_pins_and_gear(design):
     run = loaded(design)
     figure = mechanism(Reducer(design), run)
     (arrows,) = (item for item in figure.axes[0].collections if isinstance(item, Quiver))

@@ -14,7 +14,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer import gaps as unspoiled
 
 
-def test_every_sign_is_found_and_flipped_alone(tmp_path: Path) -> None:
+def test_every_sign_is_found_and_flipped_separately(tmp_path: Path) -> None:
     path = tmp_path / "one.py"
     path.write_text("# é - +\na = -b + (c\n    - d)  # - e\na += f(-1)\n")
     content, found = path.read_bytes(), list(flip_signs.find_signs(path))

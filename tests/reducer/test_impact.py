@@ -99,7 +99,7 @@ def test_a_second_law_is_refused(change, named):
         override(PRESETS["pin"], ['contact.law="impact"', change])
 
 
-def test_meshes_do_not_take_the_law():
+def test_the_impact_law_is_refused_for_meshes():
     with pytest.raises(DesignError, match="--contact profile"):
         reducer_model(Reducer(override(PRESETS["nonpin"], IMPACT)), "mesh")
 

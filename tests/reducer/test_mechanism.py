@@ -195,7 +195,7 @@ def test_second_disc_meshes_as_a_single_disc_at_the_advanced_crank_angle(kind: s
     np.testing.assert_allclose(np.hypot(motion[0:9:3], motion[1:9:3]), design.gear.eccentricity, rtol=1e-12)
 
 
-def test_every_cam_is_too_far_out_along_its_own_eccentric() -> None:
+def test_an_eccentricity_error_displaces_every_cam_along_its_eccentric() -> None:
     design = override(PRESETS["pin"], ["errors.eccentricity_um=20.0", "gear.discs=3"])
     out = kinematics.gear_centre(tooth_profile(design), CRANK + AHEAD) / design.gear.eccentricity
     np.testing.assert_allclose(cam_displacements(Reducer(design), CRANK), 20e-6 * out, rtol=0.0, atol=1e-18)

@@ -292,7 +292,7 @@ def test_the_transmission_error_of_the_ring_is_that_of_statics(at_the_ring) -> N
 
 
 @pytest.mark.parametrize("turning", ["carrier", "ring"])
-def test_backlash_and_wind_up_are_positive_whichever_way_the_output_turns(turning: str) -> None:
+def test_backlash_and_wind_up_are_positive_in_both_directions(turning: str) -> None:
     """An output that lags by 5 arcsec of play and 30 of wind-up: behind the crank's sense for the ring, before it."""
     design = RIGID.but(output={"member": turning})
     points, lag = 8 * 35 * 36, {"unloaded": 5.0, "loaded": 35.0}

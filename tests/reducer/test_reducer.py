@@ -152,7 +152,7 @@ def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
 
 
 @pytest.mark.parametrize("name", UNLIKE)
-def test_what_parts_are_drawn_from_is_computed_once_for_all_loads_and_speeds(name: str) -> None:
+def test_geometry_is_computed_once_for_all_loads_and_speeds(name: str) -> None:
     # of a name of its own: what a design keeps may outlive, by the order of tests, what is kept of its shape
     design = Reducer(unlike(name).but(name="own"))
     other = design.but(load={"torque": 3.0}, drive={"speed": 7.0}, environment={"gravity_y": 0.0})
@@ -172,7 +172,7 @@ def test_in_a_turn_of_the_mesh_the_crank_passes_the_ring_once(name: str) -> None
     )
 
 
-def test_what_is_kept_goes_as_soon_as_other_designs_are_at_work() -> None:
+def test_cached_values_are_released_when_other_designs_are_used() -> None:
     """Without the garbage collector, which comes late: nothing that is kept on a reducer leads back to it."""
     design = VARIANTS["pin"].but(name="kept")
     gc.disable()

@@ -162,7 +162,7 @@ def test_closed_sockets_keep_pins_within_their_clearance():
     )
 
 
-def test_what_presses_a_massless_pin_into_the_opening_meets_nothing():
+def test_a_massless_pin_pressed_into_the_opening_has_no_contact():
     """Of pins that a turned gear presses at up to 62 degrees from their middles, a narrow socket holds fewer."""
     design = PIN.but(ring={"pins": "massless"})
     touched = []

@@ -71,7 +71,7 @@ def test_stated_values_have_priority():
     assert Reducer(loaded(RATED)).working_at(20.0).contacts.working_load == 20.0
 
 
-def test_what_is_made_for_any_load_is_made_for_the_rated_one():
+def test_an_unloaded_design_works_at_the_rated_load():
     assert Reducer(PIN).at_rated_load.contacts.working_load == pytest.approx(RATED)
     assert Reducer(loaded(10.0)).at_rated_load.contacts.working_load == 10.0
 

@@ -92,7 +92,7 @@ def both(pin, nonpin):
 
 
 @pytest.mark.slow
-def test_page_is_whole_and_needs_nothing_from_elsewhere(text, both):
+def test_the_page_is_complete_and_needs_no_other_file(text, both):
     for page in (text, both):
         found = Page(page)
         assert found.open == []
@@ -108,7 +108,7 @@ def test_page_is_whole_and_needs_nothing_from_elsewhere(text, both):
         assert len(page) < 2e6
 
 
-def test_every_section_and_figure_has_its_place(text, both):
+def test_every_section_and_figure_is_present_in_order(text, both):
     titles = [words for tag, words in Page(both).texts if tag == "h2"]
     assert titles == [
         "Warnings",  # the paper's design does not pass every check
@@ -132,7 +132,7 @@ def test_a_negative_loss_is_explained_below_its_table(pin):
         assert ("is elastic energy that is returned" in text) == explained
 
 
-def test_backlash_and_stiffness_by_statics_are_next_to_what_the_run_tells(pin, text):
+def test_the_report_shows_static_backlash_and_stiffness(pin, text):
     told = [words for tag, words in Page(text).texts if tag in ("dt", "dd")]
     for name, key in (("backlash", "backlash_arcmin"), ("stiffness at 36 N m", "stiffness_nm_per_arcmin")):
         one = FIGURES_OF_DESIGNS[key]
@@ -297,7 +297,7 @@ def test_warnings_of_the_design_are_counted_as_warnings_and_unfold(pin):
     assert not [one for one in page.elements if one[0] == "details" and "open" in one[1]]
 
 
-def test_a_start_that_is_to_ring_out_longer_is_not_judged(pin):
+def test_the_settling_time_is_excluded_from_the_report(pin):
     spans = [Page(report({"a.mcap": pin}, settle=settle)).data["runs"][0]["spans"]["hold"] for settle in (None, 0.03)]
     assert spans[0][0] < 0.03
     assert spans[1] == pytest.approx([0.03, pin.time[-1]], abs=1e-4)
@@ -325,7 +325,7 @@ def test_odd_names_are_text_and_nothing_else(pin):
     assert [run["name"] for run in found.data["runs"]] != ["pin", "pin"]
 
 
-def test_what_cannot_be_reported(pin):
+def test_unsuitable_logs_are_refused(pin):
     with pytest.raises(UsageError, match="but a report shows 1 to 6"):
         report({})
     with pytest.raises(UsageError, match="the number of logs is 7, but a report shows"):

@@ -285,7 +285,7 @@ def test_the_joint_of_a_printed_drive_holds_whatever_its_play(um: float, tmp_pat
 
 
 @pytest.mark.slow
-def test_the_scene_opens_by_mujoco_alone(files: Path) -> None:
+def test_the_scene_opens_in_mujoco_without_this_package(files: Path) -> None:
     """In a process where cycloid_mj cannot be imported; what the joint does there is the play of its JSON file."""
     code = """
 import sys, json, importlib.util
@@ -345,7 +345,7 @@ def test_bam_holds_the_friction(files: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_page_is_whole(files: Path) -> None:
+def test_the_page_is_complete(files: Path) -> None:
     page = (files / "reducer.html").read_text()
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
     for word in ("hysteresis loop", "transmission error", "efficiency of back-driving", "&lt;dynamics&gt;", "BAM"):
@@ -427,7 +427,7 @@ def arm(compiler: str = "") -> "mujoco.MjSpec":
 
 
 @pytest.mark.parametrize("compiler", ["", 'inertiafromgeom="true"'])
-def test_a_joint_of_any_model_takes_it(few: ReducedJoint, compiler: str) -> None:
+def test_a_reducer_attaches_to_joints_of_any_model(few: ReducedJoint, compiler: str) -> None:
     """Two joints of a tree: cranks on the joints' axes, motors that mean what they did, a keyframe that fits."""
     spec, before = arm(compiler), arm(compiler).compile()
     for joint in ("shoulder", "elbow"):
@@ -478,7 +478,7 @@ def test_an_arm_moves_as_one_with_that_inertia(few: ReducedJoint) -> None:
 
 
 @pytest.mark.parametrize("driving", [True, False])
-def test_the_lossy_joint_loses_as_much_in_mujoco_alone(few: ReducedJoint, driving: bool) -> None:
+def test_the_lossy_joint_has_the_same_loss_in_mujoco_without_this_package(few: ReducedJoint, driving: bool) -> None:
     """Within 2 points of the full model at half and all of the rated torque, with the crank or the output driving."""
     found = [one for one in lossy_efficiencies(few) if one.driving == driving]
     assert [one.share for one in found] == [0.1, 0.5, 1.0]
@@ -541,7 +541,7 @@ print(json.dumps({"found": found, "timestep": one.timestep}))
 """
 
 
-def test_joint_py_is_the_step_by_numpy_alone(few: ReducedJoint, tmp_path: Path) -> None:
+def test_joint_py_repeats_the_step_with_numpy_only(few: ReducedJoint, tmp_path: Path) -> None:
     """In a process where cycloid_mj cannot be imported it writes what `ReducedJoint.step` does in any state."""
     draw = np.random.default_rng(0).uniform
     reach = few.backlash + 2.0 * few.wind_up(few.rated_torque)
@@ -724,7 +724,7 @@ SLIPS = (Slip(0.3, 900.0), Slip(0.2, 90.0))
 """Friction that holds the wind-up of `few`, which is rated at a few N m."""
 
 
-def test_what_slips_holds_the_wind_up_in_mujoco_alone(few: ReducedJoint) -> None:
+def test_slip_elements_reproduce_the_hysteresis_in_mujoco(few: ReducedJoint) -> None:
     """A slow loop at a held crank is that of the elements beside the springs: half of it to 1 in 1000 of its height.
 
     Where the output leaps across its play hardly anything pulls it on: near there it is to 5 %.
@@ -801,7 +801,7 @@ def test_the_rigid_joint_loses_what_the_load_takes(few: ReducedJoint) -> None:
     ("joint", "message"),
     [("knee", "no joint 'knee': choose one of shoulder, elbow"), ("out", "not a hinge"), ("elbow", "already has")],
 )
-def test_a_joint_that_cannot_take_it_is_refused(few: ReducedJoint, joint: str, message: str) -> None:
+def test_a_reducer_on_an_unsuitable_joint_is_refused(few: ReducedJoint, joint: str, message: str) -> None:
     spec = arm()
     cm.attach_reducer(spec, "elbow", few)
     with pytest.raises(UsageError, match=message):
@@ -922,7 +922,7 @@ def test_a_joint_whose_error_changes_with_the_load_by_more_than_it_winds_up_has_
         ((5.0, "discrete"), "; leave out --timestep-ms and --integrator, or use a larger --load-inertia-kgm2"),
     ],
 )
-def test_advice_names_flags_that_were_stated_alone(
+def test_advice_names_only_the_flags_of_the_command_line(
     few: ReducedJoint, given: tuple[float | None, str | None], advice: str
 ) -> None:
     asked = try_time_step(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
@@ -956,7 +956,9 @@ def test_an_unstable_scene_is_reported(few: ReducedJoint) -> None:
         (["--set", "clearance.output_um=-1"], "clearance.output_um", 2),
     ],
 )
-def test_wrong_flags_are_one_line(flags: list[str], message: str, code: int, tmp_path: Path, capsys) -> None:
+def test_wrong_flags_are_reported_in_one_line(
+    flags: list[str], message: str, code: int, tmp_path: Path, capsys
+) -> None:
     assert main(["reduce", "--design", "pin", "--out", str(tmp_path / "made"), *flags]) == code
     err = capsys.readouterr().err.strip()
     assert message in err

@@ -198,7 +198,7 @@ def test_a_pair_without_its_whole_wrench_has_no_arrow():
     }
 
 
-def test_frames_show_parts_and_forces_where_they_are(pin_run):
+def test_frames_show_parts_and_forces_at_their_positions(pin_run):
     scene = select_samples(pin_run, 200.0, frames=4)
     frames = list(draw_frames(scene, 401))
     assert [frame.shape for frame in frames] == [(500, 400, 3)] * 4  # even, for MP4
@@ -283,7 +283,7 @@ def test_a_full_disk_is_an_error_of_an_mp4() -> None:
         movie._write_mp4(clip(), Path("/dev/full"), 25)
 
 
-def test_what_cannot_be_written_as_a_movie(tmp_path, monkeypatch):
+def test_unsuitable_movie_settings_are_refused(tmp_path, monkeypatch):
     with pytest.raises(UsageError, match=r"cannot write a\.avi: unknown animation format.* \.gif or \.mp4"):
         write_movie(clip(), "a.avi")
     with pytest.raises(UsageError, match="choose a rate from 1 to 50"):
@@ -306,7 +306,7 @@ def test_what_cannot_be_written_as_a_movie(tmp_path, monkeypatch):
     assert ANIMATION.rate == 25
 
 
-def test_files_are_written_whole_or_not_at_all(tmp_path):
+def test_files_are_written_completely_or_not_at_all(tmp_path):
     with atomic_file(tmp_path / "a.html") as beside:
         beside.write_text("new")
         assert not (tmp_path / "a.html").exists()
@@ -384,7 +384,7 @@ def test_picture_has_the_parts_and_arrows_that_reach_the_contacts(modelled, monk
 
 
 @pytest.mark.slow
-def test_a_part_is_shown_alone_and_whole(modelled):
+def test_a_part_is_shown_alone_and_completely(modelled):
     from cycloid_mj.scene import render
 
     size = (200, 200)

@@ -110,7 +110,7 @@ def test_poses_are_those_of_the_columns(logged):
             assert transform.timestamp.ToNanoseconds() == round(1e9 * time)
 
 
-def test_poses_take_the_columns_as_they_are():
+def test_poses_are_read_from_the_columns():
     design = DESIGNS["free"]
     run = made_run(design, 50)
     found = poses(Reducer(design), run.columns)
@@ -167,7 +167,7 @@ def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
         np.testing.assert_allclose(mesh.bounds, [corners.min(axis=0), corners.max(axis=0)], atol=1e-8)
 
 
-def test_normals_stand_on_their_faces():
+def test_normals_are_perpendicular_to_their_faces():
     """Within the crease of each face, and exactly radial on a pin's wall, where its faces are 10 degrees apart."""
     (pin,) = shapes(Reducer(PRESETS["pin"]))["pin"]
     data = encode_glb([pin])
@@ -306,7 +306,7 @@ def test_log_does_not_depend_on_how_samples_come(small, tmp_path):
     assert len(contents) == 1
 
 
-def test_cut_log_keeps_scene_and_samples_of_its_whole_chunks(small, tmp_path):
+def test_cut_log_keeps_scene_and_samples_of_complete_chunks(small, tmp_path):
     design = DESIGNS["nonpin"]
     path = tmp_path / "run.mcap"
     write(path, design, small, 1000.0, chunk_size=60_000)
@@ -508,7 +508,7 @@ def test_rerun_loads_the_log_and_what_is_written_for_it(logged, tmp_path):
         assert f"{entity}:" in told.stdout + told.stderr
 
 
-def test_strict_readers_take_a_log_of_a_run(tmp_path):
+def test_strict_readers_accept_the_log_of_a_run(tmp_path):
     """Some decoders build the messages of each file descriptor as they come, and refuse a log that goes back in time.
 
     Every descriptor set is in topological order and complete, no channel is empty, log times do not decrease, chunks do

@@ -123,7 +123,7 @@ def test_random_requirements_are_met_or_the_maximum_torque_is_reported(asked: Re
 
 
 @pytest.mark.slow
-def test_too_much_is_refused_with_ways_that_work() -> None:
+def test_an_infeasible_torque_is_refused_with_working_remedies() -> None:
     refused = size_drive(TOO_MUCH)
     assert not refused.drives
     assert 0.0 < refused.most < TOO_MUCH.torque
@@ -133,7 +133,7 @@ def test_too_much_is_refused_with_ways_that_work() -> None:
 
 
 @pytest.mark.slow
-def test_a_longer_life_a_faster_crank_and_less_room_leave_less_torque() -> None:
+def test_a_longer_life_a_faster_crank_or_a_smaller_size_reduces_the_torque() -> None:
     much = SMALL.but(torque=1000.0)
     most = size_drive(much).most
     assert size_drive(much.but(speed=2.0 * SMALL.speed)).most < most
@@ -156,7 +156,7 @@ def test_length_and_backlash_are_kept() -> None:
 
 
 @pytest.mark.slow
-def test_where_play_lets_the_usual_teeth_snap_over_others_are_found() -> None:
+def test_drives_are_found_although_play_lets_the_usual_teeth_jump() -> None:
     asked = Requirement(112, 0.153, 3.96, process="printed")
     for drive in size_drive(asked).drives:
         require_held(drive, asked)
@@ -297,7 +297,7 @@ def test_too_little_space_for_parts_in_stock_is_reported_with_a_length_too() -> 
 
 
 @pytest.mark.slow
-def test_where_heat_ends_it_in_a_size_that_has_parts_the_crank_is_slowed_down() -> None:
+def test_the_crank_is_slowed_down_if_heat_limits_a_feasible_size() -> None:
     refused = size_drive(Requirement(5, 0.05, 100.0))
     assert re.search(r"feasible with [\d.]+ rpm and \d+ mm", refused.refusal), refused.refusal
     require_kept(refused)
@@ -305,14 +305,14 @@ def test_where_heat_ends_it_in_a_size_that_has_parts_the_crank_is_slowed_down() 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("diameter", [0.03, 0.06])
-def test_far_too_much_for_a_size_needs_a_larger_one_and_a_slow_crank(diameter: float) -> None:
+def test_a_torque_far_beyond_a_size_needs_a_larger_size_and_a_slow_crank(diameter: float) -> None:
     refused = size_drive(Requirement(5, diameter, 500.0))
     assert re.search(r"feasible with \d+ rpm and \d+ mm", refused.refusal), refused.refusal
     require_kept(refused, ways=1)
 
 
 @pytest.mark.slow
-def test_a_fit_ends_where_the_standard_does() -> None:
+def test_a_fit_is_limited_to_the_diameters_of_its_standard() -> None:
     refused = size_drive(Requirement(5, 0.299, 500.0, process="milled", fit="H7/f7"))
     require_kept(refused)
     assert all(way.requirement.diameter < 0.85 for way in refused.remedies)
@@ -344,7 +344,7 @@ def test_the_stated_maximum_is_the_maximum(share: float) -> None:
 
 
 @pytest.mark.slow
-def test_a_drive_found_at_one_length_is_found_at_every_length_that_it_satisfies() -> None:
+def test_a_shorter_length_limit_that_a_drive_meets_finds_a_drive() -> None:
     """56 mm were refused ("it needs 68"), and 58 mm led to a drive of 55.9 mm."""
     asked = Requirement(30, 0.06, 0.3, life=10.0, process="printed", speed=100.0 * RPM)
     longest, *_ = solve(asked.but(length=0.058))

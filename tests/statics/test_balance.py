@@ -79,7 +79,7 @@ def test_losses_under_high_friction_hold_no_wedged_balance(share_of_rated: float
 
 
 @pytest.mark.parametrize("name", ["fixed-n8-d1-carrier-4um", "fixed-n31-d1-carrier-250um", "sleeved-n40-d2-ring-25um"])
-def test_stops_are_found_under_a_load_that_presses_less_than_gaps_are_known_by(name: str) -> None:
+def test_stops_are_found_under_a_very_small_load(name: str) -> None:
     reducer = Reducer(odd(name))
     light, rated = (sheet_part(reducer, "motions", share * reducer.design.rated_torque) for share in (0.001, 1.0))
     assert light["backlash"].value == pytest.approx(rated["backlash"].value, rel=1e-3)

@@ -58,7 +58,7 @@ def on_ring(design: Design, found: Loads, cranks: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("discs", [2, 3, 4])
-def test_each_of_several_discs_carries_what_a_single_one_does_of_its_share(discs: int) -> None:
+def test_each_of_several_discs_carries_its_share_like_a_single_disc(discs: int) -> None:
     design, cranks = ideal(PRESETS["pin"]), np.linspace(0.0, 2.0 * np.pi, 25)
     several = carried(design.but(gear={"discs": discs}), 1.8 * discs, cranks)
     np.testing.assert_allclose(several.share, 1.0 / discs, atol=1e-3)
@@ -105,7 +105,7 @@ def test_the_published_two_disc_drive_has_its_ideal_forces() -> None:
         np.testing.assert_allclose(around, 15.9997, rtol=0.005)
 
 
-def test_what_ideal_sharing_states_is_that_case() -> None:
+def test_ideal_sharing_equals_two_discs_with_equal_shares() -> None:
     value = sheet(Reducer(TWODISC)).quantities
     stated = {"pin_gear": 213.14, "output": 1705.9, "cam": 2460.0}
     for kind, force in stated.items():
@@ -141,7 +141,7 @@ def test_an_odd_number_leaves_a_net_force(teeth: int, pins: int, left: tuple[flo
         assert largest[1] == pytest.approx(691.0, rel=0.01)
 
 
-def test_an_output_pin_is_loaded_by_one_disc_at_a_time_but_at_handover() -> None:
+def test_an_output_pin_carries_one_disc_at_a_time_except_at_handover() -> None:
     found = carried(two(ideal(PRESETS["pin"])), 3.6, np.linspace(0.0, 2.0 * np.pi, 1441))
     pressed = found.by_disc(found.output) > 1e-3 * found.output.max()
     both = pressed.all(axis=1)
@@ -189,7 +189,7 @@ def test_the_check_states_the_numbers_of_output_pins_with_identical_discs() -> N
     assert unlike.remedy == "raise output.pins to 8"
 
 
-def test_bent_pins_of_the_paper_take_a_third_of_its_stiffness() -> None:
+def test_bending_of_the_papers_pins_reduces_stiffness_by_a_third() -> None:
     """Solid pins of 4 mm, loaded 5 mm from their roots: 165 N m/arcmin, which turn 76.5 into 52."""
     pin = PRESETS["pin"]
     give = beam_flexibility(pin.material, 4e-3, np.array([5e-3]))[0, 0]

@@ -44,7 +44,7 @@ def test_halves_that_are_not_turned_are_the_ring(kind: str) -> None:
     assert figure(pressure).value(halves) == pytest.approx(figure(pressure).value(whole), rel=1e-6)
 
 
-def test_a_half_that_is_turned_is_a_ring_whose_pins_have_turned() -> None:
+def test_a_rotated_ring_half_equals_a_ring_with_rotated_pins() -> None:
     """By pins put where they are turned to, counter-clockwise first; to first order in the turn."""
     design, turn = PRESETS["printed"], 2.0 * ARCMINUTE
     found = arc_gaps(halved(design, 4.0), 0.3)
@@ -148,7 +148,7 @@ def test_preload_without_halves_is_refused(capsys: pytest.CaptureFixture[str]) -
 
 
 @pytest.mark.parametrize("words", ["tolerance", "stress --quick", "export --plate --out {out}"])
-def test_features_of_one_kind_of_ring_are_reported(
+def test_commands_that_do_not_support_ring_halves_report_it(
     words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     name, *flags = words.format(out=tmp_path).split()

@@ -78,7 +78,7 @@ def pose(contacts: KernelSprings, size: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("phase", [1.0, -1.0])
-def test_a_foot_point_nearby_is_found_in_one_round(monkeypatch: pytest.MonkeyPatch, phase: float) -> None:
+def test_a_nearby_foot_point_is_found_in_one_iteration(monkeypatch: pytest.MonkeyPatch, phase: float) -> None:
     """Its search starts right to the second order: to the first it would take another round."""
     monkeypatch.setattr(contacts, "_FOOT_POINT", contacts._FOOT_POINT._replace(max_iterations=1))
     foot = getattr(contacts._find_foot_point, "py_func", contacts._find_foot_point)
@@ -336,7 +336,7 @@ def test_a_balance_needs_few_steps(name: str) -> None:
         assert 0.8 * most < left.work <= 1.02 * most + 1
 
 
-def test_a_balance_that_is_lost_is_searched_for_anew_along_paths(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_search_restarts_along_paths_from_its_first_pose(monkeypatch: pytest.MonkeyPatch) -> None:
     """From where the search began: what is compiled without paths leaves departures where it was lost."""
     searched = []
 
@@ -353,7 +353,7 @@ def test_a_balance_that_is_lost_is_searched_for_anew_along_paths(monkeypatch: py
 
 
 @pytest.mark.parametrize("follow", [False, True])
-def test_along_paths_a_search_ends_where_it_does_without(follow: bool) -> None:
+def test_a_search_along_paths_ends_at_the_same_pose(follow: bool) -> None:
     contacts = springs("few", crank=TURN, friction=True)
     load = np.zeros((len(TURN), contacts.slope.shape[2]))
     load[:, -1] = design_of("few").rated_torque / contacts.radius
@@ -384,7 +384,7 @@ def test_balances_lead_to_those_a_degree_on(share: float, most: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["printed", "light"])
-def test_a_cam_far_harder_than_teeth_takes_hardly_more_steps(name: str) -> None:
+def test_a_cam_far_stiffer_than_the_teeth_needs_hardly_more_steps(name: str) -> None:
     """With 100 um of play: springs softened by the cam alone would let teeth go deeper than their curves reach."""
     contacts = springs(name, friction=True)
     steps = []
@@ -401,7 +401,7 @@ def test_a_cam_far_harder_than_teeth_takes_hardly_more_steps(name: str) -> None:
 
 
 @pytest.mark.parametrize("reach", [0.0, 1e-8, 0.9e-6, 1.1e-6, 3e-6])
-def test_a_tight_cam_presses_on_both_sides_until_the_far_one_is_free(reach: float) -> None:
+def test_a_tight_cam_presses_on_both_sides_until_the_far_side_is_free(reach: float) -> None:
     tight, way = 1e-6, np.array([0.6, -0.8])
     contacts = untouched(springs("pin"))._replace(cam_clearance=-tight)
     z = np.zeros(4)
@@ -418,7 +418,7 @@ def test_a_tight_cam_presses_on_both_sides_until_the_far_one_is_free(reach: floa
     np.testing.assert_allclose(found.stiffness, apart, rtol=0.0, atol=1e-6 * stiffness)
 
 
-def test_a_tight_cam_takes_no_more_steps_than_one_with_play() -> None:
+def test_a_tight_cam_needs_no_more_steps_than_a_cam_with_play() -> None:
     """From the second angle on: at the first, without angles before it, a cam that presses anywhere is no help."""
     turn, torque = tuple(1.0 + 0.0175 * np.arange(10)), 1e-4 * design_of("pin").rated_torque
     work = []
@@ -492,7 +492,7 @@ def test_forces_after_a_step_with_friction_are_the_descent_of_the_energy(name: s
             np.testing.assert_allclose(differences(at, z, "energy", 1e-10), found.residual, rtol=0.0, atol=bound)
 
 
-def test_what_was_searched_before_leaves_a_slow_search_its_time() -> None:
+def test_earlier_searches_do_not_limit_a_slow_search() -> None:
     still = np.zeros(1010)
     found = looped("few", "crank", np.concatenate([still, LOOP[1:]]))
     assert found.force == 0.0
@@ -524,7 +524,7 @@ def untouched(contacts: KernelSprings) -> KernelSprings:
     return contacts._replace(room=np.ones(contacts.room.shape))
 
 
-def test_a_long_way_is_gone_in_parts_while_there_are_rows_for_them() -> None:
+def test_a_long_step_is_divided_while_rows_are_left() -> None:
     """Without friction every pose is the balance of the load there."""
     contacts = springs("few")
     path = np.zeros((4, contacts.slope.shape[2]))
@@ -549,7 +549,7 @@ def test_a_long_way_is_gone_in_parts_while_there_are_rows_for_them() -> None:
     assert spent == 7
 
 
-def test_what_nothing_holds_floats() -> None:
+def test_a_part_without_contact_is_held_by_the_weak_springs() -> None:
     contacts = untouched(springs("twodisc"))._replace(cam_clearance=1.0)
     path = np.outer([0.0, 1.0, 0.5], pose(contacts, 1e-6))
     z = np.zeros_like(path)

@@ -34,7 +34,7 @@ def test_without_friction_the_turn_is_that_of_the_balance(name: str) -> None:
     assert turn == pytest.approx(expected, rel=0.02)
 
 
-def test_what_twists_behind_the_contacts_adds_its_turn() -> None:
+def test_compliance_behind_the_contacts_adds_to_the_rotation() -> None:
     design = Design(structure="springs")
     soft = design.but(springs={"housing": 1e4})
     turns = [solve_locked_curve(Reducer(one), 100.0, 0.0).turn[-1] for one in (design, soft)]

@@ -17,7 +17,7 @@ def rolled_off(matrix: Array, right: Array, floating: float) -> Array:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("least", [2.0, 0.2, 0.05, 0.0, -0.05, -3.0])
-def test_a_step_downhill_takes_each_curvature_as_positive_and_no_less_than_what_floats(least: float) -> None:
+def test_a_descent_step_uses_the_absolute_curvature_above_a_floor(least: float) -> None:
     random = np.random.default_rng(1)
     ways, _ = np.linalg.qr(random.normal(size=(7, 7)))
     curvature, right = np.array([least, 0.3, 1.0, 2.0, 4.0, 5.0, 9.0]), random.normal(size=7)

@@ -225,7 +225,7 @@ def placed(design: Design, count: int) -> tuple[Samples, dict[str, np.ndarray]]:
     return many, {name: getattr(many, name) + 1e-6 * draw(getattr(many, name).shape) for name in places}
 
 
-def test_samples_that_rest_where_a_curve_is_cut_off_are_balanced() -> None:
+def test_samples_at_the_cut_of_a_curve_are_balanced() -> None:
     """Of an internal gear under next to no load and no other force, every seventh sample does at some angle."""
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
     design = PRESETS["nonpin"].but(environment=still, drive={"speed": 1e-7}, clearance={"cam": 12e-6})
@@ -236,7 +236,7 @@ def test_samples_that_rest_where_a_curve_is_cut_off_are_balanced() -> None:
 
 
 @pytest.mark.slow
-def test_a_sample_that_jams_has_no_numbers_and_leaves_its_neighbours_alone() -> None:
+def test_a_jammed_sample_has_no_numbers_and_does_not_affect_others() -> None:
     """The first of drawn samples that friction jams, between two that are as designed and turn."""
     design = override(FIXED, ["friction.pin_gear=0.82"])
     (many, errors), ideal = placed(design, 20), identical_samples(Reducer(design), 3)

@@ -103,7 +103,7 @@ def test_the_deflection_of_a_spring_follows_from_its_work(name: str) -> None:
 
 
 @pytest.mark.parametrize("design", [*presets_for("stress").values(), unlike("large")], ids=lambda design: design.name)
-def test_angles_that_follow_each_other_have_the_balances_of_each_alone(design: Design) -> None:
+def test_balances_of_successive_angles_equal_those_of_single_angles(design: Design) -> None:
     torque, cranks = design.rated_torque, turn_evenly(Reducer(design), 31)
     alone, following = (solve_windups(Reducer(design), cranks, torque, follow) for follow in (False, True))
     for one, other in zip(alone, following, strict=True):
@@ -114,7 +114,7 @@ def test_angles_that_follow_each_other_have_the_balances_of_each_alone(design: D
     assert other.teeth == pytest.approx(one.teeth, abs=1e-5 * one.teeth.max())
 
 
-def test_without_friction_nothing_is_lost_and_seals_take_theirs() -> None:
+def test_without_friction_only_seals_have_losses() -> None:
     smooth = override(FIXED, [f"friction.{kind}=0" for kind in ("pin_gear", "cam_rolling", "output_rolling")])
     assert powers(Reducer(smooth), 30.0).efficiency == pytest.approx(1.0, abs=1e-12)
     sealed = powers(Reducer(override(smooth, ["drag.crank_nm=0.01", "drag.output_nm=0.7"])), 35.0)
@@ -168,7 +168,7 @@ def test_the_torque_of_self_locking_is_stated() -> None:
         assert (alone.crank < 0.0) == (friction < 0.4)
 
 
-def test_what_has_no_balance_or_no_motion_is_one_error() -> None:
+def test_a_jam_a_crank_at_rest_or_a_negative_torque_is_one_error() -> None:
     with pytest.raises(RunError, match="friction jams the drive"):
         sheet(Reducer(override(FIXED, ["friction.pin_gear=0.9"])))
     with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
@@ -236,7 +236,7 @@ def test_efficiency_losses_and_error_are_those_of_the_dynamic_run(name: str, way
 
 
 @pytest.mark.slow
-def test_wide_play_is_balanced_where_no_angle_follows_from_the_one_before() -> None:
+def test_a_drive_with_wide_play_is_balanced_at_every_angle() -> None:
     """A printed size whose contacts change at once under a hundredth of its load."""
     found = sheet(Reducer(load(Path(__file__).parents[1] / "data" / "wide_play.toml")))
     assert 0.0 < found.quantities["efficiency"].value < 100.0

@@ -10,7 +10,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import load_of, sheet
 
 
-def test_the_load_is_the_designs_own_where_it_has_one(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_load_is_the_given_the_designs_or_the_rated_torque(capsys: pytest.CaptureFixture[str]) -> None:
     pin = PRESETS["pin"]
     assert load_of(Reducer(pin)) == (pin.rated_torque, "rated torque")
     assert load_of(Reducer(override(pin, ["load.torque_nm=-7"]))) == (7.0, "load.torque_nm")

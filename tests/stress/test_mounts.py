@@ -68,7 +68,9 @@ def test_a_hard_pin_tilts_and_shifts_in_its_seats() -> None:
     assert across == pytest.approx(moments[-1][0, 0] - moments[-1][0] @ pushed, rel=2e-2)
 
 
-def test_twice_the_elements_change_a_pins_give_by_less_than_a_thousandth(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_doubling_the_elements_changes_pin_compliance_by_less_than_a_thousandth(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     coarse = solve_stud_beam(PRINTED, STUDS)
     monkeypatch.setattr(mounts, "SLICES", 2 * mounts.SLICES)
     assert solve_stud_beam(PRINTED, STUDS) == pytest.approx(coarse, rel=1e-3)

@@ -175,7 +175,7 @@ def test_a_wrong_moment_moves_the_place():
     assert np.nanmax(np.abs(places[0] - places[1])) > 1e-6
 
 
-def test_lobes_press_on_the_flank_where_the_arcs_touch():
+def test_lobes_press_on_the_flank_at_the_contact_of_the_arcs():
     run = made_run(NONPIN, scale=0.0)
     loads = part_loads(run, Reducer(NONPIN), "ring", QUARTERS)
     gear = tooth_profile(NONPIN)
@@ -470,13 +470,13 @@ def test_every_claim_agrees_with_stress_as_in_the_paper():
         ("output", np.full(360, 300.0), "the output's stress is low"),
     ],
 )
-def test_a_claim_disagrees_where_the_stress_does(part, bulk, statement):
+def test_a_claim_disagrees_if_the_stress_differs(part, bulk, statement):
     studies = [made_findings("pin", **(AS_THE_PAPER | {part: bulk})), made_findings("nonpin", **NONPIN_AS_THE_PAPER)]
     found = [claim.verdict for claim in claims(studies) if statement in claim.claim and "nonpin:" not in claim.claim]
     assert found == ["disagrees"]
 
 
-def test_only_the_papers_own_designs_are_judged_and_only_without_load():
+def test_only_unloaded_runs_of_the_papers_designs_are_judged():
     paper = made_findings("pin", **AS_THE_PAPER)
     assert claims([paper])
     assert claims([replace(paper, load=36.68)]) == ()
@@ -648,7 +648,7 @@ def test_the_command_runs_a_design(told, tmp_path):
 
 @pytest.mark.slow
 @needs_fem
-def test_a_figure_of_stress_is_that_of_its_command(told, tmp_path):
+def test_a_stress_figure_equals_that_of_its_command(told, tmp_path):
     fast = ("--set", "ring.pins=fixed", "--set", "load.rise_s=0.001")
     code, out, err = told("pin", *fast, "--part", "pin_1", "--quick", "--out", str(tmp_path), "--json")
     assert code == 0, err
@@ -664,7 +664,7 @@ def test_a_figure_of_stress_is_that_of_its_command(told, tmp_path):
 
 
 @pytest.mark.parametrize(("degrees", "first"), [(None, 0.0), (74.0, 2.0), (72.0, 0.0), (3.0, 3.0), (360.0, 0.0)])
-def test_the_angle_of_the_maps_is_one_of_the_turns(degrees, first):
+def test_the_angle_of_the_maps_is_an_angle_of_the_turn(degrees, first):
     asked = None if degrees is None else math.radians(degrees)
     turn = np.degrees(StudySettings(angles=40, map_angle=asked).turn)
     assert turn == pytest.approx(first + 9.0 * np.arange(40), abs=1e-9)

@@ -267,7 +267,7 @@ def test_reactions_are_the_loads(design: Design, part: str) -> None:
     assert np.all(found.imbalance == 0.0)
 
 
-def test_a_free_part_takes_its_imbalance_along() -> None:
+def test_a_free_part_accelerates_with_its_imbalance() -> None:
     """A force alone is reported as imbalance, and spread over the mass it leaves the auxiliary supports idle."""
     grid = part_grid(PIN, "pin_1")
     place = [[[0.0, PIN.ring.pin_radius]]]
@@ -304,7 +304,7 @@ def test_wide_patches_are_elliptical() -> None:
     assert np.sum(share * s**2) / np.sum(share) == pytest.approx(b**2 / 4, rel=0.01)
 
 
-def test_bulk_leaves_the_patches_out_and_does_not_hang_on_the_grid() -> None:
+def test_bulk_stress_excludes_contact_patches_and_is_grid_independent() -> None:
     """The bulk maximum changes by less than 3 % under refinement; the nodes at a patch's force run away."""
     radius = PIN.ring.pin_radius
     place, force = [[[0.0, radius], [0.0, -radius]]], [[[0.0, -100.0], [0.0, 100.0]]]
@@ -396,7 +396,7 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
 
 
-def test_a_grid_keeps_nothing_of_a_basis_that_is_released() -> None:
+def test_a_grid_keeps_no_reference_to_a_released_basis() -> None:
     """Beside the factor, derivatives of its mapping at all quadrature points would be the peak of memory."""
     grid = planar_grid(ring_region(1.0, 2.0), GridSettings(), 1.0)
     elastic.basis_of(grid, vector=False, order=2)
@@ -525,7 +525,7 @@ def test_a_part_that_does_not_mesh_is_reported() -> None:
         planar_grid(crossed, GridSettings(), 1e-3)
 
 
-def test_edges_are_shorter_where_curved_ones_would_fold_their_elements(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_element_edges_are_shorter_where_curved_edges_would_fold(monkeypatch: pytest.MonkeyPatch) -> None:
     turns = np.arange(8) * np.pi / 4.0
     centres = 24.25e-3 * np.column_stack([np.cos(turns), np.sin(turns)])
     pins = tuple(Boundary(circle(3e-3, 1e-8) + centre, "inset", touched="line") for centre in centres)
@@ -659,7 +659,7 @@ def test_an_output_pin_bends_as_a_cantilever() -> None:
     assert slope == pytest.approx(moment / second, rel=0.03)
 
 
-def test_bulk_does_not_hang_on_who_asks() -> None:
+def test_the_bulk_distance_has_one_default() -> None:
     """One definition of where the search for the bulk begins: half of the ring's pin radius by every default."""
     assert GridSettings().bulk_distance == StudySettings().bulk_distance == BULK_DISTANCE
     for solid in (False, True):
@@ -778,7 +778,7 @@ def test_a_printed_drive_with_an_overhung_shaft_would_be_as_stiff_as_its_parts(k
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
-def test_a_printed_drive_is_as_stiff_as_its_drawing_tells(kind: str) -> None:
+def test_the_stiffness_of_a_printed_drive_follows_from_its_drawing(kind: str) -> None:
     """Nothing fitted: with seats read off the drawing it is within 1.2 times of both loops (docs/bench.md); else 2.2.
 
     Both measured drives have the internal gear; a ring of pins with the same clearance is as stiff.

@@ -139,7 +139,7 @@ def test_the_shoulders_have_the_moment_of_statics() -> None:
     assert at_counterweight.stress > 1.5 * at_counterweight.nominal
 
 
-def test_bearings_stand_where_the_design_says() -> None:
+def test_bearings_are_placed_as_in_the_design() -> None:
     """Spacing between middles, offset from the counterweight, width; straddling, the far one lies beyond the gear."""
     given = ["shaft.bearing_width_mm=5.0", "shaft.bearing_offset_mm=1.5", "shaft.bearing_spacing_mm=12.0"]
     shaft = shaft_dimensions(Reducer(override(PIN, given)))

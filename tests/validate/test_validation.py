@@ -66,7 +66,7 @@ def test_a_row_passes_up_to_its_bound_and_states_without_one():
 
 
 @pytest.mark.parametrize("ours", [math.nan, math.inf])
-def test_what_is_no_number_fails(ours):
+def test_a_nan_fails(ours):
     assert relative("q", ours, 1.0, "", "s", 1e9).verdict == "fail"
     assert absolute("q", ours, 1.0, "", "s", 1e9).verdict == "fail"
     assert relative("q", 1.0, 0.0, "", "s", 1e9).verdict == "fail"
@@ -252,7 +252,7 @@ def test_a_step_up_to_the_default_is_judged(name, within, beyond):
 
 
 @pytest.mark.parametrize(("kind", "bound"), [(FIXED, 1.2), (FREE, 6.0)])
-def test_the_step_that_is_chosen_has_bounds_of_its_own(kind, bound):
+def test_the_automatic_step_has_separate_bounds(kind, bound):
     def study(error):
         return {1.0: FIGURES, 2.0: replace(FIGURES, peak_to_peak=FIGURES.peak_to_peak * (1.0 + error / 100.0))}
 
