@@ -132,12 +132,15 @@ def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOp
 def simulate_run(on_progress: Progress, values: Any) -> Download:
     """Simulate a design in MuJoCo at full speed under its load, and return the report of the run as a page.
 
-    `values` is the design by its values of the page; `on_progress` is called with the share that is done.
+    The run has no start-up ramp; it lasts for the settling time, then for at least `MIN_CRANK_TURNS` crank turns.
+    `values` is the design by its values of the page; `on_progress` is called with the completed fraction, 0 to 1.
 
     Raises
     ------
+    DesignError
+        The crank speed is zero.
     CycloidError
-        The run failed, or the crank speed is zero.
+        The run failed.
     """
     from cycloid_mj.comparison import settling_time
     from cycloid_mj.dynamics.run import simulate
@@ -149,10 +152,10 @@ def simulate_run(on_progress: Progress, values: Any) -> Download:
             "the crank speed (drive.speed_rpm) is 0, so there is nothing to simulate: set a speed other than 0, such "
             "as 1640 rpm"
         )
-    started = design.but(drive={"ramp": 0.0})
-    settled, crank_turn = settling_time(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
-    # at most half of a hold is not judged
-    shortened = started.steady(settled, max(MIN_CRANK_TURNS, settled / crank_turn))
+    without_ramp = design.but(drive={"ramp": 0.0})
+    settled, crank_turn = settling_time(Reducer(without_ramp)), 2.0 * math.pi / abs(design.drive.speed)
+    # the report judges at least half of the time at constant speed
+    shortened = without_ramp.steady(settled, max(MIN_CRANK_TURNS, settled / crank_turn))
 
     def report_progress(done: int, total: int) -> None:
         on_progress({"doing": "simulating in MuJoCo", "share": done / total})

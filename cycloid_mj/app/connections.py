@@ -22,8 +22,8 @@ class LimitedConnection(H11Protocol):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self._deadline: asyncio.TimerHandle | None = None
-        self._stall: asyncio.TimerHandle | None = None
+        self._deadline_timer: asyncio.TimerHandle | None = None
+        self._stall_timer: asyncio.TimerHandle | None = None
         self._waiting_since: float | None = None
         self._idle, self._refused = True, False
 
@@ -77,13 +77,13 @@ class LimitedConnection(H11Protocol):
     def _wait_for_request(self) -> None:
         self._stop_waiting()
         self._idle, self._waiting_since = True, self.loop.time()
-        self._deadline = self.loop.call_later(self.limits.timeout_s, self._expire)
+        self._deadline_timer = self.loop.call_later(self.limits.timeout_s, self._expire)
 
     def _stop_waiting(self) -> None:
         self._waiting_since = None
-        if self._deadline is not None:
-            self._deadline.cancel()
-            self._deadline = None
+        if self._deadline_timer is not None:
+            self._deadline_timer.cancel()
+            self._deadline_timer = None
 
     def _expire(self) -> None:
         """Close a connection whose request did not arrive in time; report that if it had begun."""
@@ -93,7 +93,11 @@ class LimitedConnection(H11Protocol):
             self._refuse(408, TIMEOUT_MESSAGE)
 
     def _refuse(self, status: int, words: str) -> None:
-        """Send a response with an HTTP status and a text, unless a response has begun, and close the connection."""
+        """Send a response with an HTTP status and the text `words`, and close the connection.
+
+        If a response has begun, or the connection is closing already, nothing is sent. The application gets a
+        disconnect message, so that it stops writing.
+        """
         headers = [("Content-Type", "text/plain; charset=utf-8"), ("Connection", "close")]
         if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE) and not self.transport.is_closing():
             response = h11.Response(status_code=status, headers=headers)
@@ -102,20 +106,20 @@ class LimitedConnection(H11Protocol):
         if self.cycle is not None:  # the application must not write into a connection that is closed
             self.cycle.disconnected = True
             self.cycle.message_event.set()
-        self._linger()
+        self._close_after_client()
 
-    def _linger(self) -> None:
-        """Stop sending, and close the connection when the client has closed its side, at most `linger_s` later.
+    def _close_after_client(self) -> None:
+        """Stop sending, and close the connection when the client has closed its side, at most `close_delay_s` later.
 
-        It may be closed earlier if there are too many connections.
+        Until then, received data is discarded. The connection is the first to be closed if there are too many.
         """
         self._stop_waiting()
         if self.transport.is_closing():
             return
-        self._refused, self._waiting_since = True, 0.0
+        self._refused, self._waiting_since = True, 0.0  # 0: it counts as the connection that has waited longest
         self.transport.write_eof()
         self.transport.resume_reading()
-        self._deadline = self.loop.call_later(self.limits.linger_s, self.transport.close)
+        self._deadline_timer = self.loop.call_later(self.limits.close_delay_s, self.transport.close)
 
     def _close_longest_waiting(self) -> None:
         """Abort the connection that has waited longest for a complete request; do nothing if none waits."""
@@ -141,9 +145,9 @@ class LimitedConnection(H11Protocol):
                 self.transport.abort()
 
         self._cancel_stall()
-        self._stall = self.loop.call_later(self.limits.timeout_s, check)
+        self._stall_timer = self.loop.call_later(self.limits.timeout_s, check)
 
     def _cancel_stall(self) -> None:
-        if self._stall is not None:
-            self._stall.cancel()
-            self._stall = None
+        if self._stall_timer is not None:
+            self._stall_timer.cancel()
+            self._stall_timer = None

@@ -176,7 +176,10 @@ def _other_controls(design: Design) -> Iterator[Control]:
 
 
 def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) -> Control:
-    """Return a slider around a value in SI, of integers for an integer; from 0 to 1 around zero."""
+    """Return a slider from 0 to `SLIDER.span` times a value in SI (reversed for a negative value), in file units.
+
+    An integer has steps of 1, any other number steps of a power of ten. For the value 0 the slider ends at 1.
+    """
     shown = value if isinstance(value, int) else unit.from_si(value)
     low, high = (0.0, max(1.0, abs(shown))) if shown == 0.0 else sorted((0.0, SLIDER.span * shown))
     step = 1.0 if isinstance(value, int) else 10.0 ** math.floor(math.log10((high - low) / SLIDER.steps))
@@ -282,9 +285,10 @@ def _list_controls(design: Design) -> Iterator[Control]:
 
 
 def _create_slider(design: Design, group: str, name: str, label: str) -> Control:
-    """Return a slider for a number of the design, with a range around its value in round steps.
+    """Return a slider for a number of the design, with a range around its value in round steps, in units of the file.
 
-    `name` is ``table.name`` in `LABELS`, `group` the heading and `label` the label of the slider.
+    `name` is ``table.name`` in `LABELS`, `group` the heading and `label` the label of the slider. The range follows
+    from `COUNTS` for numbers of parts, else from `SPAN`.
     """
     table, _, key = name.partition(".")
     key = design.tooth_pair if key == "mesh" else key

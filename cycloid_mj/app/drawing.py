@@ -65,13 +65,15 @@ PLACES: Mapping[str, str] = {
 """Check -> the part of the cross-section at which it is marked."""
 
 
-def section(reducer: Reducer, play: float = 1.0) -> dict[str, Any]:
+def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
     """Return the cross-section of a reducer as outlines [mm], y upward, in JSON values, for the page to move.
 
-    `play` is the factor by which clearances are magnified. For a design that cannot be built ``whole`` is false, and
-    the profile has the loops or cuts that it would have.
+    `magnification` is the factor of all clearances; ``play`` is the factor that is drawn, 1 if the magnified parts
+    cannot be. For a design that cannot be built, ``whole`` is false, and the profile has the loops or cuts that it
+    would have. Also returned: the ``phases`` of the discs on the crank [rad], and ``gear_rate``, turns of a disc per
+    crank turn.
     """
-    drawn = reducer if play == 1.0 else _magnify_clearances(reducer, play)
+    drawn = reducer if magnification == 1.0 else _magnify_clearances(reducer, magnification)
     try:
         outlines, buildable = _outlines(drawn), True
     except CycloidError:
@@ -80,7 +82,7 @@ def section(reducer: Reducer, play: float = 1.0) -> dict[str, Any]:
     ring, output = design.ring, design.output
     return {
         "whole": buildable,
-        "play": play if drawn is not reducer else 1.0,
+        "play": magnification if drawn is not reducer else 1.0,
         "reach": MILLIMETRES * max(design.housing.outer_radius, ring.pin_circle_radius + 2.0 * ring.pin_radius),
         "pins": _points(ring_places(reducer)) if ring.kind == "pin" else [],
         "pin_radius": MILLIMETRES * ring.pin_radius,

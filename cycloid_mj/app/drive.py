@@ -80,7 +80,9 @@ class BuildOptions:
 
 
 def parse_options(content: Any) -> BuildOptions:
-    """Parse the options of a question of the page: ``motor``, ``offset_um`` and ``bed``.
+    """Parse the options of a question of the page: ``motor``, ``offset_um`` [um] and ``bed`` (in `BEDS`).
+
+    Missing options have the defaults of `BuildOptions`; so have all if `content` is not a mapping.
 
     Raises
     ------
@@ -105,12 +107,12 @@ def parse_options(content: Any) -> BuildOptions:
 
 
 def reducer_at_reference(reducer: Reducer) -> Reducer:
-    """Return the reducer with its parts as manufactured: at 20 °C, and with the ring in one piece.
+    """Return the reducer with its parts as manufactured: at 20 °C, and with the ring in one piece without preload.
 
     Raises
     ------
     DesignError
-        The sizes of the design file are those of warm parts.
+        The design file is that of a log: it states the sizes of warm parts, from which those at 20 °C do not follow.
     """
     design = reducer.design.at_reference
     if design.ring.halves > 1:
@@ -156,7 +158,10 @@ def bill_rows(reducer: Reducer, sizes: Casing | None) -> list[dict[str, Any]]:
 
 
 def _bill_row(reducer: Reducer, line: BillLine) -> dict[str, Any]:
-    """Convert a line of the bill to JSON values, with its source (printed, bought or made) and price class."""
+    """Convert a line of the bill to JSON values, with its source (printed, bought or made).
+
+    ``mass_g`` [g] is the mass of all pieces of the line; ``price`` is the price class of a single piece by `PRICES`.
+    """
     source = "bought"
     if line.made_or_bought == "made":
         source = "printed" if is_printed(reducer, material_part(reducer, line.item)) else "made"
@@ -197,14 +202,20 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
     options
         Motor, printer offset and bed.
     on_step
-        Called with what is done next, and the share that is done.
+        Called with a description of the next step and the completed fraction of the work, 0 to 1.
+
+    Returns
+    -------
+    dict
+        Path in the zip file -> content. Meshes are written for plastic parts only. ``notes.txt`` lists the warnings,
+        and the STEP assembly if it is missing because the extra ``cad`` is not installed.
 
     Raises
     ------
     DesignError
-        The covers or the chosen motor do not fit, or a part cannot be manufactured.
+        The chosen motor does not fit, or a part cannot be manufactured.
     CycloidError
-        An extra that a file needs is not installed.
+        No covers fit the design, or an extra that a drawing needs is not installed.
     """
     from cycloid_mj.plots.drawings import drawing_files
     from cycloid_mj.plots.exploded import ASSEMBLY, instruction_files

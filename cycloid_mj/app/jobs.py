@@ -159,7 +159,7 @@ class Jobs:
         return self._jobs[number]
 
     def stop(self, number: int) -> Job:
-        """Stop a queued or running job, and return it; raises as `get`."""
+        """Stop a queued or running job, and return it; a finished job is returned unchanged. Raises as `get`."""
         job = self.get(number)
         if job.state in ("queued", "running"):
             job.state = "stopped"

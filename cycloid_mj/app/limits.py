@@ -19,9 +19,9 @@ class ServerLimits:
     """Open connections. A browser uses six; each costs one of the 1024 file descriptors a process usually has."""
     timeout_s: float = 30.0
     """Time for a request to arrive completely, for a connection to stay idle, and for a response to make progress."""
-    linger_s: float = 2.0
-    """Time for which data is discarded after a refusal: closing at once would reset the connection before the client
-    has read the refusal."""
+    close_delay_s: float = 2.0
+    """Longest wait for the client to close after a refusal; data received meanwhile is discarded. Closing at once would
+    reset the connection before the client has read the refusal."""
 
 
 LIMITS = ServerLimits()

@@ -55,6 +55,13 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
     spread_um
         Half width of each tolerance [um]; None for the tolerances of the design.
 
+    Returns
+    -------
+    dict
+        Distributions as from `_distributions`, and ``budget``: the share of each source in the variance of the figure
+        ``budget_of``, or the reason ``no_budget`` why there is none. If too many samples of the first block jam, the
+        study stops there and has no budget.
+
     Raises
     ------
     UsageError
@@ -114,7 +121,8 @@ def set_tolerances(design: Design, spread_um: Any) -> Design:
 def _distributions(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Any]:
     """Compute the distributions of the samples solved so far: histograms, percentiles, share of jams, as JSON values.
 
-    `columns` are the figures of the samples by key, shape (samples,) each.
+    `columns` are the figures of the samples by key, shape (samples,) each. Jammed samples are left out of the
+    histograms, and so are figures with fewer than two solved samples or in a unit not in `UNITS`.
     """
     jams, charts = find_jams(columns), list[dict[str, Any]]()
     for key, values in columns.items():

@@ -32,8 +32,14 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     """Compute the largest stress of each kind of part over a crank turn by finite elements, and compare it with yield.
 
     A part whose bulk does not yield can still fail at its surface or by fatigue: the result also has those items of the
-    rating at the same load. `values` is the design by its values of the page; `on_progress` is called after each part
+    rating at the same load. `values` is the design by its values of the page; `on_progress` is called before each part
     with the parts so far.
+
+    Returns
+    -------
+    dict
+        ``parts``: for each kind its ``name`` and the rows of its ``rated`` contact and fatigue stresses and of its
+        ``bulk`` stress [MPa]; a kind without any row is left out.
 
     Raises
     ------
@@ -72,7 +78,7 @@ def _collect_rated_stress(rating: Rating) -> dict[str, dict[str, Any]]:
 
 
 def _add_bar(row: dict[str, Any], margin: float) -> dict[str, Any]:
-    """Add length and colour of a bar to a row, by the load over its limit, which is 1 over the margin."""
+    """Add length ``share`` (0 to 1) and ``colour`` of a bar to a row, by the load over its limit, 1 / `margin`."""
     share = 1.0 / margin if margin > 0.0 else math.inf
     colour_index = min(len(COLOURS) - 1, int(share * (len(COLOURS) - 1)))
     return row | {"share": min(1.0, share), "colour": COLOURS[colour_index]}

@@ -83,7 +83,10 @@ def parse_form(form: Any) -> Requirement:
 
 
 def fill_form(requirement: Requirement) -> dict[str, Any]:
-    """Convert a requirement to the fields of the start form; a field without a limit is None."""
+    """Convert a requirement, in SI, to the fields of the start form in the units of their names.
+
+    A field without a limit (zero or infinite) is None.
+    """
 
     def limit(value: float) -> float | None:
         return None if not math.isfinite(value) or value == 0.0 else float(f"{value:.10g}")

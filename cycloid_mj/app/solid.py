@@ -37,10 +37,10 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``parts``: name, ``colour``, ``corners`` of triangles (float32 [mm] in base64, shape (triangles, 3, 3)) and
-        ``places``; each place has x, y, z [mm], angle [rad], ``moves``, ``phase`` of its disc, ``step`` and ``apart``,
-        by which it is moved along the axis in the exploded view [mm]. ``steps``: the moves of the assembly in words.
-        ``orbit`` [mm]; ``gear_rate`` in turns per crank turn. Without covers, ``reason`` says why they do not fit.
+        ``parts``: name, ``colour`` (RGBA, 0 to 1), ``corners`` of triangles (float32 [mm] in base64, shape (triangles,
+        3, 3)) and ``places``, the components that are copies of the part, see `_component_json`. ``steps``: the moves
+        of the assembly in words. ``orbit``: eccentricity [mm]; ``gear_rate``: turns of a disc per crank turn. Without
+        covers, ``reason`` says why they do not fit.
 
     Raises
     ------
@@ -79,7 +79,10 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
 def _component_json(component: PlacedPart, phases: Mapping[str, float], step: int, shift: float) -> dict[str, Any]:
     """Convert position and motion of a component to JSON values.
 
-    A disc and its bearing are relative to the disc's centre; `shift` is that of the exploded view along the axis [m].
+    ``at`` is its position x, y, z [mm], for a disc and its bearing relative to the disc's centre; ``angle`` its
+    rotation [rad]; ``moves`` the body that it moves with, "" if it is fixed; ``phase`` that of its disc on the crank
+    [rad]; ``step`` its assembly step from 1, 0 if there is none; ``apart`` its shift along the axis in the exploded
+    view [mm], from `shift` [m].
     """
     x, y, z = component.origin
     on_disc = component.body in phases
@@ -121,16 +124,20 @@ def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
 
 
 def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Sequence[PlacedPart]) -> dict[str, float]:
-    """Compute the shift of each family of parts along the axis [m] in the exploded view, in order of assembly."""
+    """Compute the shift of each family of parts along the axis [m] in the exploded view, by the name of the family.
+
+    Families follow one another in order of assembly (`ALONG`, unlisted families last) with a gap between them, and are
+    centred about z = 0.
+    """
     gap, start, shifts = EXPLODED_GAP * reducer.design.housing.outer_radius, 0.0, dict[str, float]()
     families = {names.family(component.part) for component in components}
-    ends = {name: [z for stretch in part.stretches for z in (stretch.z0, stretch.z1)] for name, part in parts.items()}
+    end_heights = {name: [z for prism in part.stretches for z in (prism.z0, prism.z1)] for name, part in parts.items()}
     for family in sorted(families, key=lambda name: ALONG.index(name) if name in ALONG else len(ALONG)):
         heights = [
             component.origin[2] + z
             for component in components
             if names.family(component.part) == family
-            for z in ends[component.part]
+            for z in end_heights[component.part]
         ]
         shifts[family] = start - min(heights)
         start += max(heights) - min(heights) + gap
@@ -139,7 +146,7 @@ def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Se
 
 
 def _triangles(part: Part) -> str:
-    """Encode the corners of the triangles of a part as float32 in millimetres."""
+    """Encode the corners of the triangles of a part in base64: little-endian float32 [mm], shape (triangles, 3, 3)."""
     shape = mesh(part.solid(SCREEN_CHORD_ERROR))
     corners: Array = MILLIMETRES * shape.vertices[shape.faces].reshape(-1, 3)
     return base64.b64encode(corners.astype("<f4").tobytes()).decode()

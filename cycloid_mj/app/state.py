@@ -59,15 +59,15 @@ def changed_values(design: Design) -> dict[str, Any]:
     return values
 
 
-def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
-    """List the keys in which two designs of the page differ, with both values in the units of the file.
+def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
+    """List (key, value of design a, value of design b) for the keys in which two designs differ, in units of the file.
 
-    Both are represented by the values in which they differ from the preset ``pin``; raises as `parse_design`.
+    Both designs are represented by the values in which they differ from the preset ``pin``; raises as `parse_design`.
     """
-    designs = (first, parse_design(first)), (second, parse_design(second))
+    designs = (values_a, parse_design(values_a)), (values_b, parse_design(values_b))
     pairs = {
         key: [values[key] if key in values else value_of(design, key) for values, design in designs]
-        for key in dict.fromkeys((*first, *second))
+        for key in dict.fromkeys((*values_a, *values_b))
     }
     return [(key, a, b) for key, (a, b) in pairs.items() if a != b]
 

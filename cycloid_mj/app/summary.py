@@ -107,7 +107,8 @@ def remedies(reducer: Reducer) -> dict[str, Any]:
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     """Return the figures of a valid design by statics at its load as JSON values, judged by requirements.
 
-    Raises as `quick_sheet`.
+    ``rows`` has name, value and note of each figure in `NAMES` that the sheet has; ``losses`` has the mean powers of
+    crank, output and each source of friction [W]. Raises as `quick_sheet`.
     """
     design = reducer.design
     sheet = quick_sheet(reducer)
@@ -259,7 +260,10 @@ def _resolving_changes(reducer: Reducer, check: Check) -> list[Mapping[str, floa
 
 
 def _complete_change(reducer: Reducer, change: Mapping[str, float], max_additions: int) -> Mapping[str, float] | None:
-    """Add up to `max_additions` changes to a change that resolve the errors it causes; None if they contradict it."""
+    """Extend a change of the design by up to `max_additions` changes that resolve the errors which it causes.
+
+    Return None if no extension resolves them, or if it would have to set a key of the change to another value.
+    """
     error = next(_errors_after(reducer, change), None)
     if error is None:
         return change
@@ -271,7 +275,7 @@ def _complete_change(reducer: Reducer, change: Mapping[str, float], max_addition
 
 
 def _errors_after(reducer: Reducer, change: Mapping[str, float]) -> Iterator[Check]:
-    """Yield the errors of a design after a change."""
+    """Yield the failed checks of severity "error" of a design after a change; none if the change is not allowed."""
     with suppress(CycloidError):
         changed_reducer = Reducer(apply_changes(reducer.design, _page_values(reducer, change)))
         yield from (check for check in soundness(changed_reducer) if check.severity == "error" and not check.passed)
@@ -298,11 +302,11 @@ def _page_values(reducer: Reducer, change: Mapping[str, float]) -> dict[str, flo
 
 def _change_in_words(reducer: Reducer, values: Mapping[str, float]) -> str:
     """Describe new values of keys in words, "raise X, Y to 5 mm"; keys with the same new value are listed together."""
-    groups: dict[tuple[str, str], list[str]] = {}
+    keys_by_target: dict[tuple[str, str], list[str]] = {}
     for key, value in values.items():
         verb = "raise" if value > value_of(reducer.design, key) else "lower"
-        groups.setdefault((verb, number_with_unit(key, value)), []).append(key_in_words(key))
-    parts = (f"{verb} {', '.join(names)} to {target}" for (verb, target), names in groups.items())
+        keys_by_target.setdefault((verb, number_with_unit(key, value)), []).append(key_in_words(key))
+    parts = (f"{verb} {', '.join(names)} to {target}" for (verb, target), names in keys_by_target.items())
     return "; ".join(parts).replace(f", {CLEARANCE}", ", ")
 
 

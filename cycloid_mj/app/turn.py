@@ -47,27 +47,41 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     Returns
     -------
     dict
-        For ``teeth`` and ``output``: ``force`` [N], ``place`` [mm] and direction ``way``, shape (angles, discs,
-        contacts, ...); ``cam`` [N], shape (angles, discs, 2); ``discs``, the displacements of each disc from its ideal
-        pose (x, y [mm], rotation [rad]), by which clearances are drawn; ``output_turn`` [rad]; ``share`` of each disc.
+        Lists with a row for each of the crank angles, which include both ends of the turn, and a column for each disc:
+
+        ``teeth`` and ``output`` : dict
+            ``force`` [N], shape (angles, discs, contacts), position ``place`` [mm] and unit direction ``way`` of the
+            contacts, shape (angles, discs, contacts, 2).
+        ``cam``
+            Force of the cam on each disc [N], shape (angles, discs, 2).
+        ``discs``
+            Displacement of each disc from its ideal pose (x, y [mm], rotation [rad]), shape (angles, discs, 3).
+        ``output_turn``
+            Rotation of the output from its ideal angle [rad], shape (angles,).
+        ``share``
+            Share of each disc in the output torque, shape (angles, discs).
+        ``turn``, ``load_nm``
+            The number of the turn, and the magnitude of the torque on the output [N m].
     """
     reducer, load = _set_load(reducer)
     design = reducer.design
     angles_in_ring = 2.0 * np.pi * (turn + np.arange(SETTINGS.crank_angles + 1) / SETTINGS.crank_angles)
-    crank = angles_in_ring / float(reducer.member.against_ring(1.0))
-    springs = springs_of(reducer, crank)
+    crank_angles = angles_in_ring / float(reducer.member.against_ring(1.0))
+    springs = springs_of(reducer, crank_angles)
     result = loads(reducer, springs, load, follow=True)
     slope, radius = springs.contacts.slope, springs.contacts.radius
     discs, lobes, departures = design.gear.discs, design.lobes, result.departures
-    poses = departures[:, :-1].reshape(len(crank), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
+    poses = departures[:, :-1].reshape(len(crank_angles), discs, 3) * [MILLIMETRES, MILLIMETRES, 1.0 / radius]
     # columns of x and y of the disc of each contact
     columns_of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)
     direction = np.take_along_axis(
-        slope, np.broadcast_to(columns_of_disc, (len(crank), *columns_of_disc.shape)), axis=2
+        slope, np.broadcast_to(columns_of_disc, (len(crank_angles), *columns_of_disc.shape)), axis=2
     )
-    rings, pins = ring_places(reducer), output_centres(reducer)
-    output_pins = np.stack([transform(np.array([0.0, 0.0, -angle / lobes]), pins) for angle in angles_in_ring])
-    teeth = np.tile(rings, (len(crank), discs, 1)) + design.ring.pin_radius * direction[:, : springs.teeth]
+    ring_pins, output_centres_at_0 = ring_places(reducer), output_centres(reducer)
+    output_pins = np.stack(
+        [transform(np.array([0.0, 0.0, -angle / lobes]), output_centres_at_0) for angle in angles_in_ring]
+    )
+    teeth = np.tile(ring_pins, (len(crank_angles), discs, 1)) + design.ring.pin_radius * direction[:, : springs.teeth]
     output = np.tile(output_pins, (1, discs, 1)) + design.output.pin_radius * direction[:, springs.teeth :]
     return {
         "turn": turn,
@@ -85,27 +99,34 @@ def error(reducer: Reducer) -> dict[str, Any]:
     """Compute the transmission error over one crank turn at the load and at 1 % of it, and its orders, as JSON values.
 
     The orders are those of a full turn of the output: output pins pass at a fractional order of the crank.
+
+    Returns
+    -------
+    dict
+        ``crank_deg`` [deg] and ``curves``, each with ``name``, ``arcsec`` (mean subtracted) and ``peak_to_peak``
+        [arcsec]; ``orders`` [cycles per crank turn] with their ``amplitudes`` [arcsec], without those of insignificant
+        amplitude; ``named``, pairs of order and name for the orders of the mesh and of the output pins.
     """
     reducer, load = _set_load(reducer)
     design = reducer.design
-    crank = np.linspace(0.0, reducer.mesh_turn, SETTINGS.angles_per_mesh * design.ring.teeth, endpoint=False)
+    crank_angles = np.linspace(0.0, reducer.mesh_turn, SETTINGS.angles_per_mesh * design.ring.teeth, endpoint=False)
     curves = []
     for name, share in (("at the load", 1.0), ("at 1 % of the load", 0.01)):
-        angle = _output_error(reducer, crank, share * load)
+        angle = _output_error(reducer, crank_angles, share * load)
         curves.append({"name": name, "arcsec": np.round(angle, 4).tolist(), "peak_to_peak": float(np.ptp(angle))})
     count = SETTINGS.spectrum_angles_per_mesh * design.lobes * design.ring.teeth
     full_turn = np.linspace(0.0, design.lobes * reducer.mesh_turn, count, endpoint=False)
     deviation = _output_error(reducer, full_turn, load)
     spectrum = periodic_orders(full_turn, deviation, reducer.share / design.lobes, SETTINGS.max_order)
     is_significant = spectrum.amplitude > SETTINGS.min_amplitude * spectrum.amplitude.max(initial=0.0)
-    mesh = float(reducer.mesh_periods)
-    pins = design.output.pins * reducer.share * design.ring.teeth / design.lobes
+    mesh_order = float(reducer.mesh_periods)
+    pin_order = design.output.pins * reducer.share * design.ring.teeth / design.lobes
     return {
-        "crank_deg": np.round(np.degrees(crank), 3).tolist(),
+        "crank_deg": np.round(np.degrees(crank_angles), 3).tolist(),
         "curves": curves,
         "orders": np.round(spectrum.order[is_significant], 4).tolist(),
         "amplitudes": np.round(spectrum.amplitude[is_significant], 5).tolist(),
-        "named": [[mesh, "mesh"], [2.0 * mesh, "2 x mesh"], [round(pins, 4), "output pins"]],
+        "named": [[mesh_order, "mesh"], [2.0 * mesh_order, "2 x mesh"], [round(pin_order, 4), "output pins"]],
     }
 
 
@@ -116,7 +137,11 @@ def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
 
 
 def _contact_lists(force: Array, position: Array, direction: Array, discs: int) -> dict[str, Any]:
-    """Convert forces [N], positions [m] and directions of contacts to rounded lists, a list for each angle and disc."""
+    """Convert forces [N], positions [m] and unit directions of contacts to rounded lists, positions in mm.
+
+    `force` has shape (angles, discs * contacts), `position` and `direction` have (angles, discs * contacts, 2); the
+    lists have shape (angles, discs, contacts) and (angles, discs, contacts, 2).
+    """
     shape = (len(force), discs, -1)
     return {
         "force": np.round(force, 3).reshape(shape).tolist(),

@@ -17,6 +17,7 @@ BAR_DECADES = 2.0
 """Decades of a margin on each side of the middle of its bar."""
 
 SMALLEST_BAR = 0.01
+"""Shortest bar, as a fraction of a full one, so that it can be seen."""
 
 
 class RequirementLimit(NamedTuple):
@@ -85,7 +86,10 @@ def verdict(judgement: Judgement, words: str) -> dict[str, str]:
 
 
 def _margin(value: float, limit: float, sense: str) -> float:
-    """Return how many times a value may grow, or shrink, until it violates its limit; without a sense 1 or 0."""
+    """Return the factor by which a value may grow ("≤ "), or shrink ("≥ "), until it violates its limit.
+
+    Without a sense, the value must equal its limit: return 1 if it does, else 0.
+    """
     if not sense:
         return float(value == limit)
     return limit / value if sense.startswith("≤") else value / limit
@@ -94,7 +98,8 @@ def _margin(value: float, limit: float, sense: str) -> float:
 def rated_item(item: RatedItem, life: float) -> dict[str, Any]:
     """Convert an item of a rating to a row with a bar as JSON values, judged for a required life [h].
 
-    The bar is full at `BAR_DECADES` decades more than required, and half full where the item is just sufficient.
+    ``share`` is the length of the bar, 0 to 1, on a logarithmic scale of ``margin``: 0.5 where the item is just
+    sufficient, 1 at a margin of 10 to the power of `BAR_DECADES` or more, and never less than `SMALLEST_BAR`.
     """
     margin = item.margin(life)
     decades = math.log10(max(margin, 1e-9)) / (2.0 * BAR_DECADES) if math.isfinite(margin) else 1.0
