@@ -192,7 +192,7 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
         parameter = Parameter(key, "um", meaning, to_micrometres(start), scale, 1e-3, BOUNDS.max_play_um, apply)
         if not tolerances:
             return parameter
-        squares = sum(zones[item].deviation ** 2 + zones[item].middle ** 2 for item in tolerances)
+        squares = sum(zones[item].standard_deviation ** 2 + zones[item].middle ** 2 for item in tolerances)
         source = f"tolerance: {', '.join(tolerances)}"
         return replace(parameter, deviation=to_micrometres(math.sqrt(squares)), source=source)
 

@@ -89,7 +89,7 @@ def tolerance(
     figure is that of the first --limit, or the backlash. The budget needs at least 64 samples.
 
     The five worst samples that do not jam are written as design files. --verify simulates them at speed under the
-    nominal torque, with friction and inertia. The CSV file has the departures of each sample in um (drawn_cam_um, ...)
+    nominal torque, with friction and inertia. The CSV file has the deviations of each sample in um (drawn_cam_um, ...)
     and its figures. Ctrl-C writes the samples that are finished.
     """
     from cycloid_mj.cli.progress import count_progress

@@ -57,7 +57,10 @@ def size_of_budget_sets(samples: int) -> int:
 
 
 def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
-    """Collect the sets to compare by name: A, B, and for each tolerance the set A with this tolerance from B."""
+    """Return the sample sets of the pick-freeze estimators by name: A, B, and for each tolerance A with it from B.
+
+    `samples` is the size of each set; the name of a mixed set is the key of its tolerance.
+    """
     swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
     return both | swapped
@@ -69,7 +72,7 @@ def find_usable_rows(values: Mapping[str, Array]) -> Integers:
 
 
 def compute_shares(
-    zones: Mapping[str, Zone], departures: Sequence[Mapping[str, Array]], values: Mapping[str, Array]
+    zones: Mapping[str, Zone], deviations: Sequence[Mapping[str, Array]], values: Mapping[str, Array]
 ) -> tuple[Share, ...]:
     """Compute the Sobol indices of all tolerances: their shares in the variance of a figure, the largest total first.
 
@@ -78,14 +81,14 @@ def compute_shares(
     remainder is sampled. The model is cross-fitted: each fold of the samples is corrected by the model fitted to the
     other folds, which keeps the estimators unbiased. Tolerances with the fewest random numbers enter the model first
     (the position errors of 40 pins are 80 numbers), as long as the fit has enough rows. Intervals: jackknife of the
-    logarithm of the ratio, Student's t.
+    logarithm of the ratio, Student's t. A figure that is equal in all samples has shares of 0.
 
     Parameters
     ----------
     zones
         All tolerances of the design, by key.
-    departures
-        Departures from the nominal design in the sample sets A and B, by tolerance, shape (samples, ...).
+    deviations
+        Deviations from the nominal design in the sample sets A and B, by tolerance, shape (samples, ...).
     values
         Values of the figure in the sets of `list_budget_sets`, shape (samples,) each; NaN where a sample jams.
 
@@ -100,7 +103,7 @@ def compute_shares(
     figure = _FigureSets(values["A"][rows], values["B"][rows], np.array([values[name][rows] for name in names]))
     if np.ptp(np.concatenate([figure.first, figure.second])) == 0.0:
         return tuple(Share(name, 0.0, 0.0, (0.0, 0.0)) for name in names)
-    terms = _estimator_terms(figure, [_standardise(zones, departure, rows) for departure in departures])
+    terms = _estimator_terms(figure, [_standardise(zones, deviation, rows) for deviation in deviations])
     first_order_share = terms.first.mean(axis=1) / terms.variance.mean()
     total, low, high = _jackknife_ratios(terms.total, terms.variance)
     shares = [
@@ -136,28 +139,28 @@ class _Terms(NamedTuple):
     total: Array
 
 
-def _standardise(zones: Mapping[str, Zone], departures: Mapping[str, Array], rows: Integers) -> list[Array]:
-    """Scale departures to mean 0 and variance 1; a list over the tolerances, shape (rows, numbers) each.
+def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], rows: Integers) -> list[Array]:
+    """Scale deviations to mean 0 and variance 1; a list over the tolerances, shape (rows, numbers) each.
 
-    `departures` are in metres, by tolerance, shape (samples, ...); `rows` are the samples to use.
+    `deviations` are in metres, by tolerance, shape (samples, ...); `rows` are the samples to use.
     """
     standardised = []
     for key, zone in zones.items():
-        values = departures[key][rows].reshape(rows.size, -1)
+        values = deviations[key][rows].reshape(rows.size, -1)
         if key.startswith(WAVE):  # the phase is uniform: cosine and sine have half of the mean square each
-            standardised.append(values / math.sqrt(0.5 * (zone.middle**2 + zone.deviation**2)))
+            standardised.append(values / math.sqrt(0.5 * (zone.middle**2 + zone.standard_deviation**2)))
         else:
-            standardised.append((values - zone.middle) / (zone.deviation or 1.0))
+            standardised.append((values - zone.middle) / (zone.standard_deviation or 1.0))
     return standardised
 
 
-def _estimator_terms(figure: _FigureSets, departures: Sequence[list[Array]]) -> _Terms:
+def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:
     """Compute the terms of the variance estimators by sample, with the control variate of `_fit_control_variate`.
 
-    `departures` are the standardised departures in the sets A and B, a list over the tolerances, shape (n, numbers)
+    `deviations` are the standardised deviations in the sets A and B, a list over the tolerances, shape (n, numbers)
     each.
     """
-    centre, linear, variances = _fit_control_variate(figure, departures)
+    centre, linear, variances = _fit_control_variate(figure, deviations)
     values_a, values_b, values_mixed = figure.first - centre, figure.second - centre, figure.mixed - centre
     variance = 0.5 * (values_a**2 + values_b**2) - 0.5 * (linear.first**2 + linear.second**2) + variances.sum(axis=0)
     first_order = values_b * (values_mixed - values_a) - linear.second * (linear.mixed - linear.first) + variances
@@ -165,24 +168,24 @@ def _estimator_terms(figure: _FigureSets, departures: Sequence[list[Array]]) -> 
     return _Terms(variance, first_order, total)
 
 
-def _fit_control_variate(figure: _FigureSets, departures: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
+def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
     """Fit a linear model of the figure by cross-validation: coefficients for each fold come from the other folds.
 
-    `departures` are the standardised departures in the sets A and B, a list over the tolerances, shape (n, numbers)
+    `deviations` are the standardised deviations in the sets A and B, a list over the tolerances, shape (n, numbers)
     each. Return the constant of the model, shape (n,), its values in all sets, and the variance that it attributes to
     each tolerance, shape (tolerances, n).
     """
-    departures_a, departures_b = departures
+    deviations_a, deviations_b = deviations
     tolerances, count = figure.mixed.shape
     fold_of_sample = np.arange(count) % SOBOL.folds
     fit_a, fit_b, variances = np.zeros((3, tolerances, count))
     centre = np.zeros(count)
-    model_tolerances = _choose_model_tolerances(figure, departures_a)
-    ends = np.cumsum([departures_a[i].shape[1] for i in model_tolerances], dtype=int)
+    model_tolerances = _choose_model_tolerances(figure, deviations_a)
+    ends = np.cumsum([deviations_a[i].shape[1] for i in model_tolerances], dtype=int)
     for fold_index in range(SOBOL.folds):
         training, validation = fold_of_sample != fold_index, fold_of_sample == fold_index
         columns = np.concatenate(
-            [_columns(departures_a, model_tolerances, training), _columns(departures_b, model_tolerances, training)]
+            [_columns(deviations_a, model_tolerances, training), _columns(deviations_b, model_tolerances, training)]
         )
         target = np.concatenate([figure.first[training], figure.second[training]])
         # normal equations: the columns are independent draws, four rows and more for each
@@ -190,31 +193,34 @@ def _fit_control_variate(figure: _FigureSets, departures: Sequence[list[Array]])
         centre[validation] = constant[0]
         for i, slope in zip(model_tolerances, slopes[: len(model_tolerances)], strict=True):
             fit_a[i, validation], fit_b[i, validation] = (
-                departures_a[i][validation] @ slope,
-                departures_b[i][validation] @ slope,
+                deviations_a[i][validation] @ slope,
+                deviations_b[i][validation] @ slope,
             )
             variances[i, validation] = slope @ slope
     return centre, _FigureSets(fit_a.sum(axis=0), fit_b.sum(axis=0), fit_a.sum(axis=0) - fit_a + fit_b), variances
 
 
-def _choose_model_tolerances(figure: _FigureSets, departures: list[Array]) -> list[int]:
+def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> list[int]:
     """Return the indices of the tolerances in the linear model: those that change the figure, fewest numbers first.
 
-    The number of columns is limited to `SobolSettings.max_columns` of the rows. `departures`: standardised, of set A.
+    The number of columns is limited to `SobolSettings.max_columns` of the rows. `deviations`: standardised, of set A.
     """
     rows = 2.0 * figure.first.size * (1.0 - 1.0 / SOBOL.folds)
     free_columns = SOBOL.max_columns * rows - 1.0
     selected_tolerances = []
-    for i in sorted(range(len(departures)), key=lambda i: departures[i].shape[1]):
-        if np.any(figure.mixed[i] != figure.first) and departures[i].shape[1] <= free_columns:
+    for i in sorted(range(len(deviations)), key=lambda i: deviations[i].shape[1]):
+        if np.any(figure.mixed[i] != figure.first) and deviations[i].shape[1] <= free_columns:
             selected_tolerances.append(i)
-            free_columns -= departures[i].shape[1]
+            free_columns -= deviations[i].shape[1]
     return sorted(selected_tolerances)
 
 
-def _columns(departures: list[Array], chosen: Sequence[int], rows: Mask) -> Array:
-    """Stack the columns of a linear model: a constant, and the departures of the chosen tolerances."""
-    return np.concatenate([np.ones((int(rows.sum()), 1)), *(departures[i][rows] for i in chosen)], axis=1)
+def _columns(deviations: list[Array], chosen: Sequence[int], rows: Mask) -> Array:
+    """Stack the columns of a linear model: a constant, and the deviations of the tolerances with the indices `chosen`.
+
+    `deviations` is a list over the tolerances, shape (n, numbers) each, and `rows` selects samples, shape (n,).
+    """
+    return np.concatenate([np.ones((int(rows.sum()), 1)), *(deviations[i][rows] for i in chosen)], axis=1)
 
 
 def _jackknife_ratios(partial_variance: Array, variance: Array) -> tuple[Array, Array, Array]:

@@ -64,7 +64,7 @@ class RunPlan:
     def trials(
         self, measures_by_design: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
-        """List designs with one variation, and the measures of all their starts."""
+        """Return a `Trial` for each design: the design with a variation, and the measures of all its starts."""
         starts_by_design = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
         return [
             Trial(first_start, measures_by_design[first_start], tuple(measures_by_design[repeat] for repeat in repeats))
@@ -139,11 +139,11 @@ def compare(
     plan = plan_runs(cases, solver, QUICK_STARTS if quick else STARTS, assumptions=() if quick else ASSUMPTIONS)
     runs = list(plan.names)
 
-    def run(design: Design) -> tuple[Measures, Series | None]:
+    def measure_design(design: Design) -> tuple[Measures, Series | None]:
         motion = settle_run(simulate(design, model_for(solver, Reducer(design))))
         return measure_run(motion), motion if design in plan.starts else None
 
-    results = dict(zip(runs, Engine(kind="threads").each(run, runs, progress), strict=True))
+    results = dict(zip(runs, Engine(kind="threads").each(measure_design, runs, progress), strict=True))
     return plan.compare(
         {design: measures for design, (measures, _) in results.items()},
         {design: motion for design, (_, motion) in results.items() if motion is not None},
@@ -170,21 +170,26 @@ def list_cases(
         Whether all runs last as long as that of `first_design` at constant speed, instead of a whole number of settled
         crank turns.
 
+    Returns
+    -------
+    list
+        Designs, load by load. With the planar solver and no time step of their own, all have that of the stiffest case.
+
     Raises
     ------
     UsageError
         There are fewer than two designs, or two designs have one name.
     """
-    shared = conditions(Reducer(first_design))
+    common_conditions = conditions(Reducer(first_design))
     rated_torque = round(first_design.rated_torque, 9) if load_nm is None else load_nm
     compared_designs = list(designs)
     if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
         compared_designs.append(
-            with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), shared, rated_torque)))
+            with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), common_conditions, rated_torque)))
         )
     by_load = [
-        [apply_conditions(Reducer(design), shared, load) for design in compared_designs]
+        [apply_conditions(Reducer(design), common_conditions, load) for design in compared_designs]
         for load in dict.fromkeys((0.0, rated_torque))
     ]
     cases = [case for group in by_load for case in (group if fixed_hold else _with_settled_turns(group))]
@@ -241,10 +246,13 @@ def name_run(design: Design, start: int = 0) -> str:
 
 
 def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
-    """Return designs of one load with a run time of whole crank turns after the slowest of them has settled."""
+    """Return designs of one load with a run time of whole crank turns after the slowest of them has settled.
+
+    Designs are returned unchanged if the crank of one of them does not turn.
+    """
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)
     turns = TURNS if designs[0].load.torque else IDLE_TURNS
     settle = max(settling_time(Reducer(design)) for design in designs)
-    # a sample more: the last turn shall be whole
+    # one more sample, so that the last turn is complete
     return [design.steady(settle, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]

@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.units import MICROMETRES
-from cycloid_mj.explore.sampling import Batch, apply_departures, draw_departures, unchecked_design_of_sample
+from cycloid_mj.explore.sampling import Batch, apply_deviations, draw_deviations, unchecked_design_of_sample
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import find_tightest_pairs
@@ -40,13 +40,16 @@ PRELOADED_PARTS = {"preload_n": "a tooth", "output_preload_n": "an output pin", 
 
 
 def find_jams(figures: Mapping[str, Array]) -> Mask:
-    """Return which samples jam, by the figures of `PRELOADS`, shape (samples,)."""
-    fits = [figures[free] <= JAM.share * figures[loaded] for free, loaded in PRELOADS.items()]
-    return np.asarray(~np.all(fits, axis=0))
+    """Return which samples jam, shape (samples,), by the figures of `PRELOADS` [N], shape (samples,) each.
+
+    Samples without a static balance have NaN as forces, and count as jammed.
+    """
+    is_free = [figures[preload] <= JAM.share * figures[loaded] for preload, loaded in PRELOADS.items()]
+    return np.asarray(~np.all(is_free, axis=0))
 
 
 def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
-    """Compute the share of samples in which each part ("a tooth", "the cam") is preloaded without a load.
+    """Compute the share of samples in which each part ("a tooth", "the cam") is preloaded; shares of 0 are left out.
 
     `figures` are the figures of the samples by key, shape (samples,) each. The share of samples without a static
     balance has the key "no balance". Return an empty dictionary if the figures lack the contact forces of `PRELOADS`.
@@ -54,8 +57,8 @@ def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
     if not PRELOADS.keys() <= figures.keys():
         return {}
     counts = {
-        PRELOADED_PARTS[free]: float(np.mean(figures[free] > JAM.share * figures[loaded_key]))
-        for free, loaded_key in PRELOADS.items()
+        PRELOADED_PARTS[preload_key]: float(np.mean(figures[preload_key] > JAM.share * figures[loaded_key]))
+        for preload_key, loaded_key in PRELOADS.items()
     }
     failed_share = float(np.mean(~np.isfinite(figures["preload_n"])))
     return {pair: share for pair, share in {**counts, "no balance": failed_share}.items() if share}
@@ -84,9 +87,9 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
         Which samples of the study's first block jam, shape (samples,); at least one.
     """
     rows = np.flatnonzero(jams)[: JAM.max_examined]
-    block = draw_departures(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
-    departures = {key: values[rows] for key, values in block.items()}
-    interferences, shares = _minimize_interference(reducer, departures)
+    block = draw_deviations(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
+    deviations = {key: values[rows] for key, values in block.items()}
+    interferences, shares = _minimize_interference(reducer, deviations)
     if max(interferences) <= 0.0:
         return (
             f"in the first {rows.size} of them rigid parts would fit, but contacts press without a load, or no static "
@@ -99,7 +102,7 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
         f"tolerance.{key}"
         for key in zones
         if max(
-            _minimize_interference(reducer, {kept_key: departures[kept_key] for kept_key in zones if kept_key != key})[
+            _minimize_interference(reducer, {kept_key: deviations[kept_key] for kept_key in zones if kept_key != key})[
                 0
             ]
         )
@@ -114,14 +117,14 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     )
 
 
-def _minimize_interference(reducer: Reducer, departures: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
+def _minimize_interference(reducer: Reducer, deviations: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
     """Compute the least interference of rigid parts over crank angles [m] for each sample, and which pairs cause it.
 
-    `departures` from the nominal design [m], by tolerance, shape (samples, ...). Return the interference of each sample
+    `deviations` from the nominal design [m], by tolerance, shape (samples, ...). Return the interference of each sample
     (negative if the parts fit), and by contact pair its mean share in the interference.
     """
-    count = len(next(iter(departures.values()))) if departures else 1
-    samples = apply_departures(reducer, identical_samples(reducer, count), departures)
+    count = len(next(iter(deviations.values()))) if deviations else 1
+    samples = apply_deviations(reducer, identical_samples(reducer, count), deviations)
     interferences, shares = [], dict[str, float]()
     for row in range(count):
         drive = unchecked_design_of_sample(reducer, samples, row)

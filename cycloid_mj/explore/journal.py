@@ -188,9 +188,10 @@ def _lock(rows: Path, folder: Path, study: str) -> Iterator[None]:
 
 
 def _read_rows(stream: IO[bytes]) -> dict[int, PointResult]:
-    """Read the rows of a study, by index of the point, and truncate an incomplete last line from the file.
+    """Read the rows of a study, by index of the point from 0, up to the first line that is not valid.
 
-    A line is incomplete if the process was killed while writing, or if the disk was full.
+    That line and all after it are cut from the file. A line is incomplete if the process was killed while writing, or
+    if the disk was full.
     """
     stream.seek(0)
     rows: dict[int, PointResult] = {}

@@ -134,11 +134,14 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
     return tuple(links.values())
 
 
-def default_links(requested: Iterable[Link], varied: Iterable[str]) -> tuple[Link, ...]:
-    """List the rules of an optimisation: those whose leader is varied, and whose key is neither varied nor linked."""
-    varied = set(varied)
-    excluded = varied | {link.key for link in requested}
-    return tuple(Link(key) for key, rule in RULES.items() if rule.leaders & varied and key not in excluded)
+def default_links(requested: Iterable[Link], varied_keys: Iterable[str]) -> tuple[Link, ...]:
+    """Return the links by the `RULES` that apply to an optimisation without a request.
+
+    A rule applies if one of its leaders is varied, and its key is neither varied nor linked by `requested`.
+    """
+    varied_keys = set(varied_keys)
+    excluded = varied_keys | {link.key for link in requested}
+    return tuple(Link(key) for key, rule in RULES.items() if rule.leaders & varied_keys and key not in excluded)
 
 
 def apply_links(nominal: Reducer, reducer: Reducer, links: Iterable[Link]) -> Design:

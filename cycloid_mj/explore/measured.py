@@ -74,6 +74,13 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     """Simulate a design over its drive cycle, and collect the findings of the log as columns.
 
     Under a load the pins have no inertia, unless `real_pins` is set: this allows longer time steps.
+
+    Raises
+    ------
+    DesignError
+        The crank speed is zero.
+    RunError
+        The run would take too many time steps, or fails.
     """
     from cycloid_mj.analysis import analyze
     from cycloid_mj.dynamics.run import RUN, model_for, schedule, simulate
@@ -103,7 +110,11 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
 
 
 def _flatten_findings(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
-    """Yield column and value of all numbers and switches in nested findings; nested keys are joined by underscores."""
+    """Yield column and value of all numbers and switches in nested findings; nested keys are joined by underscores.
+
+    The entries of a list that have a ``pair`` get it as prefix, in place of the keys above. Texts, other lists and None
+    are left out.
+    """
     for key, value in findings.items():
         if isinstance(value, Mapping):
             yield from _flatten_findings(value, f"{prefix}{key}_")
@@ -125,7 +136,10 @@ def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Collect the checks of a design as columns: number of failures, values, and the summary if it can be built."""
+    """Collect the checks of a design as columns: numbers and names of failures, values, and `_summarize_design`.
+
+    Checks without a value have no column. A design with errors has no summary.
+    """
     from cycloid_mj.checks import check
 
     results = check(reducer.design)
@@ -148,7 +162,10 @@ def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _summarize_design(reducer: Reducer) -> MeasuredFigures:
-    """Collect ratio, size, mass, rated torque, capacity and other quantities of `design check`'s summary as columns."""
+    """Collect the summary of `design check` as columns with units: ratio, size, mass, torques, backlash and others.
+
+    ``weakest`` names the contact that limits the capacity.
+    """
     from cycloid_mj.checks import summarize
 
     figures = summarize(reducer)

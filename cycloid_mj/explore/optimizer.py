@@ -188,7 +188,11 @@ def _compute_sheet(reducer: Reducer) -> Sheet | None:
 
 
 def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int, starts: int, seed: int) -> None:
-    """Search for the best point; with two objectives, search once for each weight of `OptimizerSettings.weights`."""
+    """Search for the best point; with two objectives, search once for each weight of `OptimizerSettings.weights`.
+
+    The evaluations are divided equally among the weights. The searches for both ends of the front start at the design,
+    the others at the best point so far with a smaller standard deviation and a single start.
+    """
     if len(task.objectives) == 1:
         search_minimum(task, evaluator.evaluate_points, lambda row: task.costs(row)[0], evaluations, starts, [seed])
         return
@@ -213,19 +217,20 @@ def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int,
 def _chebyshev_cost(task: Problem, rows: Sequence[PointResult], weight: float) -> Callable[[PointResult], float]:
     """Return the cost function that merges two objectives: the augmented weighted Chebyshev scalarization.
 
-    Steuer and Choo 1983 (Math. Program. 26, 326-344). Objectives are normalized by their ranges in `rows`, the points
-    evaluated so far; `weight` (0 to 1) is that of the first objective.
+    Steuer and Choo 1983 (Math. Program. 26, 326-344). Objectives are normalized by their ranges between the best points
+    of either objective in `rows`, the points evaluated so far; `weight` (0 to 1) is that of the first objective. At the
+    ends, 0 and 1, the cost is that of one objective.
     """
     feasible = [row for row in rows if row.values[FEASIBLE]]
     costs = [task.costs(row) for row in feasible] or [(0.0, 0.0)]
-    low = [min(column) for column in zip(*costs, strict=True)]
-    best = [min(costs), min(costs, key=lambda pair: pair[1])]
-    ranges = [abs(best[1 - i][i] - low[i]) or abs(low[i]) or 1.0 for i in (0, 1)]
+    ideal_point = [min(column) for column in zip(*costs, strict=True)]
+    front_ends = [min(costs), min(costs, key=lambda pair: pair[1])]
+    ranges = [abs(front_ends[1 - i][i] - ideal_point[i]) or abs(ideal_point[i]) or 1.0 for i in (0, 1)]
 
     def scalarized_cost(row: PointResult) -> float:
-        shares = [(cost - low[i]) / ranges[i] for i, cost in enumerate(task.costs(row))]
-        weighted = [weight * shares[0], (1.0 - weight) * shares[1]]
-        return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + OPTIMIZER.sum_weight * sum(shares)
+        normalized = [(cost - ideal_point[i]) / ranges[i] for i, cost in enumerate(task.costs(row))]
+        weighted = [weight * normalized[0], (1.0 - weight) * normalized[1]]
+        return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + OPTIMIZER.sum_weight * sum(normalized)
 
     return scalarized_cost
 
@@ -248,7 +253,15 @@ class _PointEvaluator:
         return [self._rows.by_index[index] for index in range(self._count) if index in self._rows.by_index]
 
     def evaluate_points(self, points: Sequence[Point]) -> list[PointResult]:
-        """Evaluate points, record their results, and return these in order; recorded points are read again."""
+        """Evaluate points, record their results, and return these in order; recorded points are read again.
+
+        Raises
+        ------
+        RunError
+            The process of a point was lost.
+        CycloidError
+            The record has other points, or cannot be written.
+        """
         first_index = self._count
         self._count += len(points)
         missing = [

@@ -19,7 +19,7 @@ from cycloid_mj.design.units import unit_of
 from cycloid_mj.explore.constraints import MIN_BOUND
 from cycloid_mj.explore.problem import FEASIBLE, REJECTED_BY, VIOLATION, Problem
 from cycloid_mj.explore.row import PointResult
-from cycloid_mj.explore.tolerances import VERIFIED_HEADER, Tolerances
+from cycloid_mj.explore.tolerances import CONSTANT_RTOL, VERIFIED_HEADER, Tolerances
 from cycloid_mj.explore.verify import DynamicsCheck, table_rows
 from cycloid_mj.figures import figure
 from cycloid_mj.statics.sheet import Sheet
@@ -93,7 +93,7 @@ class Optimum(Tabular):
 
     @property
     def refused(self) -> dict[str, int]:
-        """Number of points that each check or limit rejects, the most frequent first."""
+        """Number of points that each check or limit rejects, the most frequent first; a point may count repeatedly."""
         counted = Counter(name for row in self.rows for name in str(row.values[REJECTED_BY]).split("; ") if name)
         return dict(counted.most_common())
 
@@ -212,7 +212,7 @@ class Optimum(Tabular):
         return {} if self.best is None else self.figures(self.best)
 
     def change(self, key: str) -> float:
-        """Compute the relative change of a figure from the start to the best; NaN where one is not known."""
+        """Compute the relative change of a figure from the start to the best; NaN if the start has no value, or 0."""
         start = self.start_figures.get(key, math.nan)
         return self.best_figures[key] / start - 1.0 if start else math.nan
 
@@ -234,8 +234,7 @@ class Optimum(Tabular):
         sentences = []
         for key in (objective.key for objective in self.task.objectives):
             values = [value for row in evaluated_rows if math.isfinite(value := float(row.values[key]))]
-            # rounding errors are below
-            if len(values) > 1 and max(values) - min(values) <= 1e-9 * max(map(abs, values)):
+            if len(values) > 1 and max(values) - min(values) <= CONSTANT_RTOL * max(map(abs, values)):
                 sentences.append(
                     f"the objective {key} does not depend on {', '.join(self.task.keys)}: it is {values[0]:.6g} at all "
                     f"{len(values)} points, so the best point is arbitrary. Vary other keys or choose another objective"
@@ -251,7 +250,10 @@ class Optimum(Tabular):
 
     @property
     def active_bounds(self) -> tuple[str, ...]:
-        """Sentences that name the ends of ranges and the limits at which the best point lies, within `AT_END`."""
+        """Sentences that name the ends of ranges and the limits at which the best point lies, within `AT_END`.
+
+        The range of a choice is that of its numbers; choices with words or switches have none.
+        """
         if self.best is None:
             return ()
         values, figures = self.values(self.best), self.best_figures
@@ -264,9 +266,9 @@ class Optimum(Tabular):
                 spans[choice.key] = min(numbers), max(numbers)
         ends = []
         for key, (low, high) in spans.items():
-            share = (float(values[key]) - low) / (high - low)
-            if min(share, 1.0 - share) < AT_END:
-                end, bound = ("lower", low) if share < 0.5 else ("upper", high)
+            position = (float(values[key]) - low) / (high - low)
+            if min(position, 1.0 - position) < AT_END:
+                end, bound = ("lower", low) if position < 0.5 else ("upper", high)
                 ends.append(
                     f"{key} is at the {end} end of its range, {bound:g}: a wider range may allow a better design"
                 )
@@ -302,7 +304,10 @@ def _format_cell(value: Cell) -> str:
 
 
 def tables(optimum: Optimum) -> tuple[Table, ...]:
-    """Tabulate the best point and its figures next to the start, the rejections, the Pareto front, and the checks."""
+    """Tabulate the best point and its figures next to the start, the rejections, the Pareto front, and the checks.
+
+    Tables without rows are left out. The optimum must have a best point.
+    """
     assert optimum.best is not None
     start, best = optimum.values(0), optimum.values(optimum.best)
     keys = tuple((key, _format_cell(start[key]), _format_cell(best[key])) for key in optimum.task.keys)
@@ -352,7 +357,10 @@ def _tabulate_checks(best_checks: BestChecks) -> list[Table]:
 
 
 def _comparison_row(best: Quantity, start: Quantity | None) -> tuple[str, ...]:
-    """Format a quantity of the best design next to that of the start."""
+    """Format name, value at the start, value of the best design, relative change and unit of a quantity.
+
+    A value that is not available at the start is a dash.
+    """
     start_value = start.value if start else math.nan
     change = best.value / start_value - 1.0 if start_value else math.nan
     return best.name, _format_number(start_value), _format_number(best.value), _format_change(change), best.unit

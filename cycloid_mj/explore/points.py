@@ -94,13 +94,15 @@ def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: in
     """
     _require_few(count)
     axes = [parse_axis(key, range_text) for key, range_text in vary.items()]
-    shares = _draw_shares(method, count, len(axes), seed)
-    columns = [_values_at_shares(axis, column) for axis, column in zip(axes, shares.T, strict=True)]
+    unit_points = _draw_in_unit_cube(method, count, len(axes), seed)
+    columns = [_scale_to_axis(axis, column) for axis, column in zip(axes, unit_points.T, strict=True)]
     return Points(tuple(vary), tuple(zip(*columns, strict=True)))
 
 
 def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
-    """Convert rows of a table, key -> value or its text, to points; all rows must have the same keys.
+    """Convert rows of a table, key of the design file -> value or its text, to points with the values in their types.
+
+    All rows must have the same keys.
 
     Raises
     ------
@@ -223,7 +225,7 @@ def _parse_range(key: str, field: FieldInfo, text: str, parts: Sequence[str]) ->
 
 
 def axis_values(axis: Axis) -> tuple[Value, ...]:
-    """List the values of an axis: its list, or evenly spaced values of its range.
+    """List the values of an axis: its list, or evenly spaced values of its range (both ends, if it is to be sampled).
 
     Raises
     ------
@@ -272,26 +274,30 @@ def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
     raise UsageError(f"{key}: {str(value)!r:.60} is not allowed; give {allowed}")
 
 
-def _draw_shares(method: Method, count: int, dimensions: int, seed: int) -> Array:
-    """Draw points in the unit cube by a sampling method, shape (count, dimensions)."""
+def _draw_in_unit_cube(method: Method, count: int, dimensions: int, seed: int) -> Array:
+    """Draw points in the unit cube (coordinates from 0 to 1) by a sampling method, shape (count, dimensions).
+
+    A Sobol sequence is balanced for powers of two only: its first `count` points are returned.
+    """
     from scipy.stats import qmc
 
     match method:
         case "sobol":
-            shares = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(
-                max(0, (count - 1).bit_length())
-            )
-            return np.asarray(shares[:count])
+            sequence = qmc.Sobol(dimensions, rng=np.random.default_rng(seed))
+            return np.asarray(sequence.random_base2(max(0, (count - 1).bit_length()))[:count])
         case "lhs":
             return np.asarray(qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count))
     return np.random.default_rng(seed).random((count, dimensions))
 
 
-def _values_at_shares(axis: Axis, shares: Array) -> list[Value]:
-    """List the values of an axis at shares of its range or list from 0 to 1, shape (n,)."""
+def _scale_to_axis(axis: Axis, coordinates: Array) -> list[Value]:
+    """Convert coordinates from 0 to 1, shape (n,), to values of an axis: of its range, or of its list of values.
+
+    The values of a list, and the whole numbers of a range, have parts of equal length.
+    """
     if axis.values or axis.count:
         values = axis_values(axis)
-        return [values[int(share * len(values))] for share in shares.tolist()]
+        return [values[int(coordinate * len(values))] for coordinate in coordinates.tolist()]
     if axis.field.annotation is int:
-        return [int(axis.low + share * (axis.high - axis.low + 1)) for share in shares.tolist()]
-    return (axis.low + shares * (axis.high - axis.low)).tolist()
+        return [int(axis.low + coordinate * (axis.high - axis.low + 1)) for coordinate in coordinates.tolist()]
+    return (axis.low + coordinates * (axis.high - axis.low)).tolist()

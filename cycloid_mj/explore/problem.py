@@ -182,7 +182,11 @@ def _as_tuple(words: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def _parse_variable(key: str, values: Wanted) -> SearchRange | Choice:
-    """Parse the values of a key: a range of real numbers, or a list of values to try in turn."""
+    """Parse the values of a key: a range of real numbers, or a list of values to try in turn.
+
+    A pair of numbers is a range for a real number. A range of whole numbers becomes the list of all of them, and so
+    does ``lo:hi:n``. Raises UsageError as `parse_axis`.
+    """
     if declaration_of(key).annotation is float and not isinstance(values, str) and len(values) == 2:
         values = f"{values[0]}:{values[1]}"
     axis = parse_axis(key, values)
@@ -255,7 +259,7 @@ def compute_rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
 
 
 def _excess(value: float | None, bound: float | None) -> float:
-    """Compute by how much a value misses its bound, relative to the larger of both; 1 where that is no number."""
+    """Compute by how much a value misses its bound, relative to the larger of both; 1 if either is not finite."""
     if value is None or bound is None or not math.isfinite(value - bound):
         return 1.0
     return abs(value - bound) / max(abs(value), abs(bound), MIN_BOUND)

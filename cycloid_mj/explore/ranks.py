@@ -26,6 +26,12 @@ HEADLINES = (
 )
 """Quantities that are shown first, in this order; the others follow in the order of the measure."""
 
+MAX_SHOWN = 6
+"""Quantities that are shown without a request."""
+
+CONSTANT_RTOL = 1e-6
+"""Relative range of a column up to which it counts as constant: rounding errors are below."""
+
 
 @dataclass(frozen=True)
 class Ranks:
@@ -45,7 +51,9 @@ def number_inputs(sweep: Sweep) -> tuple[str, ...]:
 
 
 def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the columns of a sweep to show: those requested, else up to six that vary, `HEADLINES` first.
+    """Return the columns of a sweep to show: those requested, else up to `MAX_SHOWN` that vary, `HEADLINES` first.
+
+    If none varies, columns that are constant are returned instead.
 
     Raises
     ------
@@ -63,11 +71,10 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
     if requested:
         return requested
     finite = {name: values for name in available if (values := _finite(numbers[name])).size}
-    # more than rounding
-    varying = [name for name, values in finite.items() if np.ptp(values) > 1e-6 * np.abs(values).max()] or available
-    order = {name: number for number, name in enumerate(HEADLINES)}
-    sorted_names = sorted(varying, key=lambda name: order.get(name.rpartition(".")[2], len(order)))
-    return tuple(sorted_names[:6])
+    varying = [name for name, values in finite.items() if np.ptp(values) > CONSTANT_RTOL * np.abs(values).max()]
+    order = {name: position for position, name in enumerate(HEADLINES)}
+    sorted_names = sorted(varying or available, key=lambda name: order.get(name.rpartition(".")[2], len(order)))
+    return tuple(sorted_names[:MAX_SHOWN])
 
 
 def _catalogue_key(name: str) -> str:
@@ -87,7 +94,10 @@ def rank_correlations(sweep: Sweep, quantities: tuple[str, ...]) -> Ranks:
 
 
 def tabulate_quantities(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
-    """Tabulate minimum, median and maximum of quantities, and with several inputs their rank correlations."""
+    """Tabulate minimum, median and maximum of quantities, and with several inputs their rank correlations.
+
+    Only finite values count; ``points`` is their number.
+    """
     numbers = sweep.frame.numbers
     rows = []
     for name in quantities:
@@ -108,7 +118,10 @@ def _finite(values: Array) -> Array:
 
 
 def _spearman(values_a: Array, values_b: Array) -> float:
-    """Compute Spearman's rank correlation of two columns; NaN for fewer than 3 points that have both values."""
+    """Compute Spearman's rank correlation of two columns, shape (points,) each, over the points with both values.
+
+    NaN for fewer than 3 points, and where a column is constant.
+    """
     from scipy.stats import spearmanr
 
     valid = np.isfinite(values_a) & np.isfinite(values_b)

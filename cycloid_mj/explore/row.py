@@ -55,7 +55,8 @@ class PointResult:
 def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
     """Compute the measures of the design at a point, given the values of the task's keys in order.
 
-    An error of a value or a measure is recorded in the result, since other points may succeed.
+    An error of a value or a measure is recorded in the result, since other points may succeed. If a value fails, the
+    result has no quantities; if a measure fails, it has those of the others.
     """
     start = time.thread_time()
     try:

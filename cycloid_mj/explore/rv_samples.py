@@ -38,7 +38,7 @@ BLOCK = 2_000
 
 @dataclass(frozen=True)
 class RvSamples:
-    """Samples: values of `FIGURE` [arcsec], drawn departures [um] by column, error budget, and the worst designs."""
+    """Samples: values of `FIGURE` [arcsec], drawn deviations [um] by column, error budget, and the worst designs."""
 
     values: Array
     drawn: Mapping[str, Array]
@@ -79,6 +79,10 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
 def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> RvSamples:
     """Draw random samples of an RV reducer within its tolerances, with their transmission errors and error budget.
 
+    The budget has the share of each tolerance in the mean square of the transmission error over the turn, its mean
+    subtracted. Shares are exact, as the closed form is linear: first order and total are equal, and the interval has no
+    width.
+
     Parameters
     ----------
     reducer
@@ -95,18 +99,20 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     """
     zones, rng = crank_zones(reducer), np.random.default_rng(seed)
     nominal, responses = closed_rotation(reducer), dict[str, Array]()
-    departures, variances = dict[str, Array](), dict[str, float]()
+    deviations, variances = dict[str, Array](), dict[str, float]()
     for key, zone_of_key in zones.items():
         responses_of_key = {
-            column: turn
+            column: response
             for field in ERRORS[key]
-            for column, turn in _compute_responses(reducer, field, nominal).items()
+            for column, response in _compute_responses(reducer, field, nominal).items()
         }
-        departures |= {column: zone_of_key.quantiles(rng.random(samples)) for column in responses_of_key}
-        variances[key] = zone_of_key.deviation**2 * sum(float(np.var(turn)) for turn in responses_of_key.values())
+        deviations |= {column: zone_of_key.quantiles(rng.random(samples)) for column in responses_of_key}
+        variances[key] = zone_of_key.standard_deviation**2 * sum(
+            float(np.var(response)) for response in responses_of_key.values()
+        )
         responses |= responses_of_key
     values = (
-        _transmission_errors(nominal, np.array(list(responses.values())), np.array(list(departures.values())))
+        _transmission_errors(nominal, np.array(list(responses.values())), np.array(list(deviations.values())))
         / ARCSECOND
     )
     total = sum(variances.values())
@@ -115,16 +121,16 @@ def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> 
     worst_rows = np.argsort(-values)[:worst]
     return RvSamples(
         values=values,
-        drawn={column: MICROMETRES * departure for column, departure in departures.items()},
+        drawn={column: MICROMETRES * deviation for column, deviation in deviations.items()},
         budget=tuple(
             Share(key, share_of_key[key], share_of_key[key], (share_of_key[key], share_of_key[key]))
             for key in sorted_keys
         ),
-        worst=tuple(_design_of_sample(reducer, departures, int(row), rank) for rank, row in enumerate(worst_rows, 1)),
+        worst=tuple(_design_of_sample(reducer, deviations, int(row), rank) for rank, row in enumerate(worst_rows, 1)),
     )
 
 
-def _transmission_errors(nominal: Array, responses: Array, departures: Array) -> Array:
+def _transmission_errors(nominal: Array, responses: Array, deviations: Array) -> Array:
     """Compute the peak-to-peak transmission error of each sample [rad], shape (samples,).
 
     Parameters
@@ -133,11 +139,11 @@ def _transmission_errors(nominal: Array, responses: Array, departures: Array) ->
         Output angle of the nominal reducer over a turn [rad], shape (m,).
     responses
         Change of this angle by each error [rad/m], shape (columns, m).
-    departures
+    deviations
         Errors of the samples [m], shape (columns, samples).
     """
-    starts = range(0, departures.shape[1], BLOCK)
-    blocks = (departures[:, start : start + BLOCK].T @ responses + nominal for start in starts)
+    starts = range(0, deviations.shape[1], BLOCK)
+    blocks = (deviations[:, start : start + BLOCK].T @ responses + nominal for start in starts)
     return np.concatenate([np.ptp(block, axis=1) for block in blocks])
 
 
@@ -179,14 +185,17 @@ def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
     return list(values) or [0.0] * _list_length(reducer, field)
 
 
-def _design_of_sample(reducer: RvReducer, departures: Mapping[str, Array], row: int, rank: int) -> Design:
-    """Return a sample as a design with its errors; `row` is its index in `departures` [m], `rank` numbers the name."""
+def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: int, rank: int) -> Design:
+    """Return a sample as a design with its errors added to those of the nominal reducer.
+
+    `row` is the index of the sample in `deviations` [m], by column of `_columns_of_field`; `rank` numbers the name.
+    """
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):
         names = _columns_of_field(reducer, field)
-        if names[0] in departures:
+        if names[0] in deviations:
             values = [
-                nominal + float(departures[name][row])
+                nominal + float(deviations[name][row])
                 for nominal, name in zip(_errors_of_field(reducer, field), names, strict=True)
             ]
             changes[field] = tuple(values) if _list_length(reducer, field) else values[0]

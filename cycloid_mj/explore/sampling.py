@@ -24,10 +24,12 @@ class SamplingSettings:
     """Samples drawn from one stream of random numbers per tolerance."""
     budget_stream: int = 1 << 32
     """Number of the random stream of the budget's first set, after those of all blocks; its second set has the next."""
-    min_share: float = 2.0**-54
-    """Smallest distance of a share from 0 and 1, where a normal quantile is infinite."""
+    min_probability: float = 2.0**-54
+    """Smallest distance of a uniform random number from 0 and 1, where a normal quantile is infinite."""
     first_batch: int = 200
     """Samples that are balanced before all others, to see whether they jam."""
+    max_batch: int = 256
+    """Samples that one worker balances at a time at most, so that no worker waits long for the last one."""
 
 
 SAMPLING = SamplingSettings()
@@ -45,6 +47,9 @@ WAVE = "profile_"
 
 def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
     """Collect the nonzero tolerance zones of a design by key; the key of a profile wave is `WAVE` and its order.
+
+    ISO grades refer to the diameter of the dimension [m]. A zone is left out if it is exactly zero, and so is that of
+    the seat (`Design.pin_play`) of pins without play.
 
     Raises
     ------
@@ -98,60 +103,66 @@ class Batch:
 
 
 def list_batches(samples: int) -> list[Batch]:
-    """Split samples into batches: `SAMPLING.first_batch` samples first, and no batch across two random blocks."""
+    """Split samples into batches of at most `SAMPLING.max_batch`, none of them across two random blocks.
+
+    The first batch has `SAMPLING.first_batch` samples, or all if there are fewer.
+    """
     first_count = min(SAMPLING.first_batch, samples, SAMPLING.block)
     batches = [Batch(0, first_count)]
     done = first_count
     while done < samples:
         block, offset = divmod(done, SAMPLING.block)
-        # so that no worker waits long for the last one
-        count = min(256, SAMPLING.block - offset, samples - done)
+        count = min(SAMPLING.max_batch, SAMPLING.block - offset, samples - done)
         batches.append(Batch(block, count, offset))
         done += count
     return batches
 
 
 def draw_samples(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> Samples:
-    """Draw the samples of a batch."""
-    return apply_departures(
-        reducer, identical_samples(reducer, batch.count), draw_departures(reducer, zones, seed, batch)
+    """Draw the samples of a batch; `seed` is the random seed of the study, `zones` the tolerances by key."""
+    return apply_deviations(
+        reducer, identical_samples(reducer, batch.count), draw_deviations(reducer, zones, seed, batch)
     )
 
 
-def draw_departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
-    """Draw the departures of the samples of a batch from the nominal design [m], by tolerance, shape (samples, ...).
+def draw_deviations(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
+    """Draw the deviations of the samples of a batch from the nominal design [m], by tolerance, shape (samples, ...).
 
     A wave of the profile has the amplitudes of its cosine and sine, shape (samples, 2), see `Samples.waves`.
     """
-    shares = _draw_shares(reducer, zones, seed, batch)
-    departures = {key: zone.quantiles(shares[key]) for key, zone in zones.items()}
+    uniform_numbers = _draw_uniform_numbers(reducer, zones, seed, batch)
+    deviations = {key: zone.quantiles(uniform_numbers[key]) for key, zone in zones.items()}
     for key in (key for key in zones if key.startswith(WAVE)):
-        amplitude, phase = zones[key].quantiles(shares[key][:, 0]), 2.0 * np.pi * shares[key][:, 1]
-        departures[key] = np.stack([amplitude * np.cos(phase), -amplitude * np.sin(phase)], axis=1)
-    return departures
+        amplitude, phase = zones[key].quantiles(uniform_numbers[key][:, 0]), 2.0 * np.pi * uniform_numbers[key][:, 1]
+        deviations[key] = np.stack([amplitude * np.cos(phase), -amplitude * np.sin(phase)], axis=1)
+    return deviations
 
 
-def _draw_shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
-    """Draw uniform random numbers from 0 to 1 for the samples of a batch, by tolerance, shape (samples, ...)."""
+def _draw_uniform_numbers(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
+    """Draw uniform random numbers between 0 and 1 for the samples of a batch, by tolerance, shape (samples, ...).
+
+    The random stream depends on seed, tolerance and block only. To start within a block, the numbers of its earlier
+    samples are drawn as well and dropped.
+    """
     end = batch.first + batch.count
-    shares = {}
+    numbers_by_key = {}
     for key in zones:
-        number = batch.number if not batch.compared else SAMPLING.budget_stream + (key in batch.second)
-        generator = np.random.default_rng([seed, _stream_of(key), number])
-        shares[key] = _clip_inside(generator.random((end, *_shape_of_draws(reducer, key)))[batch.first :])
-    return shares
+        block = batch.number if not batch.compared else SAMPLING.budget_stream + (key in batch.second)
+        generator = np.random.default_rng([seed, _stream_of(key), block])
+        numbers = generator.random((end, *_shape_of_draws(reducer, key)))[batch.first :]
+        numbers_by_key[key] = np.clip(numbers, SAMPLING.min_probability, 1.0 - SAMPLING.min_probability)
+    return numbers_by_key
 
 
 def _stream_of(key: str) -> int:
     return len(SOURCES) + int(key.removeprefix(WAVE)) if key.startswith(WAVE) else SOURCES.index(key)
 
 
-def _clip_inside(shares: Array) -> Array:
-    return np.clip(shares, SAMPLING.min_share, 1.0 - SAMPLING.min_share)
-
-
 def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
-    """Return the shape of the random numbers of a tolerance for one sample."""
+    """Return the shape of the random numbers of a tolerance for one sample: () for a single dimension.
+
+    A position has x and y; a wave of the profile has amplitude and phase.
+    """
     design = reducer.design
     pins, discs = design.ring.teeth, design.gear.discs
     shapes = {"pin_position": (pins, 2), "pin_radius": (pins,), "hole_position": (discs, design.output.pins, 2)}
@@ -159,36 +170,40 @@ def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
     return (2,) if key.startswith(WAVE) else shapes.get(key, ())
 
 
-def apply_departures(reducer: Reducer, nominal: Samples, departures: Mapping[str, Array]) -> Samples:
-    """Return samples of the nominal design with departures [m] added, by tolerance, shape (samples, ...)."""
+def apply_deviations(reducer: Reducer, nominal: Samples, deviations: Mapping[str, Array]) -> Samples:
+    """Return samples of the nominal design with deviations [m] added, by tolerance, shape (samples, ...).
+
+    A deviation of the pin circle moves all pins radially by the same distance, in addition to their position errors.
+    Waves of the profile are added to those of the same order.
+    """
     fields = {f"{key}_position": f"{key}_place" for key in ("pin", "hole", "cam")} | {"disc_size": "disc_radius"}
-    names = {key: fields.get(key, key) for key in SOURCES if key in departures and key != "pin_circle"}
-    changes = {name: getattr(nominal, name) + departures[key] for key, name in names.items()}
-    if "pin_circle" in departures:
+    names = {key: fields.get(key, key) for key in SOURCES if key in deviations and key != "pin_circle"}
+    changes = {name: getattr(nominal, name) + deviations[key] for key, name in names.items()}
+    if "pin_circle" in deviations:
         outwards = profile.unit(profile.pin_angles(reducer.tooth_profile))
         position = changes.get("pin_place", nominal.pin_place)
-        changes["pin_place"] = position + departures["pin_circle"][:, np.newaxis, np.newaxis] * outwards
-    if waves := [key for key in departures if key.startswith(WAVE)]:
+        changes["pin_place"] = position + deviations["pin_circle"][:, np.newaxis, np.newaxis] * outwards
+    if waves := [key for key in deviations if key.startswith(WAVE)]:
         changes["waves"] = np.array(nominal.waves)
         for key in waves:
-            changes["waves"][:, int(key.removeprefix(WAVE)) - 1] += departures[key]
+            changes["waves"][:, int(key.removeprefix(WAVE)) - 1] += deviations[key]
     return replace(nominal, **changes)
 
 
-def departure_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
-    """Convert departures [m], by tolerance, to columns [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
+def deviation_columns(deviations: Mapping[str, Array]) -> dict[str, Array]:
+    """Convert deviations [m], by tolerance, to columns [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
 
     Pins, discs and holes of a disc (``drawn_hole_position_2_7_x_um``: hole 7 of disc 2) are counted from 1.
     """
     columns = {}
-    for key, values in departures.items():
-        axes = {"pin_position": "xy", "hole_position": "xy", "cam_position": "xy"}.get(key, "")
+    for key, values in deviations.items():
+        coordinates = "xy" if key in ("pin_position", "hole_position", "cam_position") else ""
         for index in np.ndindex(values.shape[1:]):
             if key.startswith(WAVE):
                 name_parts = ["cos" if index[0] == 0 else "sin"]
             else:
-                name_parts = [str(number + 1) for number in (index[:-1] if axes else index)]
-                name_parts += [axes[index[-1]]] if axes else []
+                name_parts = [str(number + 1) for number in (index[:-1] if coordinates else index)]
+                name_parts += [coordinates[index[-1]]] if coordinates else []
             columns["_".join(["drawn", key, *name_parts, "um"])] = MICROMETRES * values[(slice(None), *index)]
     return columns
 
@@ -234,7 +249,11 @@ def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], excluded: int) -
 
 
 def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
-    """Return a sample as a design with all its errors; raise DesignError where a design cannot have its values."""
+    """Return the sample with the index `row` as a design with all its errors and clearances, and without tolerances.
+
+    An internal gear has no errors of single lobes, so those are dropped. `name` is cut to the 64 characters of a name.
+    Raise DesignError where a design cannot have the values, such as a clearance of 0.
+    """
     clearance, errors = _clearances_and_errors(reducer, samples, row)
     if reducer.design.ring.kind != "pin":
         errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
@@ -243,7 +262,7 @@ def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) ->
 
 
 def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> Design:
-    """Return a sample as a design without validation, for geometry only: clearances may be negative."""
+    """Return the sample with the index `row` as a design without validation, for geometry: clearances may be < 0."""
     design = reducer.design
     clearance, errors = _clearances_and_errors(reducer, samples, row)
     return design.model_copy(
@@ -255,9 +274,10 @@ def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> 
 
 
 def _clearances_and_errors(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
-    """Return the clearances and the errors of a sample [m], by their keys in the design file.
+    """Return the clearances and the errors of the sample with the index `row` [m], by their keys in the design file.
 
-    Measured deviations of parts, which the nominal design already has, are subtracted from the errors.
+    Errors that are all zero are empty tuples. Measured deviations of parts, which the nominal design already has, are
+    subtracted from the errors.
     """
     design, deviations = reducer.design, measured_deviations(reducer.design)
     pins, holes = samples.pin_place[row] - deviations.pin_place, samples.hole_place[row].reshape(-1, 2)

@@ -45,6 +45,9 @@ REQUIREMENT = "optimize", "optimize", "try points with `cycloid-mj sweep`"
 """Command that needs the package ``cma``, its extra, and the alternative."""
 
 
+INFEASIBLE_SCORE = 1e20
+"""Lowest score of an infeasible point: no figure is as large, so that every feasible point ranks before it."""
+
 Point = tuple[Value, ...]
 Evaluate = Callable[[Sequence[Point]], list[PointResult]]
 Cost = Callable[[PointResult], float]
@@ -76,7 +79,7 @@ class EvolutionSearch:
     def ask(self) -> list[Point]:
         """Return the points of the next generation."""
         self._generation = [np.zeros(0)] if self._strategy is None else self._strategy.ask()
-        return [(*from_shares(self._ranges, shares), *self.combination) for shares in self._generation]
+        return [(*values_in_ranges(self._ranges, positions), *self.combination) for positions in self._generation]
 
     def tell(self, scores: Sequence[float]) -> None:
         """Record the scores of the points of `ask`, the lowest being the best."""
@@ -90,7 +93,8 @@ class EvolutionSearch:
 def _new_strategy(start: Array, sigma: float, generator: np.random.Generator) -> Any:
     """Create a CMA-ES strategy of the package ``cma`` in the unit cube, with random numbers from `generator`.
 
-    `start` is the first mean, shape (ranges,), and `sigma` the first standard deviation, relative to the ranges.
+    `start` is the first mean, shape (ranges,), and `sigma` the first standard deviation, relative to the ranges. A
+    single range is padded to `CmaSettings.min_dimensions` by an idle coordinate.
     """
     cma = import_extra("cma", *REQUIREMENT)
     padding = np.full(max(0, CMA.min_dimensions - start.size), 0.5)
@@ -104,26 +108,29 @@ def _new_strategy(start: Array, sigma: float, generator: np.random.Generator) ->
     return cma.CMAEvolutionStrategy(np.concatenate([start, padding]), sigma, options)
 
 
-def from_shares(ranges: Sequence[SearchRange], shares: Array) -> tuple[float, ...]:
-    """Compute the real numbers at relative positions in their ranges."""
+def values_in_ranges(ranges: Sequence[SearchRange], positions: Array) -> tuple[float, ...]:
+    """Compute the real numbers at relative positions (0 to 1) in their ranges; further positions are ignored."""
     return tuple(
-        significant(each.low + (each.high - each.low) * float(share))
-        for each, share in zip(ranges, shares, strict=False)
+        significant(key_range.low + (key_range.high - key_range.low) * float(position))
+        for key_range, position in zip(ranges, positions, strict=False)
     )
 
 
-def to_shares(ranges: Sequence[SearchRange], values: Sequence[Value]) -> Array:
-    """Compute the relative positions of real numbers in their ranges, clipped to 0 to 1."""
+def positions_in_ranges(ranges: Sequence[SearchRange], values: Sequence[Value]) -> Array:
+    """Compute the relative positions of real numbers in their ranges, clipped to 0 to 1, shape (ranges,).
+
+    `values` are those of a point: the real numbers come first, and the values of the choices after them are ignored.
+    """
     pairs = zip(ranges, values, strict=False)
-    return np.clip([(float(value) - each.low) / (each.high - each.low) for each, value in pairs], 0.0, 1.0)
+    positions = [(float(value) - key_range.low) / (key_range.high - key_range.low) for key_range, value in pairs]
+    return np.clip(positions, 0.0, 1.0)
 
 
 def rank_score(row: PointResult, cost: Cost) -> float:
-    """Compute the score of a row: its cost where it is feasible, else a larger number by its violation."""
+    """Compute the score of a row: its cost if it is feasible, else `INFEASIBLE_SCORE` or more, by its violation."""
     if row.values[FEASIBLE]:
         return cost(row)
-    # no figure is as large
-    return 1e20 * (1.0 + float(row.values[VIOLATION]))
+    return INFEASIBLE_SCORE * (1.0 + float(row.values[VIOLATION]))
 
 
 def search_minimum(
@@ -178,7 +185,10 @@ class _Run:
         return EvolutionSearch(self._task.ranges, combination, start, sigma, [*self._seed, *stream])
 
     def advance(self, searches: Sequence[EvolutionSearch], until: int, per_search: float = math.inf) -> None:
-        """Run generations until `until` evaluations in total, or `per_search` new evaluations of each search."""
+        """Run generations until `until` evaluations in total, or `per_search` new evaluations of each search.
+
+        Converged searches stop earlier; a generation that has begun is completed.
+        """
         evaluations_before = {id(search): search.used for search in searches}
         while active_searches := [
             search
@@ -190,7 +200,7 @@ class _Run:
                 break
 
     def _generation(self, searches: Sequence[EvolutionSearch]) -> None:
-        """Evaluate the next generation of each search together."""
+        """Evaluate the next generation of each search together, report the scores to it, and update the best point."""
         generations = [search.ask() for search in searches]
         rows = self._evaluate([point for points in generations for point in points])
         self._used += len(rows)
@@ -203,12 +213,13 @@ class _Run:
                 self._best = batch[lowest], points[lowest]
 
     def select_combination(self, start_point: Point, sigma: float) -> list[EvolutionSearch]:
-        """Select combinations of the choices by successive halving: drop the worse half after each round of searches.
+        """Select a combination of the choices by successive halving: drop the worse half after each round of searches.
 
-        `start_point` is the start point of all searches, `sigma` their first standard deviation. Return the remaining
-        searches.
+        `start_point` is the start point of all searches, `sigma` their first standard deviation, relative to the
+        ranges. Return the remaining search, in a list. With a single combination there are no rounds, and no
+        evaluations.
         """
-        start = to_shares(self._task.ranges, start_point)
+        start = positions_in_ranges(self._task.ranges, start_point)
         remaining = [
             self._new_search(combination, start, sigma, [number, 0])
             for number, combination in enumerate(self._combinations)
@@ -251,7 +262,7 @@ class _Run:
             score, point = self._best
             ranges = self._task.ranges
             search = self._new_search(
-                point[len(ranges) :], to_shares(ranges, point), CMA.local_sigma, [0, starts + repeats]
+                point[len(ranges) :], positions_in_ranges(ranges, point), CMA.local_sigma, [0, starts + repeats]
             )
             self.advance([search], self._budget)
             if self._best[0] >= score:

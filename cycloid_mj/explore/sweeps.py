@@ -87,12 +87,12 @@ class Sweep(Tabular):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Columns of measured quantities, in the order of the measures."""
-        quantities: dict[str, None] = {}
+        """Columns of measured quantities of all rows, in the order of the measures."""
+        columns: dict[str, None] = {}
         for index in sorted(self.rows):
-            quantities.update(dict.fromkeys(self.rows[index].values))
-        order = {name: number for number, name in enumerate(self.task.measures)}
-        return tuple(sorted(quantities, key=lambda column: order.get(column.partition(".")[0], 0)))
+            columns.update(dict.fromkeys(self.rows[index].values))
+        order = {measure: position for position, measure in enumerate(self.task.measures)}
+        return tuple(sorted(columns, key=lambda column: order.get(column.partition(".")[0], 0)))
 
     @cached_property
     def frame(self) -> Frame:

@@ -44,6 +44,9 @@ CONSTANT_RTOL = 1e-9
 """Relative range of a figure up to which it counts as constant: rounding errors are below."""
 
 
+MAX_INTERVAL_WIDTH = 0.2
+"""Width of the 95 % interval of a share above which a note recommends more samples."""
+
 MAX_WORST = 5
 """Number of worst samples that are kept as designs."""
 
@@ -90,7 +93,7 @@ class Tolerances(Tabular):
     figures
         Values by key, shape (samples,) each.
     drawn
-        Departures of each sample from the design [um], by the columns of `departure_columns`, shape (samples,) each.
+        Deviations of each sample from the design [um], by the columns of `deviation_columns`, shape (samples,) each.
     jams
         Which samples jam, shape (samples,).
     jammed_by
@@ -153,12 +156,12 @@ class Tolerances(Tabular):
 
     @property
     def yield_interval(self) -> tuple[float, float]:
-        """The 95 % confidence interval of the yield (Wilson, J. Am. Stat. Assoc. 22, 1927)."""
-        count, share = self.samples, float(self.good.mean())
+        """Bounds of the 95 % confidence interval of the yield (Wilson, J. Am. Stat. Assoc. 22, 1927), 0 to 1."""
+        count, good_share = self.samples, float(self.good.mean())
         weight = NormalDist().inv_cdf(0.975) ** 2 / count
-        middle = (share + 0.5 * weight) / (1.0 + weight)
-        half = math.sqrt(weight * share * (1.0 - share) + 0.25 * weight**2) / (1.0 + weight)
-        return max(middle - half, 0.0), min(middle + half, 1.0)
+        middle = (good_share + 0.5 * weight) / (1.0 + weight)
+        half_width = math.sqrt(weight * good_share * (1.0 - good_share) + 0.25 * weight**2) / (1.0 + weight)
+        return max(middle - half_width, 0.0), min(middle + half_width, 1.0)
 
     @property
     def words(self) -> str:
@@ -222,7 +225,7 @@ class Tolerances(Tabular):
         if self.no_budget:
             return [f"no error budget: {self.no_budget}"]
         widest = max((share.ci95[1] - share.ci95[0] for share in self.budget), default=0.0)
-        if widest > 0.2 and self.samples < SOBOL.max_samples:
+        if widest > MAX_INTERVAL_WIDTH and self.samples < SOBOL.max_samples:
             return [
                 f"the error budget is uncertain (95 % intervals up to {widest:.2f} wide): draw more samples, "
                 f"--samples {SOBOL.max_samples}"
@@ -231,7 +234,7 @@ class Tolerances(Tabular):
 
     @property
     def distributions(self) -> dict[str, Distribution]:
-        """The distribution of every figure over the samples that do not jam; NaN where fewer than two do not."""
+        """Key -> distribution of the figure over the samples that do not jam; NaN if there are fewer than two."""
         return {
             key: Distribution.of_values(values[~self.jams], figure(key).unit) for key, values in self.figures.items()
         }
@@ -368,7 +371,11 @@ def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress,
 def _study_rv_reducer(
     reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str], verify: int
 ) -> Tolerances:
-    """Return the tolerance study of an RV reducer, which has a closed form; raises as `tolerance`."""
+    """Return the tolerance study of an RV reducer from its closed form: no sample jams, and none can be simulated.
+
+    Raises as `tolerance`, and UsageError for a limit on another figure than that of `rv_samples`, or if `verify` is
+    set.
+    """
     parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed_limits)
     if other := [limit.key for limit in parsed_limits if limit.key != rv_samples.FIGURE]:
@@ -493,11 +500,11 @@ class _Study:
         }
         jams = find_jams(figures)
         is_stopped = len(batches) == 1 and stops_study(jams)
-        departures_by_batch = [
-            sampling.draw_departures(self.reducer, self.zones, self.seed, batch) for batch in batches
+        deviations_by_batch = [
+            sampling.draw_deviations(self.reducer, self.zones, self.seed, batch) for batch in batches
         ]
-        departures = {key: np.concatenate([part[key] for part in departures_by_batch]) for key in self.zones}
-        samples = sampling.apply_departures(self.reducer, identical_samples(self.reducer, jams.size), departures)
+        deviations = {key: np.concatenate([part[key] for part in deviations_by_batch]) for key in self.zones}
+        samples = sampling.apply_deviations(self.reducer, identical_samples(self.reducer, jams.size), deviations)
         can_be_written = sampling.has_design_file(self.reducer, samples)
         budget, no_budget = ((), "") if is_stopped else self._budget(figures_by_batch, figures[self.budget_key][~jams])
         return Tolerances(
@@ -507,7 +514,7 @@ class _Study:
             asked=self.samples,
             seed=self.seed,
             figures=figures,
-            drawn=sampling.departure_columns(departures),
+            drawn=sampling.deviation_columns(deviations),
             jams=jams,
             jammed_by=explain_jams(self.reducer, self.zones, self.seed, jams) if is_stopped else "",
             limits=self.limits,
@@ -519,7 +526,11 @@ class _Study:
         )
 
     def _worst(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
-        """Return the designs of the eligible samples with the worst values, shape (samples,) each."""
+        """Return the designs of up to `MAX_WORST` samples with the worst values, the worst first.
+
+        `values` of the budget's figure and `eligible` have shape (samples,). The largest values are the worst, unless
+        the first limit is a lower bound.
+        """
         sense = 1.0 if not self.limits or self.limits[0].at_most else -1.0
         ranked = np.argsort(-sense * values, kind="stable")
         numbers = ranked[eligible[ranked]][:MAX_WORST].tolist()
@@ -530,8 +541,9 @@ class _Study:
     ) -> tuple[tuple[Share, ...], str]:
         """Compute the error budget of the study's figure; return its shares, and a sentence if there are none.
 
-        `figures_by_batch` are the figures by index of the batch and key; `unjammed_values` are those of the figure for
-        the samples that do not jam, shape (n,).
+        There are none if the figure is constant, the study is too small or was stopped, or too many samples jam. A
+        single tolerance has the share 1. `figures_by_batch` are the figures by index of the batch and key;
+        `unjammed_values` are those of the figure for the samples that do not jam, shape (n,).
         """
         key = self.budget_key
         if unjammed_values.size > 1 and np.ptp(unjammed_values) <= CONSTANT_RTOL * np.abs(unjammed_values).max():
@@ -547,10 +559,10 @@ class _Study:
         values_by_set = {
             name: np.where(find_jams(set_figures), np.nan, set_figures[key]) for name, set_figures in figures.items()
         }
-        departures = [
-            sampling.draw_departures(self.reducer, self.zones, self.seed, self.budget_sets[name]) for name in "AB"
+        deviations = [
+            sampling.draw_deviations(self.reducer, self.zones, self.seed, self.budget_sets[name]) for name in "AB"
         ]
-        if budget := compute_shares(self.zones, departures, values_by_set):
+        if budget := compute_shares(self.zones, deviations, values_by_set):
             return budget, ""
         usable_samples, count = find_usable_rows(values_by_set).size, self.budget_sets["A"].count
         remedy = "" if count == SOBOL.max_samples else ", or draw more samples (--samples)"

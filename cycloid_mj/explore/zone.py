@@ -31,16 +31,16 @@ class Zone:
     middle: float
     width: float
 
-    def quantiles(self, share: Array) -> Array:
-        """Compute the deviations [m] below which shares of the parts lie (0 to 1), in the shape of `share`."""
+    def quantiles(self, probability: Array) -> Array:
+        """Compute the deviations [m] below which a part lies with a probability (0 to 1), in its shape."""
         if self.kind == "uniform":
-            return self.middle + self.width * (2.0 * share - 1.0)
+            return self.middle + self.width * (2.0 * probability - 1.0)
         from scipy.special import ndtri  # not loaded where nothing is drawn
 
-        return np.asarray(self.middle + self.width * ndtri(share))
+        return np.asarray(self.middle + self.width * ndtri(probability))
 
     @property
-    def deviation(self) -> float:
+    def standard_deviation(self) -> float:
         """Standard deviation [m]."""
         return self.width if self.kind == "normal" else self.width / 3.0**0.5
 
@@ -57,7 +57,7 @@ def parse_zone(
     size
         Diameter to which ISO tolerance grades and fits refer [m].
     clearance
-        Nominal clearance [m], to which the departures of a fit refer; None if a fit is not allowed.
+        Nominal clearance [m], to which the deviations of a fit refer; None if a fit is not allowed.
     table
         Table of the design file that has the key.
 
@@ -94,10 +94,11 @@ def _finite(text: str) -> float:
     return value
 
 
-def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
+def wave_zones(text: str, highest_order: int, size: float) -> dict[int, Zone]:
     """Parse the tolerances of profile waves, ``2: normal 1, 35: uniform 2``, into amplitude distributions by order.
 
-    `highest` is the highest order that is allowed, `size` the diameter for ISO tolerance grades [m].
+    `highest_order` is the highest order that is allowed, `size` the diameter for ISO tolerance grades [m]. Orders with
+    an empty or zero tolerance are left out.
 
     Raises
     ------
@@ -108,10 +109,10 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
     for part in filter(str.strip, text.split(",")):
         order, colon, zone_text = part.partition(":")
         number = int(order) if order.strip().isdecimal() else 0
-        if not colon or not 1 <= number <= highest or number in zones:
+        if not colon or not 1 <= number <= highest_order or number in zones:
             raise DesignError(
                 f"tolerance.profile = {text!r}: {part.strip()!r} is not an order with its tolerance. Write orders from "
-                f'1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
+                f'1 to {highest_order}, each once, as in "2: normal 1, {highest_order - 1}: uniform 2" (in um)'
             )
         if zone := parse_zone(zone_text, "profile", size):
             zones[number] = zone
@@ -119,6 +120,9 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
 
 
 def _fit(text: str, size: float, clearance: float) -> Zone:
-    """Return the radial clearance of a fit, relative to the design's; its limits are 3 standard deviations away."""
-    tight, loose = (0.5 * limit for limit in clearances(text, size))
-    return Zone("normal", 0.5 * (tight + loose) - clearance, (loose - tight) / ZONE_SIGMAS)
+    """Return the deviation of the radial clearance of a fit such as ``H7/g6`` from the nominal `clearance` [m].
+
+    `size` is the nominal diameter [m]. The limits of the fit are 3 standard deviations from its middle.
+    """
+    tightest, loosest = (0.5 * limit for limit in clearances(text, size))
+    return Zone("normal", 0.5 * (tightest + loosest) - clearance, (loosest - tightest) / ZONE_SIGMAS)

@@ -41,6 +41,9 @@ CHEAP = frozenset({Need.GEOMETRY, Need.STATICS})
 COMPUTED = frozenset({*CHEAP, Need.LIFE})
 """Needs without finite elements and runs."""
 
+MAX_SUGGESTIONS = 5
+"""Similar keys that an error message suggests."""
+
 NEED_NAMES = {
     Need.GEOMETRY: "dimensions only",
     Need.STATICS: "statics",
@@ -99,7 +102,10 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
 
 
 def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
-    """Return a question for an error message: whether one of up to five similar keys was meant; empty without."""
+    """Return a question for an error message: whether one of up to `MAX_SUGGESTIONS` similar keys was meant.
+
+    Similar keys contain `key`, or else resemble it. The text is empty if there are none.
+    """
     available = [
         name
         for name, row in _BY_ANY_NAME.items()
@@ -108,8 +114,10 @@ def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) ->
         and name != key
         and name not in row.deprecated
     ]
-    similar = [name for name in available if key and key in name] or get_close_matches(key, available, n=5, cutoff=0.5)
-    suggested_keys = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in similar))[:5]
+    similar = [name for name in available if key and key in name] or get_close_matches(
+        key, available, n=MAX_SUGGESTIONS, cutoff=0.5
+    )
+    suggested_keys = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in similar))[:MAX_SUGGESTIONS]
     return f"did you mean {', '.join(suggested_keys)}? Otherwise " if suggested_keys else ""
 
 
@@ -119,7 +127,7 @@ def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figur
 
 
 def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
-    """Compute figures by their keys or aliases; errors are those of the figures."""
+    """Compute figures of a reducer by their keys or aliases, each in its unit; errors are those of the figures."""
     return {key: figure(key).value(reducer) for key in keys}
 
 
@@ -163,7 +171,7 @@ def compute_sampled(
 ) -> dict[str, Array]:
     """Compute some of the figures `SAMPLED` for samples of a reducer, by key, shape (samples,) each.
 
-    `angles` is the number of crank angles over a turn.
+    Keys of other figures are ignored. `angles` is the number of crank angles over a turn.
     """
     rows = {key: sampled_figure for key in keys if (sampled_figure := figure(key).sampled)}
     needed_states = {state for row in rows.values() for state in row.states}

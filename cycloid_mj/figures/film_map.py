@@ -87,6 +87,12 @@ def compute_film_map(
     temperatures
         Temperatures of all parts [°C].
 
+    Returns
+    -------
+    tuple
+        For each temperature: starting and back-driving torque, then for each speed the no-load torque and the
+        efficiency at each torque.
+
     Raises
     ------
     UsageError
@@ -102,14 +108,16 @@ def compute_film_map(
             f'--map needs friction.law = "film", but {design.name} has friction.law = "{design.friction.law}", which '
             "does not depend on speed or temperature: add --set friction.law=film, or remove --map"
         )
-    points, reducer = [], state_seals(reducer)
+    points, with_seals = [], state_seals(reducer)
     for temperature in temperatures:
-        warm = reducer.but(thermal=dict.fromkeys(HEATED, temperature))
-        points.append(MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm, MAP.samples)))
-        back_driving = back_driving_spread(warm, MAP.samples)
+        warm_reducer = with_seals.but(thermal=dict.fromkeys(HEATED, temperature))
+        points.append(
+            MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm_reducer, MAP.samples))
+        )
+        back_driving = back_driving_spread(warm_reducer, MAP.samples)
         points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back_driving))
         for speed in (share * design.drive.speed for share in shares):
-            turning_reducer = warm.but(drive={"speed": speed})
+            turning_reducer = warm_reducer.but(drive={"speed": speed})
             no_load = no_load_spread(turning_reducer, MAP.samples)
             points.append(MapPoint("no-load torque", "N m", None, speed, temperature, no_load))
             for torque in (share * design.rated_torque for share in shares):

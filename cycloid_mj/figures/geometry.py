@@ -42,7 +42,7 @@ def least_convex_radius(reducer: Reducer) -> float:
 
 
 def short_width(reducer: Reducer) -> float:
-    """Compute the short-width coefficient K1 = c N / E [1]."""
+    """Compute the short-width coefficient K1 = c N / E [1]: eccentricity c, N ring teeth, pin-circle radius E."""
     ring = reducer.design.ring
     return ring.teeth * reducer.design.gear.eccentricity / ring.pin_circle_radius
 

@@ -22,6 +22,9 @@ ANGLES = 360
 TOUCH = 1e-4
 """Torque that moves the parts to a stop, over the nominal torque: its wind-up is at most 0.2 % of the backlash."""
 
+CREEP_SHARE = 1e-9
+"""Crank speed at which samples are solved, over that of the design: inertia vanishes."""
+
 State = Literal["ahead", "back", "loaded"]
 STATES: dict[State, float] = {"ahead": TOUCH, "back": -TOUCH, "loaded": 1.0}
 """Torque on the output in each state, over the nominal torque."""
@@ -44,10 +47,11 @@ def solve_states(
 ) -> dict[State, SampleFigures]:
     """Solve the static equilibrium of samples in some of `STATES`, without friction, weight and inertia.
 
-    Inertia vanishes because the crank turns at 1e-9 of its speed. `angles` is the number of crank angles over a turn.
+    Inertia vanishes because the crank turns at `CREEP_SHARE` of its speed. `angles` is the number of crank angles over
+    a turn. Return figures of the samples by state, in the order of `STATES`.
     """
     weightless = {"gravity_x": 0.0, "gravity_y": 0.0}
-    creeping = reducer.but(environment=weightless, drive={"speed": 1e-9 * reducer.design.drive.speed})
+    creeping = reducer.but(environment=weightless, drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
     ordered_states = [state for state in STATES if state in states]
     torques = [STATES[state] * reducer.design.rated_torque for state in ordered_states]
     return dict(zip(ordered_states, solve_samples(creeping, samples, torques, angles), strict=True))

@@ -13,6 +13,9 @@ from cycloid_mj.statics.film_spread import SAMPLES, Spread, compute_spread, lost
 from cycloid_mj.statics.sheet import sheet_part
 from cycloid_mj.statics.sheet_figures import SHEET_FIGURES, SheetFigure, SheetPart
 
+MAX_SECANT_STEPS = 4
+"""Most secant steps for the back-driving torque, whose drag is nearly linear in the torque."""
+
 CREEP_SHARE = 1e-3
 """Speed over that of the design at which the discs' centrifugal force vanishes."""
 
@@ -69,12 +72,14 @@ def starting_torque(reducer: Reducer) -> float:
 def back_driving_torque(reducer: Reducer) -> float:
     """Compute the torque on the output that turns a free crank slowly [N m]; NaN if the reducer is self-locking.
 
-    It solves T w/i = L(T) by secants, with the losses L, the crank's speed w and the ratio i; errors as `powers`.
+    T solves the power balance T w/i = L(-T), with the losses L [W] at a driving torque on the output, the crank's speed
+    w and the ratio i, by up to `MAX_SECANT_STEPS` steps of the secant through T and 2 T. A slope of the losses of 1 or
+    more means self-locking. Errors as `powers`.
     """
     creeping = _creeping(reducer)
     lever = reducer.design.reduction / abs(creeping.design.drive.speed)
     smallest_load = torque = TOUCH * reducer.design.rated_torque
-    for _ in range(4):
+    for _ in range(MAX_SECANT_STEPS):
         drag, double_drag = (lever * powers(creeping, -load).lost for load in (torque, 2.0 * torque))
         drag_slope = (double_drag - drag) / torque
         if drag_slope >= 1.0:
@@ -87,7 +92,10 @@ def back_driving_torque(reducer: Reducer) -> float:
 
 
 def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
-    """Compute `no_load_torque` with the law ``film`` and its interval [N m]; errors as `powers`."""
+    """Compute `no_load_torque` with the law ``film``, and its interval [N m]; errors as `powers`.
+
+    The interval is that over sampled inputs of the film law.
+    """
     speed = abs(reducer.design.drive.speed)
     lost, outcomes = lost_powers(reducer, TOUCH * reducer.design.rated_torque, samples)
     return compute_spread(lost / speed, outcomes / speed, sample_inputs(samples)[1])

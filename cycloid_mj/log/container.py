@@ -78,13 +78,14 @@ class Record:
 class Messages:
     """Content of a chunk: schemas and channels by id, and the messages of each channel.
 
-    `of` maps the id of a channel to its message records, shape (k, length), in the order of the file; channels whose
-    messages differ in length are in `ragged` instead. `counts` has the number of messages of each channel.
+    `rows` maps the id of a channel to its message records with their headers, shape (k, bytes of a record), in the
+    order of the file; channels whose messages differ in length are in `ragged` instead. `counts` has the number of
+    messages of each channel.
     """
 
     schemas: dict[int, Any]
     channels: dict[int, Any]
-    of: dict[int, Bytes]
+    rows: dict[int, Bytes]
     ragged: frozenset[int]
     counts: dict[int, int]
 
@@ -142,14 +143,14 @@ def read_records(stream: BinaryIO, path: Path) -> Iterator[Record]:
 
 
 def read_metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
-    """Read name and entries of a metadata record."""
+    """Read name and entries of a metadata record; raise LogError if it is malformed."""
     with convert_parse_errors(path, f"malformed metadata at byte {record.offset}"):
         parsed = Metadata.read(_stream(record.content))
     return parsed.name, parsed.metadata
 
 
 def read_attachment(record: Record, path: Path) -> tuple[str, bytes]:
-    """Read name and content of an attachment and verify its CRC."""
+    """Read name and content of an attachment and verify its CRC; raise LogError if it is malformed or wrong."""
     with convert_parse_errors(path, f"malformed attachment at byte {record.offset}"):
         (crc,) = struct.unpack("<I", record.content[-4:])
         if zlib.crc32(record.content[:-4]) != crc:
@@ -159,7 +160,13 @@ def read_attachment(record: Record, path: Path) -> tuple[str, bytes]:
 
 
 def read_chunk(record: Record, path: Path) -> Messages:
-    """Read schemas, channels and messages of a chunk record, and verify its CRC."""
+    """Read schemas, channels and messages of a chunk record, and verify its CRC.
+
+    Raises
+    ------
+    LogError
+        The chunk is malformed, its CRC is wrong, or it exceeds the limits `CHUNK`.
+    """
     with convert_parse_errors(path, f"malformed chunk at byte {record.offset}"):
         chunk = Chunk.read(_stream(record.content))
         _check_message_count(chunk)
@@ -172,7 +179,9 @@ def read_chunk(record: Record, path: Path) -> Messages:
 def _check_message_count(chunk: Chunk) -> None:
     """Refuse a chunk with more messages than its compressed data can describe, before it takes memory.
 
-    The compressed data are inflated block by block, and the record headers in them are counted.
+    The compressed data are inflated block by block, and the record headers in them are counted. Chunks that are small
+    enough for any number of messages are not counted, and `decompress` refuses those larger than `CHUNK.max_size`.
+    Counting ends without an error at an invalid header, which `_parse_chunk` reports.
 
     Raises
     ------
@@ -272,7 +281,10 @@ def _parse_chunk(data: bytes) -> Messages:
 
 
 def _equal_length_rows(data: bytes, offsets: list[int]) -> Bytes | None:
-    """Return the message records at byte offsets as an array (k, length); None if their lengths differ."""
+    """Return the message records at k byte offsets of a chunk as an array, shape (k, bytes of a record).
+
+    Return None if their lengths differ, or if a record is shorter than its header.
+    """
     _, length = HEAD.unpack_from(data, offsets[0])
     size = HEAD.size + length
     if size < MESSAGE_HEAD.itemsize:
@@ -283,6 +295,7 @@ def _equal_length_rows(data: bytes, offsets: list[int]) -> Bytes | None:
 
 
 def _has_seal(stream: BinaryIO, size: int) -> bool:
+    """Return whether a file of `size` bytes ends in the magic bytes, which are written when it is complete."""
     stream.seek(max(0, size - len(MAGIC)))
     return size >= 2 * len(MAGIC) and stream.read() == MAGIC
 

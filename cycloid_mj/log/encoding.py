@@ -116,14 +116,19 @@ class ColumnGroup:
         return messages.view(self.record)[:, 0]
 
     def schema(self) -> bytes:
-        """Return the serialized FileDescriptorSet of the message, with the units as comments."""
+        """Return the serialized FileDescriptorSet of the message (protobuf, descriptor.proto), with units as comments.
+
+        The path [4, 0, 2, i] of a comment is that of field i of the first message in the file.
+        """
         files = FileDescriptorSet()
         package, name = self.message.split(".")
         file = files.file.add(name=f"{package}{self.topic}.proto", package=package, syntax="proto3")
         message = file.message_type.add(name=name)
-        for row, ((field, number, kind), unit) in enumerate(zip(self.fields, ("s", *self.units.values()), strict=True)):
+        units = ("s", *self.units.values())
+        for index, ((field, number, kind), unit) in enumerate(zip(self.fields, units, strict=True)):
             message.field.add(name=field, number=number, type=kind, label=FieldDescriptorProto.LABEL_OPTIONAL)
-            file.source_code_info.location.add(path=[4, 0, 2, row], span=[row, 0, 0], trailing_comments=f" [{unit}]\n")
+            comment = f" [{unit}]\n"
+            file.source_code_info.location.add(path=[4, 0, 2, index], span=[index, 0, 0], trailing_comments=comment)
         return files.SerializeToString(deterministic=True)
 
     def metadata(self) -> dict[str, str]:

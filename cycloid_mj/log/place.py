@@ -28,7 +28,7 @@ class LogFile:
     path
         Path of the complete log.
     at
-        Its path now: `path` from the beginning if there was no log, otherwise another one.
+        Its path now: `path` from the beginning if there was no log, otherwise that of a partial file.
     stream
         Stream of the file.
     hidden
@@ -103,7 +103,15 @@ class LogFile:
     def _open_new(self) -> tuple[Path, BinaryIO]:
         """Create the file of the log and lock it; return its path and stream.
 
-        If the log replaces another one, the file has the first free partial name; a hidden log has a hidden name.
+        If the log replaces another one, the file has the first free partial name. A hidden log has a hidden name, which
+        is unique and needs no lock.
+
+        Raises
+        ------
+        FileExistsError
+            There is a log already, and it is not to be replaced.
+        OSError
+            The file cannot be created.
         """
         if self.hidden:
             partial_path = hidden_path(self.path)

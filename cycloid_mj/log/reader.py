@@ -57,10 +57,10 @@ class Log:
     size: int
 
 
-class _Samples:
+class _GroupSamples:
     """The samples of a group while they are read: times and columns in arrays that grow in place.
 
-    No number is in memory twice; if `rows` are given, only their samples are kept.
+    No number is in memory twice. If `rows` (indices of samples, increasing) are given, only these samples are kept.
     """
 
     def __init__(self, rows: Integers | None = None) -> None:
@@ -68,7 +68,9 @@ class _Samples:
         self._columns: list[Array] = []
 
     def add(self, group: ColumnGroup, block: Bytes, path: Path) -> None:
-        """Append a block of messages of a group, shape (k, length), to the columns.
+        """Append a block of message records of a group, shape (k, bytes of a record), to the columns.
+
+        The sequence numbers must continue those of the previous block. Samples that are not in `rows` are dropped.
 
         Raises
         ------
@@ -93,7 +95,10 @@ class _Samples:
         self.count, self._kept = end, end_kept
 
     def finish(self, samples: int) -> list[Array]:
-        """Return times and columns, cut to so many samples and read-only, so that a `Run` need not copy them."""
+        """Return times [s] and columns of the first `samples` samples, or of those of them that are in `rows`.
+
+        The arrays are read-only, so that a `Run` need not copy them.
+        """
         count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:
             column.resize(count, refcheck=False)
@@ -105,10 +110,11 @@ class _Samples:
 class _Contents:
     """Contents of a file: metadata and attachments by name, the others by their ids in the file.
 
-    Groups of the topics in `without` are skipped, and so are samples that are not in `rows`, if these are given.
+    Groups of the topics in `excluded_topics` are skipped, and so are samples that are not in `rows`, if these are
+    given.
     """
 
-    without: Collection[str]
+    excluded_topics: Collection[str]
     rows: Integers | None
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: dict[str, bytes] = field(default_factory=dict)
@@ -116,7 +122,7 @@ class _Contents:
     channels: dict[int, Any] = field(default_factory=dict)
     groups: dict[int, ColumnGroup] = field(default_factory=dict)
     counts: Counter[int] = field(default_factory=Counter)
-    samples: "dict[int, _Samples]" = field(default_factory=dict)
+    samples: "dict[int, _GroupSamples]" = field(default_factory=dict)
 
 
 def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Run:
@@ -149,7 +155,10 @@ def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 
 
 def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Log:
-    """Read a log: its run, its viewer topics, whether the file is complete, and its size; arguments as of `read`."""
+    """Read a log: its run, its viewer topics, whether the file is complete, and its size; arguments as of `read`.
+
+    Raises as `read`.
+    """
     path, contents = Path(path), _Contents(without, rows)
     try:
         with _open(path) as stream:
@@ -192,7 +201,15 @@ def _alternatives(path: Path) -> str:
 
 
 def _read_records(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
-    """Read all records of a log into `contents`; return whether the file is complete (not truncated)."""
+    """Read all records of a log into `contents`; return whether the file is complete (not truncated).
+
+    Of metadata records with the same name the first one counts, of attachments the last one.
+
+    Raises
+    ------
+    LogError
+        A record is malformed, or the file is not a log of this format.
+    """
     is_complete = False
     for record in container.read_records(stream, path):
         if record.opcode == Opcode.METADATA:
@@ -225,21 +242,27 @@ def _require_log_format(contents: _Contents, path: Path) -> None:
 
 
 def _add_messages(contents: _Contents, messages: container.Messages, path: Path) -> None:
-    """Add schemas, channels and samples of a chunk to the contents; skip topics that are not requested."""
+    """Add schemas, channels and samples of a chunk to the contents; skip excluded topics, and count those for viewers.
+
+    Raises
+    ------
+    LogError
+        A schema is malformed, or the messages of a group are malformed, missing or of different lengths.
+    """
     contents.schemas.update(messages.schemas)
     contents.channels.update(messages.channels)
     contents.counts.update(messages.counts)
     for channel_id, channel in messages.channels.items():
-        is_known = channel_id in contents.groups or channel.topic in contents.without
+        is_known = channel_id in contents.groups or channel.topic in contents.excluded_topics
         if "units" in channel.metadata and not is_known:
             with container.convert_parse_errors(path, f"malformed schema of {channel.topic}"):
                 contents.groups[channel_id] = group_of(channel, contents.schemas[channel.schema_id])
-            contents.samples[channel_id] = _Samples(contents.rows)
+            contents.samples[channel_id] = _GroupSamples(contents.rows)
     for channel_id, group in contents.groups.items():
         if channel_id in messages.ragged:
             raise container.corrupt_log_error(path, f"messages of {group.topic} differ in length")
-        if channel_id in messages.of:
-            contents.samples[channel_id].add(group, messages.of[channel_id], path)
+        if channel_id in messages.rows:
+            contents.samples[channel_id].add(group, messages.rows[channel_id], path)
 
 
 def _viewer_topics(contents: _Contents) -> dict[str, ViewerTopic]:
@@ -248,11 +271,11 @@ def _viewer_topics(contents: _Contents) -> dict[str, ViewerTopic]:
     They have channels without units.
     """
     viewers = {}
-    for id, channel in contents.channels.items():
+    for channel_id, channel in contents.channels.items():
         if "units" not in channel.metadata:
             schema = contents.schemas.get(channel.schema_id)
             rate = _parse_float(channel.metadata.get(RATE, ""))
-            viewers[channel.topic] = ViewerTopic(schema.name if schema else "", contents.counts[id], rate)
+            viewers[channel.topic] = ViewerTopic(schema.name if schema else "", contents.counts[channel_id], rate)
     return viewers
 
 
@@ -264,14 +287,16 @@ def _parse_float(text: str) -> float | None:
 
 
 def _check_sample_count(contents: _Contents, sizes: list[int], path: Path) -> None:
-    """Compare the messages of a complete file with the number at its end."""
+    """Raise LogError unless each group of a complete file has the number of messages that is stated at its end."""
     written = contents.metadata.get(END, {}).get("samples")
     if any(str(size) != written for size in sizes):
         raise container.corrupt_log_error(path, f"it should have {written} samples and has {min(sizes)}")
 
 
 def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) -> Run:
-    """Join the first samples of all groups to a run.
+    """Join the first `samples` samples of all groups to a run.
+
+    The run of a truncated file is incomplete, and its note states its last time and what the file lacks.
 
     Raises
     ------
@@ -279,15 +304,17 @@ def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) 
         Groups differ in their times, or share a column.
     """
     groups = contents.groups
-    tables = {id: contents.samples[id].finish(samples) for id in groups}
-    time, *other_times = (table[0] for table in tables.values())
-    if any((other != time).any() for other in other_times):
+    columns_by_group = {channel_id: contents.samples[channel_id].finish(samples) for channel_id in groups}
+    time, *times_of_other_groups = (times for times, *_ in columns_by_group.values())
+    if any((times != time).any() for times in times_of_other_groups):
         raise container.corrupt_log_error(path, "the sampling times of its topics differ")
     units = {name: unit for group in groups.values() for name, unit in group.units.items()}
     if len(units) != sum(len(group.units) for group in groups.values()):
         raise container.corrupt_log_error(path, "a column occurs in two topics")
     columns = {
-        name: values for id, table in tables.items() for name, values in zip(groups[id].units, table[1:], strict=True)
+        name: values
+        for channel_id, (_, *group_columns) in columns_by_group.items()
+        for name, values in zip(groups[channel_id].units, group_columns, strict=True)
     }
     end = contents.metadata.get(END, {})
     note, complete = end.get("note", ""), end.get("complete") == "true"

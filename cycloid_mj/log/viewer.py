@@ -11,6 +11,9 @@ from cycloid_mj.base.array import Array
 Message = tuple[str, int, bytes]
 """Topic, time [ns] and content of a message."""
 
+FRAME_TOLERANCE = 1e-6
+"""Part of a frame by which a sample may precede its frame: it does by rounding."""
+
 RATE = "rate_hz"
 """Key of the frames per second in the metadata of a viewer channel."""
 
@@ -34,7 +37,7 @@ class Viewer(Protocol):
 
 
 def select_frames(time: Array, previous_time: float, rate: float) -> npt.NDArray[np.intp]:
-    """Return the numbers of the samples that are the first at or after a multiple of 1/`rate` [s].
+    """Return the indices of the samples that are the first at or after a multiple of 1/`rate` [s], shape (frames,).
 
     Parameters
     ----------
@@ -45,7 +48,6 @@ def select_frames(time: Array, previous_time: float, rate: float) -> npt.NDArray
     rate
         Frames per second.
     """
-    # a sample that is before its frame by rounding belongs to it
-    frame = np.floor(rate * time + 1e-6)
-    previous_frame = np.floor(rate * previous_time + 1e-6) if np.isfinite(previous_time) else -1.0
+    frame = np.floor(rate * time + FRAME_TOLERANCE)
+    previous_frame = np.floor(rate * previous_time + FRAME_TOLERANCE) if np.isfinite(previous_time) else -1.0
     return np.flatnonzero(np.diff(frame, prepend=previous_frame) > 0.0)

@@ -80,13 +80,13 @@ class LogWriter:
         """Open the file and write everything that precedes the samples."""
         self.samples = 0
         self._groups = _check_groups(groups)
-        self._on_disk = 0
-        self._last = -np.inf
-        self._open = True
+        self._flushed_samples = 0
+        self._last_time = -np.inf
+        self._is_open = True
         size = sum(group.zeros.size for group in self._groups)
-        self._chunk = max(1, chunk_size // size)
+        self._samples_per_chunk = max(1, chunk_size // size)
         metadata = preamble(provenance or {}, attachments or {})
-        self._place, self._mcap = _open_log(Path(path), force, hidden, metadata, attachments or {})
+        self._file, self._mcap = _open_log(Path(path), force, hidden, metadata, attachments or {})
         self._channels = [
             _add_channel(
                 self._mcap, group.topic, _add_schema(self._mcap, group.message, group.schema()), group.metadata()
@@ -100,12 +100,12 @@ class LogWriter:
     @property
     def path(self) -> Path:
         """Path of the log: the requested one, or another one next to an old log until the log is complete."""
-        return self._place.at
+        return self._file.at
 
     @property
     def name(self) -> Path:
         """The requested path."""
-        return self._place.path
+        return self._file.path
 
     def write(self, time: Array, values: Mapping[str, Array]) -> None:
         """Append k samples.
@@ -122,28 +122,28 @@ class LogWriter:
         LogError
             Shapes, topics or times are wrong, or the disk is full: the log keeps all chunks written before.
         """
-        if not self._open:
+        if not self._is_open:
             raise LogError(f"log {self.path} is closed: open a new log to write more samples")
         self._check(time, values)
         messages = [group.encode(time, values[group.topic]) for group in self._groups]
         nanoseconds = np.rint(time * 1e9).astype(np.uint64)
-        shown = self._viewer_messages(time, values)
+        viewer_messages = self._viewer_messages(time, values)
         start = 0
         while start < time.size:
-            stop = min(time.size, start + self._chunk - self.samples % self._chunk)
-            self._append(nanoseconds[start:stop], [block[start:stop] for block in messages], shown)
-            self._last = float(time[stop - 1])
+            stop = min(time.size, start + self._samples_per_chunk - self.samples % self._samples_per_chunk)
+            self._append(nanoseconds[start:stop], [block[start:stop] for block in messages], viewer_messages)
+            self._last_time = float(time[stop - 1])
             start = stop
 
     def flush(self) -> None:
         """Write all samples to the file, so that the log can be read up to here."""
-        if not self._open:
+        if not self._is_open:
             return
         try:
             self._mcap.flush()
         except OSError as problem:
             raise self._write_error(problem) from problem
-        self._on_disk = self.samples
+        self._flushed_samples = self.samples
 
     def close(self, note: str = "", complete: bool = True, attachments: Mapping[str, bytes] | None = None) -> None:
         """Finish the log. A second call does nothing. An incomplete log without samples is removed.
@@ -162,7 +162,7 @@ class LogWriter:
         LogError
             The disk is full: the log keeps all chunks written before. Or the log cannot be renamed.
         """
-        if not self._open:
+        if not self._is_open:
             return
         with defer_signals():
             if not complete and not self.samples:
@@ -179,18 +179,19 @@ class LogWriter:
         if error is None:
             self.close()
             return
-        if self._place.hidden:
+        if self._file.hidden:
             self._abandon()
             return
         with suppress(LogError):
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
 
     def _viewer_messages(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
-        """Compute the messages for viewers of k samples, by their time [ns].
+        """Compute the messages for viewers of k samples, by their time [ns]; empty without a viewer or a frame.
 
-        The opening messages precede the first sample.
+        `time` has shape (k,) [s], `values` (k, columns) by topic. Only samples at the rate of the viewer have messages.
+        The opening messages precede those of the first sample of the log.
         """
-        rows = select_frames(time, self._last, self._viewer.rate) if self._viewer else ()
+        rows = select_frames(time, self._last_time, self._viewer.rate) if self._viewer else ()
         if not (self._viewer and len(rows)):
             return {}
         columns = {
@@ -205,10 +206,10 @@ class LogWriter:
     def _append(
         self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], viewer_messages: Mapping[int, list[Message]]
     ) -> None:
-        """Append samples that fit into the current chunk, each after the viewer messages of its time.
+        """Append k samples that fit into the current chunk, each after its viewer messages; flush a full chunk.
 
-        Flush a full chunk.
-        `messages` has an array (k, length) for each group, `viewer_messages` maps times [ns] to messages.
+        `nanoseconds` are their times [ns], shape (k,). `messages` has an array (k, bytes of a message) for each group,
+        `viewer_messages` maps times [ns] to messages.
         """
         for row, time in enumerate(nanoseconds.tolist()):
             for topic, _, content in viewer_messages.get(time, ()):
@@ -217,7 +218,7 @@ class LogWriter:
             for channel, block in zip(self._channels, messages, strict=True):
                 self._add_message(channel, time, block[row].tobytes(), self.samples)
             self.samples += 1
-        if self.samples % self._chunk == 0:
+        if self.samples % self._samples_per_chunk == 0:
             self.flush()
 
     def _add_message(self, channel: int, time: int, content: bytes, number: int) -> None:
@@ -241,11 +242,13 @@ class LogWriter:
                     f"the samples of {group.topic} have shape {values[group.topic].shape}: pass an array of shape "
                     f"({time.size}, {len(group.units)}) with one row per sample"
                 )
-        if not (np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last) > 0.0).all()):
+        if not (
+            np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last_time) > 0.0).all()
+        ):
             raise LogError(
                 f"the sample times ({time[0]:g} to {time[-1]:g} s) are not valid after the last logged time, "
-                f"{self._last:g} s: pass finite, strictly increasing times, at least 0 s and later than "
-                f"{self._last:g} s"
+                f"{self._last_time:g} s: pass finite, strictly increasing times, at least 0 s and later than "
+                f"{self._last_time:g} s"
             )
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
@@ -255,31 +258,31 @@ class LogWriter:
             _attach(self._mcap, attachments)
             self._mcap.add_metadata(f"{PACKAGE}.end", end)
             self._mcap.finish()
-            self._place.finish(complete or self._place.hidden)
+            self._file.finish(complete or self._file.hidden)
         except OSError as problem:
             raise self._write_error(problem) from problem
         except LogTakenError:
             self._abandon()
             raise
-        self._open = False
+        self._is_open = False
 
     def _abandon(self) -> None:
-        self._open = False
-        self._place.drop()
+        self._is_open = False
+        self._file.drop()
 
     def _write_error(self, problem: OSError) -> LogError:
         """Close the log after a failed write and return the error for the user, with the number of samples on disk."""
-        if self._place.hidden:
+        if self._file.hidden:
             self._abandon()
             return LogError(
-                f"cannot write log {self._place.path}: {reason(problem)}. Free disk space, or choose another folder "
+                f"cannot write log {self._file.path}: {reason(problem)}. Free disk space, or choose another folder "
                 "with --out"
             )
-        self._open = False
-        self._place.leave()
+        self._is_open = False
+        self._file.leave()
         return LogError(
-            f"cannot write log {self.path}: {reason(problem)}. Its first {self._on_disk} samples can be read. Free "
-            "disk space, or choose another folder with --out, then simulate the design again"
+            f"cannot write log {self.path}: {reason(problem)}. Its first {self._flushed_samples} samples can be read. "
+            "Free disk space, or choose another folder with --out, then simulate the design again"
         )
 
 
@@ -363,12 +366,12 @@ def _add_channel(mcap: Writer, topic: str, schema: int, metadata: dict[str, str]
 
 
 def _check_groups(groups: Groups) -> list[ColumnGroup]:
-    """Return the column groups in order.
+    """Convert topics with their columns to column groups, in order.
 
     Raises
     ------
     LogError
-        There is no group, or a column name occurs twice.
+        There is no group, a column name occurs twice, or a topic or column name is invalid.
     """
     if not groups:
         raise LogError("the log has no columns: pass at least one group of columns, {'/topic': [(column, unit), ...]}")

@@ -52,7 +52,7 @@ class Population(Tabular):
         Parameters of the nominal design, by the keys of `PARAMETERS`.
     values
         Parameters of the drives, shape (samples,) each.
-    departures
+    deviations
         Values that were drawn for them, by name, shape (samples,): tolerances [um], friction [1], stiffness [N/m].
     ranges
         Inputs that were drawn from their stated ranges.
@@ -65,7 +65,7 @@ class Population(Tabular):
     seed: int
     nominal: Mapping[str, float]
     values: Mapping[str, Array]
-    departures: Mapping[str, Array]
+    deviations: Mapping[str, Array]
     ranges: tuple[Input, ...]
     has_tolerances: bool
 
@@ -78,7 +78,7 @@ class Population(Tabular):
     def frame(self) -> Frame:
         """Drives, one row each."""
         number = np.arange(1, self.samples + 1)
-        return Frame({"sample": number, **self.values, **self.departures}, dict(PARAMETERS))
+        return Frame({"sample": number, **self.values, **self.deviations}, dict(PARAMETERS))
 
     @property
     def correlation(self) -> Array:
@@ -184,7 +184,7 @@ def draw_population(
         seed=seed,
         nominal=compute_parameters(reducer),
         values=values,
-        departures=drawn_values,
+        deviations=drawn_values,
         ranges=ranges,
         has_tolerances=bool(sampling.tolerance_zones(reducer)),
     )
@@ -250,11 +250,11 @@ def _draw_drive(
         values = compute_parameters(sampled_reducer)
     except CycloidError:
         return None
-    drawn_departures = {
+    drawn_deviations = {
         key: float(values[0])
-        for key, values in sampling.departure_columns(sampling.draw_departures(reducer, zones, seed, batch)).items()
+        for key, values in sampling.deviation_columns(sampling.draw_deviations(reducer, zones, seed, batch)).items()
     }
     drawn_inputs = {
         f"drawn_{table}_{key}": value for table, table_values in changes.items() for key, value in table_values.items()
     }
-    return values, {**drawn_inputs, **drawn_departures}
+    return values, {**drawn_inputs, **drawn_deviations}

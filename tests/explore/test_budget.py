@@ -20,7 +20,7 @@ def ishigami(x: np.ndarray) -> np.ndarray:
 
 
 def sets_of(function, zones: dict[str, Zone], count: int) -> tuple[list[dict], dict[str, np.ndarray]]:
-    """Departures in the sets A and B, and a function of one number for each zone in all sets."""
+    """Deviations in the sets A and B, and a function of one number for each zone in all sets."""
     width = len(zones)
     shares_of = qmc.Sobol(2 * width, rng=np.random.default_rng(1)).random(count)
     a, b = (
@@ -139,7 +139,7 @@ def test_intervals_contain_the_share_of_a_drive_with_errors_of_every_pin() -> No
             name: tolerances.balance_batch(reducer, zones, seed, 12, (block, keys)) for name, block in blocks.items()
         }
         values = {name: np.where(find_jams(one), np.nan, one["backlash_arcmin"]) for name, one in figures.items()}
-        drawn = [sampling.draw_departures(reducer, zones, seed, blocks[name]) for name in "AB"]
+        drawn = [sampling.draw_deviations(reducer, zones, seed, blocks[name]) for name in "AB"]
         return {share.source: share for share in budget.compute_shares(zones, drawn, values)}
 
     reference = [study(512, seed) for seed in range(4)]

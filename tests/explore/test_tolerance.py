@@ -94,7 +94,7 @@ def test_a_fit_applies_to_a_clearance_only() -> None:
 def drawn(design: Design, samples: int, seed: int) -> dict[str, np.ndarray]:
     """How far samples that depart in single numbers alone do so [m], by tolerance."""
     zones = sampling.tolerance_zones(Reducer(design))
-    made = [sampling.draw_departures(Reducer(design), zones, seed, block) for block in sampling.list_batches(samples)]
+    made = [sampling.draw_deviations(Reducer(design), zones, seed, block) for block in sampling.list_batches(samples)]
     return {key: np.concatenate([one[key] for one in made]) for key in zones}
 
 
@@ -185,7 +185,7 @@ def test_drawn_values_are_listed_next_to_the_figures() -> None:
     design = override(PRESETS["twodisc"], {f"tolerance.{key}": text for key, text in words.items()})
     zones, block = sampling.tolerance_zones(Reducer(design)), sampling.Batch(0, 3)
     found, made = (
-        sampling.departure_columns(sampling.draw_departures(Reducer(design), zones, 0, block)),
+        sampling.deviation_columns(sampling.draw_deviations(Reducer(design), zones, 0, block)),
         sampling.draw_samples(Reducer(design), zones, 0, block),
     )
     assert ((found["drawn_cam_um"] >= -0.3) & (found["drawn_cam_um"] <= -0.1)).all()
@@ -346,7 +346,7 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
     monkeypatch.setattr(tolerances, "compute_shares", lambda zones, sets, values: seen.update(values) or ())
     design = override(PIN, words)
     tolerance(design, 64, 0)
-    cam = sampling.draw_departures(
+    cam = sampling.draw_deviations(
         Reducer(design),
         sampling.tolerance_zones(Reducer(design)),
         0,
@@ -453,7 +453,7 @@ def test_waves_have_the_amplitudes_of_their_zones_and_begin_anywhere() -> None:
     design = override(PIN, {"tolerance.profile": "2: normal 0.01, 35: uniform 0.02"})
     zones = sampling.tolerance_zones(Reducer(design))
     assert list(zones) == ["profile_2", "profile_35"]
-    waves = sampling.draw_departures(Reducer(design), zones, 0, sampling.Batch(0, 20_000, compared=True))
+    waves = sampling.draw_deviations(Reducer(design), zones, 0, sampling.Batch(0, 20_000, compared=True))
     for order, square in (("profile_2", 0.01e-6**2), ("profile_35", 0.02e-6**2 / 3.0)):
         assert np.mean(waves[order] ** 2, axis=0) == pytest.approx([square / 2.0] * 2, rel=0.05)
         assert np.abs(waves[order].mean(axis=0)).max() < 0.05 * np.sqrt(square)

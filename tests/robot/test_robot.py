@@ -629,7 +629,7 @@ def test_drives_are_the_same_by_the_same_seed_and_not_by_another(drives: Populat
 def test_a_drive_is_the_design_with_what_was_drawn(drives: Population) -> None:
     """A row made again by hand, as a design file of its own, has the row's parameters."""
     design, row = unlike("few"), 2
-    drawn = {key: values[row] for key, values in drives.departures.items()}
+    drawn = {key: values[row] for key, values in drives.deviations.items()}
     places = {
         f"pin_{axis}": tuple(1e-6 * drawn[f"drawn_pin_position_{pin}_{axis}_um"] for pin in range(1, design.lobes + 2))
         for axis in "xy"
@@ -648,7 +648,7 @@ def test_ranges_meet_what_is_drawn_and_follow_a_design_beyond_them(drives: Popul
     for one in drives.ranges:
         assert one.low < one.high
         for key, low in one.low_values.items():
-            values = drives.departures[f"drawn_{one.table}_{key}"]
+            values = drives.deviations[f"drawn_{one.table}_{key}"]
             assert low <= values.min() < values.max() <= one.high_values[key]
     rough = draw_population(Reducer(unlike("few")).but(friction={"pin_gear": 0.3}), 2)
     teeth = next(one for one in rough.ranges if one.name == "friction of the teeth")
