@@ -51,12 +51,20 @@ __all__ = [
 def check(design: Named) -> Checks:
     """Check a design: return all checks of `soundness`, passed or not, then warnings about how well it works.
 
-    The latter need a design that can be built; an RV reducer has none yet. Checks of its life are in ``life.checks``.
+    The warnings are left out for a design that cannot be built, and for an RV reducer, which has none yet. Checks of
+    its life are in ``life.checks``.
 
     Parameters
     ----------
     design
         A design, or the name of a preset or a file.
+
+    Raises
+    ------
+    UsageError
+        The design does not exist.
+    DesignError
+        The file is not a valid design.
     """
     design = resolve(design)
     reducer = reducer_of(design)
@@ -78,7 +86,10 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks that decide whether a design can be built, one by one, so that a search can stop early."""
+    """Yield the checks that decide whether a design can be built, one by one, so that a search can stop early.
+
+    Checks of the balance and of the assembly need a feasible disc and ring, and are left out without.
+    """
     if isinstance(reducer, RvReducer):
         yield from rv_checks(reducer)
         return

@@ -121,7 +121,10 @@ def _is_worse(after: Check, before: Check | None, name: str) -> bool:
 
 
 def _repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
-    """Choose the next change that makes a check pass again: more of the applied change, or else of other keys."""
+    """Choose the next change that makes a failed check pass: more of the applied change, or else other keys.
+
+    Returns None if there is no such change.
+    """
     design = reducer.design
     for change in failed_check.changes:
         goes_further = (

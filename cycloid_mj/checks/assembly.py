@@ -45,9 +45,9 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
 
 
 def _assembly_gap(reducer: Reducer) -> Check:
-    """Check that the disc has a pose without overlap at every crank angle.
+    """Check that the disc has a pose without overlap at every crank angle; a warning.
 
-    Parts that overlap can run only under load.
+    Parts that overlap run under load only. The pose is the best fit at up to `MAX_POSES` crank angles.
     """
     poses = min(MAX_POSES, reducer.design.ring.teeth)
     smallest_gap = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))

@@ -13,7 +13,11 @@ from cycloid_mj.reducer import Reducer
 
 
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
-    """Yield the rules for the walls around bore and holes of the disc, and for the size of its holes."""
+    """Yield the rules for the walls around bore and holes of the disc, and for the size of its holes.
+
+    E is the radius of the pin circle, rho that of a pin. The inner functions return the limits that leave a wall of a
+    share of E.
+    """
     design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
     E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(reducer), _hole(reducer)
@@ -65,8 +69,9 @@ def counterweight_rule(reducer: Reducer) -> Rule:
 
     It requires a feasible disc and a counterweight larger than the shaft.
 
-    The static moments about the axis are w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L, with the face width w, areas S,
-    ratio q of the densities of disc and shaft, radii R and r of counterweight and shaft, and the shaft's length L.
+    The static moments about the axis are w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L, with the eccentricity c, face
+    width w, areas S, ratio q of the densities of disc and shaft, radii R and r of counterweight and shaft, and the
+    shaft's length L.
     """
     shaft = reducer.design.shaft
     moment, moment_per_length = _static_moments(reducer)
@@ -114,7 +119,10 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
 
 
 def _hole_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the wall between holes; their radius depends on other sizes and is no remedy."""
+    """Return the rule for the wall between neighbouring output holes.
+
+    A smaller hole is no remedy, as its radius depends on pin and eccentricity.
+    """
     design = reducer.design
     output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
     half_pitch = circle * math.sin(math.pi / output.pins)

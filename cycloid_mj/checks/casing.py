@@ -12,7 +12,10 @@ from cycloid_mj.reducer.sockets import is_drawn
 
 
 def casing_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the check that the drive with covers, bearings and screws can be assembled and turns freely."""
+    """Yield the check that the drive with covers, bearings and screws can be assembled and turns freely.
+
+    Yields nothing for a design without a drawn drive, or whose drive has no feasible sizes.
+    """
     if not is_drawn(reducer.design):
         return
     sizes, _ = casing_or_none(reducer)

@@ -76,7 +76,10 @@ class Limit:
         return numbers(self.value(reducer), self.bound, self.unit)
 
     def remedy(self, reducer: Reducer) -> str:
-        """Describe the change that satisfies the limit, as ``lower KEY to VALUE or less``; empty if none is allowed."""
+        """Describe the change that satisfies the limit, as ``lower KEY to VALUE or less``.
+
+        Empty if the bound is 0 or infinite, or the file does not allow the value.
+        """
         if not LIMIT.smallest_bound < abs(self.bound) < math.inf:
             return ""
         number = self._safe_number
@@ -119,9 +122,10 @@ class Limit:
 
 
 def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = "") -> Remedy:
-    """Return the change that satisfies all limits at once, with its description, and an alternative in words.
+    """Return the change that satisfies all limits together, with its description, and `other_remedy`, in words.
 
-    Both are empty without limits. The text leaves out limits that no allowed change satisfies; then there is no change.
+    Without limits all are empty. If the file allows no change for one of the limits, it is left out of the text, and
+    there is no change.
     """
     changes = [limit.change(reducer) for limit in limits]
     text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
@@ -158,17 +162,17 @@ def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[
     """
     unit_symbol = SYMBOLS.get(unit.suffix, unit.suffix)
     shown_value, limit = unit.from_si(value), unit.from_si(bound)
-    digits = next(
+    digit_count = next(
         (
-            digit_count
-            for digit_count in range(4, LIMIT.full_digits)
-            if decimal(shown_value, digit_count) != decimal(limit, digit_count)
+            candidate_count
+            for candidate_count in range(4, LIMIT.full_digits)
+            if decimal(shown_value, candidate_count) != decimal(limit, candidate_count)
         ),
         LIMIT.full_digits,
     )
     return (
-        f"{decimal(shown_value, digits)} {unit_symbol}".rstrip(),
-        f"{side} {decimal(limit, digits)} {unit_symbol}".rstrip(),
+        f"{decimal(shown_value, digit_count)} {unit_symbol}".rstrip(),
+        f"{side} {decimal(limit, digit_count)} {unit_symbol}".rstrip(),
     )
 
 

@@ -35,7 +35,10 @@ def margin_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _short_width_rule(reducer: Reducer) -> Rule:
-    """Return the rule that K1 = c N / E, the eccentricity over that at which loops form, is within the usual range."""
+    """Return the rule that K1 = c N / E is within the usual range `MARGINS.k1_range`.
+
+    It is the eccentricity c over that at which the pins' path has loops, with N ring teeth and the pin-circle radius E.
+    """
     design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
     low, high = MARGINS.k1_range
@@ -51,14 +54,17 @@ def _short_width_rule(reducer: Reducer) -> Rule:
 
 
 def _undercut_margin_rule(reducer: Reducer) -> Rule:
-    """Return the rule that the sharpest convex point of the lobes keeps a share of its radius of curvature."""
-    bend, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
+    """Return the rule that the sharpest convex point of the lobes keeps a share of its radius of curvature.
+
+    The offset of the flank takes at most `MARGINS.max_undercut_share` of the radius of the pins' path.
+    """
+    path_radius, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
     radius = reducer.design.ring.pin_radius
     return Rule(
         "undercut_margin",
-        Limit("ring.pin_radius", "at most", radius - offset + MARGINS.max_undercut_share * bend),
-        f"the smallest convex radius of the lobes is {millimetres(bend - offset)}; it should be at least"
-        f" {1 - MARGINS.max_undercut_share:.0%} of that of the pins' path, {millimetres(bend)} (assumed), or the"
+        Limit("ring.pin_radius", "at most", radius - offset + MARGINS.max_undercut_share * path_radius),
+        f"the smallest convex radius of the lobes is {millimetres(path_radius - offset)}; it should be at least"
+        f" {1 - MARGINS.max_undercut_share:.0%} of that of the pins' path, {millimetres(path_radius)} (assumed), or the"
         " edge wears",
         severity="warning",
     )
@@ -76,7 +82,10 @@ def _ring_tool(reducer: Reducer) -> Rule:
 
 
 def _cutter_rule(name: str, radius: float, location: str) -> Rule:
-    """Return the rule that a cutter of a radius [m] is long enough to reach through the face width."""
+    """Return the rule that a cutter of a radius [m] is long enough to cut through the face width.
+
+    `name` is that of the rule, `location` the cut feature in words, such as "valleys of the lobes".
+    """
     return Rule(
         name,
         Limit("gear.face_width", "at most", MARGINS.cutter_reach * radius),

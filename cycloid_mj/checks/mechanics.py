@@ -60,7 +60,7 @@ def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check
 
 
 def material_rules(table: str, material: Material) -> Iterator[Rule]:
-    """Yield the rules for the values of one material table; names for a part's own table begin with the part."""
+    """Yield the rules for the values of one material table, such as "pin_material"; their names begin with its part."""
     part = table.removesuffix("material")
     yield Rule(
         f"{part}yield_strength",
@@ -93,7 +93,10 @@ def _output_root_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules that the circles clamped by the bolts are in the wall behind the teeth and do not overlap."""
+    """Yield the rules that the circles clamped by the bolts are in the wall behind the teeth and do not overlap.
+
+    The rules for their size are left out if the bolt circle is outside the wall.
+    """
     design = reducer.design
     outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
     above = Limit("housing.bolt_circle_radius", "more than", root)
@@ -114,7 +117,7 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules that the cam encloses shaft and fillet, and for the radius of a counterweight."""
+    """Yield the rules that the cam encloses shaft and fillet and, for a single disc, for the counterweight's radius."""
     design = reducer.design
     shaft, c = design.shaft, design.gear.eccentricity
     yield Rule(
@@ -146,7 +149,10 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
-    """Yield the checks that the clearances from crank to output add up to little, and that backlash is not large."""
+    """Yield the check that the clearances from crank to output add up to little.
+
+    If they do not, another one checks that the disc skips no tooth.
+    """
     design = reducer.design
     names = design.pair_kinds
     total, allowed = _total_clearance(reducer)
@@ -195,7 +201,7 @@ def _largest_backlashes(reducer: Reducer) -> Iterator[float]:
 
 
 def _check_tooth_skip(reducer: Reducer) -> Check:
-    """Check that the disc cannot skip a tooth: its play must not turn it by a quarter of a lobe, where runs end."""
+    """Check that the disc cannot skip a tooth: from stop to stop, it must turn by less than half a lobe."""
     design = reducer.design
     backlash, allowed = max(_largest_backlashes(reducer)), _half_lobe(reducer)
     value_text, limit = value_and_limit(backlash, "at most", allowed, DEGREE)

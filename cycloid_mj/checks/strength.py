@@ -52,7 +52,11 @@ PARTS = {"tooth": "the teeth", "output": "the output pins in their holes", "cam"
 
 
 def strength_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of pressures, load sharing and walls of a feasible design at its nominal torque."""
+    """Yield the checks of pressures, load sharing and walls of a feasible design at its nominal torque.
+
+    Without a static equilibrium, only a failed check yields its reason. A cam with a bought bearing has no pressure
+    checks.
+    """
     try:
         state = rated_load(reducer)
     except CycloidError as error:
@@ -82,18 +86,27 @@ def _missing_balance(error: CycloidError) -> Check:
 
 
 def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
-    """Yield the checks of a part's Hertz pressures against first yield, shakedown and hardness."""
+    """Yield the checks of a part's largest Hertz pressure against first yield, shakedown and hardness.
+
+    `part` is a key of `PARTS`. The remedies of a failed check are a wider face, a stronger material, and less torque.
+    """
     reducer, design = state.reducer, state.reducer.design
     kind = design.tooth_pair if part == "tooth" else part
     pressure = state.peak_pressure(kind)
-    yields = _weaker_strength(reducer, kind, "yield_strength", "surface_strength")
-    breaks = _weaker_strength(reducer, kind, "tensile_strength", "surface_tensile_strength")
-    for name, (key, strength, ratio), factor, location, consequence in (
-        ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
-        ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields in every load cycle"),
+    weaker_yield = _weaker_strength(reducer, kind, "yield_strength", "surface_strength")
+    weaker_tensile = _weaker_strength(reducer, kind, "tensile_strength", "surface_tensile_strength")
+    for name, (key, strength, ratio), factor, factor_text, consequence in (
+        ("yield", weaker_yield, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
+        (
+            "shakedown",
+            weaker_yield,
+            SHAKEDOWN_PRESSURE,
+            "x yield strength, 4 k",
+            "the material yields in every load cycle",
+        ),
         (
             "hardness",
-            breaks,
+            weaker_tensile,
             HARDNESS_PRESSURE,
             "x tensile strength",
             "the contact leaves dents, as in a hardness test",
@@ -116,7 +129,7 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
             name=f"{part}_{name}",
             passed=is_passed,
             got=value_text,
-            limit=f"{limit} ({factor:.3g} {location})",
+            limit=f"{limit} ({factor:.3g} {factor_text})",
             why=consequence_text,
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
@@ -126,10 +139,15 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
 
 
 def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strength: str) -> tuple[str, float, float]:
-    """Return key, value [Pa] and pressure ratio of the lower strength of the two surfaces of a kind of pair.
+    """Return key, value and pressure ratio of the lower strength of the two surfaces of a kind of pair.
 
-    `strength` and `surface_strength` are attributes of the material. The value is its strength over the pressure ratio,
-    which is 1 except for bare rollers (`roller_contacts`).
+    The value [Pa] is the strength over the pressure ratio, which is 1 except for bare rollers (`roller_contacts`). The
+    key is that of the design file, without unit: ``surface_yield`` if it is set.
+
+    Parameters
+    ----------
+    strength, surface_strength
+        Attributes of the material: the strength that a key sets, and that of the surface in its place.
     """
     design = reducer.design
     has_bare_rollers_on_disc = kind == "cam" and has_bare_rollers(reducer)
@@ -145,33 +163,42 @@ def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strengt
 
 
 def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
-    """Return the limit on the face width at which a value that varies as width ** (-1/power) decreases to `allowed`."""
-    width, figure = reducer.design.gear.face_width, value(rated_load(reducer))
+    """Return the limit on the face width [m] at which a value decreases to `allowed`.
+
+    `value` computes it from the loads at the rated torque; it is assumed to vary as width ** (-1/power) in each
+    iteration. Without an equilibrium the limit is infinite, so that it is no remedy.
+    """
+    width, current_value = reducer.design.gear.face_width, value(rated_load(reducer))
     for _ in range(STRENGTH.max_iterations):
-        width *= (1.0 + STRENGTH.statics_rtol) * (figure / allowed) ** power
+        width *= (1.0 + STRENGTH.statics_rtol) * (current_value / allowed) ** power
         try:
-            figure = value(rated_load(reducer.but(gear={"face_width": width})))
+            current_value = value(rated_load(reducer.but(gear={"face_width": width})))
         except CycloidError:
             return Limit("gear.face_width", "at least", math.inf)
-        if (1.0 - 4.0 * STRENGTH.statics_rtol) * allowed < figure <= allowed:
+        if (1.0 - 4.0 * STRENGTH.statics_rtol) * allowed < current_value <= allowed:
             break
     return Limit("gear.face_width", "at least", width)
 
 
 def _check_load_sharing(state: RatedLoad) -> Check:
-    """Check the largest tooth force relative to that of ideal load sharing."""
+    """Check the largest tooth force relative to that of ideal load sharing.
+
+    The remedy is a common factor on all clearances, by bisection; if none is small enough, a stiffer cam in words.
+    """
     reducer, design, ratio = state.reducer, state.reducer.design, state.concentration
     names = _clearances(reducer)
     is_passed = ratio <= STRENGTH.max_concentration
     value_text, limit = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
 
-    def tighter(share: float) -> Reducer:
+    def with_smaller_clearances(share: float) -> Reducer:
         return reducer.but(clearance={name: share * getattr(design.clearance, name) for name in names})
 
     share = (
         1.0
         if is_passed
-        else _find_threshold(lambda share: rated_load(tighter(share)).concentration <= STRENGTH.max_concentration)
+        else _find_threshold(
+            lambda share: rated_load(with_smaller_clearances(share)).concentration <= STRENGTH.max_concentration
+        )
     )
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
     remedy = joint_remedy(reducer, [] if is_passed else limits)
@@ -199,23 +226,27 @@ def _clearances(reducer: Reducer) -> tuple[str, ...]:
 
 
 def _check_pressure_angle(state: RatedLoad) -> Check:
-    """Check the mean pressure angle of the tooth forces, averaged by force."""
+    """Check the mean pressure angle of the tooth forces, averaged by force.
+
+    The remedy is an eccentricity towards its largest, where the pins' path has loops, by bisection; if none is enough,
+    smaller clearances in words.
+    """
     reducer, design, angle = state.reducer, state.reducer.design, state.pressure_angle
     is_passed = angle <= STRENGTH.max_pressure_angle
     value_text, limit = value_and_limit(angle, "at most", STRENGTH.max_pressure_angle, DEGREE)
     current_eccentricity, max_eccentricity = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
 
-    def steeper(share: float) -> Reducer:
+    def with_larger_eccentricity(share: float) -> Reducer:
         eccentricity = max_eccentricity + share * (current_eccentricity - max_eccentricity)
         return reducer.but(
             gear={"eccentricity": eccentricity}, output={"hole_radius": design.output.pin_radius + eccentricity}
         )
 
     def is_met(share: float) -> bool:
-        return rated_load(steeper(share)).pressure_angle <= STRENGTH.max_pressure_angle
+        return rated_load(with_larger_eccentricity(share)).pressure_angle <= STRENGTH.max_pressure_angle
 
     share = 1.0 if is_passed else _find_threshold(is_met)
-    improved_design = steeper(share).design if share else design
+    improved_design = with_larger_eccentricity(share).design if share else design
     limits = [
         Limit("gear.eccentricity", "at least", improved_design.gear.eccentricity),
         Limit("output.hole_radius", "at least", improved_design.output.hole_radius),
@@ -296,13 +327,13 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
 
 
 def _check_wall(state: RatedLoad, wall: Wall) -> Check:
-    """Check that no pin tears out through its wall."""
+    """Check that no pin tears out through its wall, in tension or shear at its largest force."""
     reducer, design = state.reducer, state.reducer.design
 
-    def acting(state: RatedLoad) -> float:
+    def wall_stress(state: RatedLoad) -> float:
         return wall.stress(state.peak_force(wall.kind), state.reducer.design.line_length(wall.kind))
 
-    stress = acting(state)
+    stress = wall_stress(state)
     material = design.material_of(wall.part)
     strength = wall.share * material.yield_strength / STRENGTH.wall_safety
     is_passed = stress <= strength
@@ -311,7 +342,7 @@ def _check_wall(state: RatedLoad, wall: Wall) -> Check:
     thickness_limit = Limit(
         f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
     )
-    remedies = [] if is_passed else [_face_width_limit(reducer, acting, strength, 1.0), thickness_limit]
+    remedies = [] if is_passed else [_face_width_limit(reducer, wall_stress, strength, 1.0), thickness_limit]
     return Check(
         name=wall.name,
         passed=is_passed,

@@ -32,7 +32,11 @@ WALLS = ("bore", "holes_to_bore", "holes_to_root", "neighbouring_holes", "neighb
 
 
 def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules for the teeth of disc and ring, in the order in which they depend on each other."""
+    """Yield the rules for the teeth of disc and ring, in the order in which they depend on each other.
+
+    N ring teeth, eccentricity c, pin-circle radius E and pin radius rho. Rules without meaning for a path with loops
+    are left out.
+    """
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
     shift = min(design.modification.pin_circle, 0.0)  # the disc may be generated with a smaller pin circle
@@ -68,15 +72,15 @@ def _undercut_rule(reducer: Reducer) -> Rule:
     """Return the rule that the profile has no undercut: rho is below the smallest convex radius of the trochoid.
 
     An internal gear exists under the same condition (see ``geometry.envelope``). It also keeps the outline simple: for
-    N >= 4 the smallest convex radius of the path is below the smallest distance of its tangents from the disc's centre,
-    so that the polar angle grows along the entire profile.
+    N >= 4 teeth the smallest convex radius of the path is below the smallest distance of its tangents from the disc's
+    centre, so that the polar angle grows along the entire profile.
     """
     design = reducer.design
     ring, c, offset = design.ring, design.gear.eccentricity, reducer.profile_offset
-    generating = design.ring.pin_circle_radius + design.modification.pin_circle
+    generating_radius = design.ring.pin_circle_radius + design.modification.pin_circle
 
     def remaining_radius(eccentricity: float) -> float:
-        gear = CycloidGear(ring.teeth, eccentricity, generating, ring.pin_radius)
+        gear = CycloidGear(ring.teeth, eccentricity, generating_radius, ring.pin_radius)
         return profile.undercut_radius(gear) - offset
 
     less_eccentric = (
@@ -93,7 +97,10 @@ def _undercut_rule(reducer: Reducer) -> Rule:
 
 
 def _pin_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the wall between the sockets of neighbouring pins."""
+    """Return the rule for the wall between the sockets of neighbouring ring pins.
+
+    The wall is a share of the pin-circle radius E.
+    """
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
@@ -168,12 +175,12 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
 
 
 def _housing_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the wall outside the ring's teeth."""
+    """Return the rule for the wall of the housing outside the sockets or the roots of an internal gear."""
     design = reducer.design
     ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
-    sockets = ring.pin_circle_radius + ring.pin_radius + design.socket_play
-    root = ring.pin_circle_radius - ring.pin_radius + 2 * c
-    outermost = sockets if ring.kind == "pin" else root
+    socket_radius = ring.pin_circle_radius + ring.pin_radius + design.socket_play
+    root_radius = ring.pin_circle_radius - ring.pin_radius + 2 * c
+    outermost = socket_radius if ring.kind == "pin" else root_radius
     wall_thickness = outermost - ring.pin_circle_radius
 
     def limits(wall: float) -> tuple[Limit, ...]:

@@ -13,25 +13,33 @@ SIGMAS = 3.0
 
 
 def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks that the manufacturing errors of a design fit into its clearances; all are warnings."""
+    """Yield the checks that the manufacturing errors of a design fit into its clearances; all are warnings.
+
+    Errors of position and radius of a ring pin add as squares. The clearances of cam and mesh compensate errors of cam
+    and eccentricity together.
+    """
     design = reducer.design
     errors, measured, clearance, pair = design.errors, design.measured, design.clearance, design.tooth_pair
-    mesh = getattr(clearance, pair) + design.modification.equidistant + design.pin_play
-    position, radius = (
+    mesh_clearance = getattr(clearance, pair) + design.modification.equidistant + design.pin_play
+    position_error, radius_error = (
         _tolerance_of(errors.pin_position, errors.pin_x, errors.pin_y, measured.pins_radial, measured.pins_tangential),
         _tolerance_of(errors.pin_radius, errors.pin_dr, measured.pins_radius),
     )
-    pins = math.hypot(position, radius)
-    yield from _check_error(reducer, "pin_tolerance", "position and radius of a ring pin", pins, pair, mesh)
-    holes = _tolerance_of(errors.hole_position, errors.hole_x, errors.hole_y)
-    yield from _check_error(reducer, "hole_tolerance", "the position of a hole", holes, "output", clearance.output)
-    flanks = _tolerance_of(errors.disc_size, errors.disc_dr, measured.gear_deviation)
-    yield from _check_error(reducer, "disc_tolerance", "the flanks of a disc", flanks, pair, mesh)
-    cams = _tolerance_of(errors.cam_position, errors.cam_x, errors.cam_y)
-    yield from _check_error(reducer, "cam_tolerance", "the position of a cam", cams, "cam", clearance.cam + mesh)
-    eccentricity_errors = abs(errors.eccentricity)
+    pin_error = math.hypot(position_error, radius_error)
     yield from _check_error(
-        reducer, "eccentricity_tolerance", "the eccentricity", eccentricity_errors, "cam", clearance.cam + mesh
+        reducer, "pin_tolerance", "position and radius of a ring pin", pin_error, pair, mesh_clearance
+    )
+    hole_error = _tolerance_of(errors.hole_position, errors.hole_x, errors.hole_y)
+    yield from _check_error(reducer, "hole_tolerance", "the position of a hole", hole_error, "output", clearance.output)
+    flank_error = _tolerance_of(errors.disc_size, errors.disc_dr, measured.gear_deviation)
+    yield from _check_error(reducer, "disc_tolerance", "the flanks of a disc", flank_error, pair, mesh_clearance)
+    cam_error = _tolerance_of(errors.cam_position, errors.cam_x, errors.cam_y)
+    yield from _check_error(
+        reducer, "cam_tolerance", "the position of a cam", cam_error, "cam", clearance.cam + mesh_clearance
+    )
+    eccentricity_error = abs(errors.eccentricity)
+    yield from _check_error(
+        reducer, "eccentricity_tolerance", "the eccentricity", eccentricity_error, "cam", clearance.cam + mesh_clearance
     )
 
 
@@ -44,7 +52,10 @@ def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
 def _check_error(
     reducer: Reducer, name: str, quantity: str, error: float, pair: str, available: float
 ) -> Iterator[Check]:
-    """Check that an error [m] is at most `available` [m], which includes the clearance of a `pair`."""
+    """Yield the check that an error [m] is at most the `available` clearance [m]; nothing without an error.
+
+    `pair` is the kind of pair whose clearance the remedy increases, `quantity` what deviates, in words.
+    """
     if error == 0.0:
         return
     is_passed = error <= available

@@ -94,12 +94,15 @@ class Loads:
 def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool = False) -> Loads:
     """Compute contact forces and displacements under an output torque, in the sense of `member.share`.
 
+    With the law ``film``, the solution is repeated with the friction of the film under its forces, until the losses
+    change by less than `FILM.rtol` (fixed-point iteration).
+
     Parameters
     ----------
     reducer
         The reducer.
     springs
-        Its contact springs at the crank angles, from `springs_of`.
+        Its contact springs at m crank angles, from `springs_of`.
     torque
         Output torque [N m], not 0: a number, or one per crank angle, shape (m,).
     follow
@@ -131,9 +134,10 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
 def solve_at_friction(
     reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None = None
 ) -> Loads:
-    """Solve for equilibrium with the friction coefficients of the springs; arguments and errors as those of `loads`.
+    """Solve for equilibrium with the friction coefficients of the springs, and add the twist of the structure.
 
-    `start` is the solution for similar friction coefficients, from whose displacements the search starts.
+    Arguments and errors are those of `loads`; `warm_start` is its `follow`. `start` is the solution for similar
+    friction coefficients, from whose displacements the search starts.
     """
     if reducer.design.output.turns_ring:
         return _solve_ring_output(reducer, springs, torque, warm_start, start)
@@ -230,9 +234,10 @@ def _solve_carrier_output(
 
 
 def require_balance(residual: Residual, contacts: KernelSprings, load: Array) -> None:
-    """Raise RunError if the residual under loads (k, u) [N] exceeds its tolerance; name friction if it is the cause.
+    """Raise RunError if a residual exceeds `RESIDUAL_RTOL` of the load; name friction if it is the cause.
 
-    Friction is the cause if parts without clearance have no equilibrium with it (`jam.friction_limit`).
+    `load` (k, u) [N] are the generalised forces on the u unknowns at k crank angles, from `Springs.load`. Friction is
+    the cause if parts without clearance have no equilibrium with it (`jam.friction_limit`).
     """
     if residual.force <= RESIDUAL_RTOL:
         return
@@ -312,7 +317,10 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 
 
 def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
-    """Compute the friction power of teeth, cam and output pins at each crank angle [W], shape (m,), by part."""
+    """Compute the friction power at m crank angles [W], shape (m,), by part: "teeth", "cam" and "output" (its pins).
+
+    It is the coefficient times normal force times sliding speed, summed over the contacts.
+    """
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     cam_speed = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))

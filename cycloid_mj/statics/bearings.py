@@ -43,9 +43,12 @@ class Planes:
         return np.stack([-y, x], axis=1)
 
     def reactions_at(self, far_position: float, near_position: float) -> tuple[Array, Array]:
-        """Compute the reactions of a far and a near bearing on the part as a beam [N], shape (m, 2) each.
+        """Compute the forces of a far and a near bearing on the part [N], shape (m, 2) each: a beam on two supports.
 
-        Bearings are at axial positions [m].
+        Parameters
+        ----------
+        far_position, near_position
+            Axial positions of the bearings [m].
         """
         near_share = (self.place - far_position) / (near_position - far_position)
         near_reaction = -np.einsum("d,mdi->mi", near_share, self.force)
@@ -77,7 +80,10 @@ class Reactions:
 
 
 def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
-    """Compute the bearing reactions to the static contact forces, without weight and unbalance of shaft and output."""
+    """Compute the bearing reactions to the contact forces of a static solution, by `compute_spatial_reactions`.
+
+    Weight and unbalance of shaft and output are not included.
+    """
 
     def sum_by_disc(forces: Array, directions: Array) -> Array:
         """Sum the reactions to the normal forces on each disc [N], (m, D, 2), from forces and their directions."""
@@ -91,7 +97,10 @@ def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) 
 
 
 def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
-    """Compute the bearing reactions to forces of each disc on shaft, output and ring [N], shape (m, D, 2) each."""
+    """Compute the bearing reactions to forces of each disc on shaft, output and ring [N], shape (m, D, 2) each.
+
+    The bearings of the output are its two discs; without a second one (``output.support``), its reactions are None.
+    """
     design = reducer.design
     gear = design.gear
     shaft_planes, output_planes, ring_planes = (

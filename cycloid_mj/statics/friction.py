@@ -9,10 +9,10 @@ from cycloid_mj.reducer.gaps import Gaps
 
 
 def compute_rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
-    """Compute the generalised Coulomb friction of each contact per normal force [1], shape (..., n, u).
+    """Compute the generalised Coulomb friction of n contacts per normal force [1], on u unknowns, shape (..., n, u).
 
-    `motion` is the rate of the unknowns, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
-    Friction opposes the sliding of the ideal parts.
+    It is -mu sign(s) ds/dz, with the sliding speed s of the ideal parts: friction opposes their sliding. `motion` is
+    the rate of the unknowns z, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
     """
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
     coefficient = np.where(
@@ -22,8 +22,16 @@ def compute_rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
 
 
 def missing_friction(reducer: Reducer) -> tuple[float, float]:
-    """Estimate the friction losses missing below creep speed, over those of teeth and pins, and over the output power.
+    """Estimate the friction losses that a run misses because contacts slide slower than the creep speed.
 
+    Returns
+    -------
+    tuple of float
+        Missing loss over the friction loss of teeth and output pins [1], and over the output power [1]; 0 without
+        friction.
+
+    Notes
+    -----
     A contact with force F that slides at v below v0 F/F_w, with the creep speed v0 and the working force F_w, loses v
     F_w/(v0 F) of Coulomb's mu F v. The teeth share the load of a disc that only rotates, by t, against pins with full
     clearance: F = K max(a t - clearance, 0) at the arm a. With weight, or if the disc moves aside, it may be twice
@@ -57,8 +65,9 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
 def _creeping_contacts(reducer: Reducer) -> float:
     """Compute the effective number of contacts in series that creep below the full friction of a tooth [1].
 
-    A moving pin of radius R in a seat of radius r transmits f if its seat slips at r f' = R f. With the limits mu F of
-    the disc's contact and mu' F of the seat's, each creeps in proportion to its limit, that of the seat at R/r.
+    A moving pin of radius R in a socket or on a core of radius r transmits a friction force f if this contact slips at
+    f', r f' = R f. With the limits mu F at the disc and mu' F there, each contact creeps in proportion to its share of
+    its limit; the second one moves by r/R as much. Returns 1 for fixed pins, and without friction.
     """
     design = reducer.design
     ring, seat = design.ring, design.seat_pair
@@ -89,10 +98,13 @@ def _share_with_play(arms: Array, torque: float, play: float, stiffness: float) 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
     """Compute the ideal friction losses of mesh, output pins and cam, relative to the output power [1].
 
-    Means over crank angles [rad] (n,) under the design's own load and ideal sharing; `friction` is that of the mesh. A
-    contact at l - rho from the pitch point slides at (l - rho) w/(N-1). Friction acts about the gear's centre with the
-    arm s = l - rho + c (N-1) cos(B - alpha), against the gear's turning: the normal forces rise by 1/(1 - mu sum F s /
-    sum F arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back. The cam of radius R
+    The means over crank angles [rad] (n,) under the design's own load with ideal sharing; `friction` is the coefficient
+    of the mesh. Symbols: eccentricity c, N ring teeth, pin radius rho, crank speed w; at a pin, B is its angle from the
+    crank, alpha the angle of the contact normal, l the distance of its centre from the pitch point.
+
+    A tooth contact slides at (l - rho) w/(N-1). Friction acts about the gear's centre with the arm s = l - rho + c
+    (N-1) cos(B - alpha), against the gear's rotation, so that the normal forces F rise by 1/(1 - mu sum F s / sum F
+    arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back. The cam of radius R
     slides, or rolls with a bearing's coefficient, at R w N/(N-1) under its whole force.
     """
     design = reducer.design

@@ -142,13 +142,23 @@ def build_friction_elements(
 ) -> Rubbing:
     """Build the friction elements of contacts, cams and seals, in this order, for a locked shaft.
 
-    The springs are those at the crank angle [rad]; `losses` are in addition to the friction of the contacts.
+    Parameters
+    ----------
+    springs
+        Contact springs at one crank angle, without friction.
+    crank
+        That angle [rad].
+    losses
+        Losses in addition to the friction of the contacts.
+    locked_shaft
+        The locked shaft. With a locked output, the last unknown is the output angle that corresponds to the crank's
+        rotation.
     """
     design = reducer.design
     mesh_gaps = arc_gaps(reducer, [crank])
-    contacts, discs, seals_count = mesh_gaps.kind.size, springs.cam_place.shape[1], _SETTINGS.seal_elements
+    contacts, discs, seal_count = mesh_gaps.kind.size, springs.cam_place.shape[1], _SETTINGS.seal_elements
     radius, teeth, bore_radius = springs.radius, design.ring.teeth, design.gear.bore_radius
-    sliding = np.zeros((contacts + discs + seals_count, springs.slope.shape[2]))
+    sliding = np.zeros((contacts + discs + seal_count, springs.slope.shape[2]))
     sliding[:contacts] = mesh_gaps.slip_slope[0]
     cams, seals = slice(contacts, contacts + discs), slice(contacts + discs, None)
     sliding[range(contacts, contacts + discs), range(2, 3 * discs, 3)] = bore_radius / radius
@@ -162,19 +172,19 @@ def build_friction_elements(
         design.tooth_pair: design.mesh_friction
     }
     stiffness = np.concatenate([springs.stiffness[0], np.full(discs, springs.cam_stiffness)])
-    seal_limits = np.full(seals_count, losses.drag / radius / seals_count)
+    seal_limits = np.full(seal_count, losses.drag / radius / seal_count)
     material_loss = losses.material * (np.arange(len(sliding)) < contacts + discs)
     return Rubbing(
         slip=sliding,
         coefficient=np.array(
-            [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * seals_count]
+            [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * seal_count]
         ),
         drag=seal_limits,
         stick=np.concatenate(
             [_SETTINGS.sticking_stiffness * stiffness, seal_limits / (radius * slip_rotations(losses.travel))]
         ),
         loss=material_loss,
-        backing=np.concatenate([_SETTINGS.unloading_stiffness * stiffness, np.zeros(seals_count)])
+        backing=np.concatenate([_SETTINGS.unloading_stiffness * stiffness, np.zeros(seal_count)])
         * (material_loss > 0.0),
     )
 

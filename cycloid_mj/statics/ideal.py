@@ -35,10 +35,17 @@ def _ideal_peak_of_disc(reducer: Reducer, kind: str, crank: Array, phase: float)
 
 
 def _share_load(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
-    """Return ideal forces of ring and output pins on the disc at a `phase`, and crank angles in the ring's frame."""
+    """Compute the ideal loads of the disc at a `phase` [rad] at crank angles [rad], shape (m,).
+
+    Returns
+    -------
+    ring, pin_forces, ring_crank
+        Load sharing of the ring, forces of the disc on the output pins [N] (m, pins), and the crank angles in the frame
+        of the ring [rad] (m,).
+    """
     design = reducer.design
     gear, output, ring_crank = reducer.tooth_profile, design.output, reducer.member.against_ring(crank)
     torque = reducer.share * math.copysign(1.0, design.drive.speed) * design.load.torque / design.gear.discs
     ring = ideal_loads.ideal_load_sharing(gear, torque, ring_crank + phase)
-    pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, ring_crank, phase)
-    return ring, pins, ring_crank
+    pin_forces = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, ring_crank, phase)
+    return ring, pin_forces, ring_crank

@@ -64,7 +64,10 @@ def load_friction(share: float, travel: float) -> LoadFriction:
 
 
 def slip_elements(reducer: Reducer) -> SlipElements:
-    """Return the slip elements of a design's wind-up, of constant friction and hysteresis; empty without."""
+    """Return the slip elements of a design's constant friction and hysteresis (table ``springs``).
+
+    There are `ELEMENTS` for each of the two that has a limit above 0.
+    """
     springs = reducer.design.springs
     components = [
         (limit, travel)
@@ -88,9 +91,9 @@ class LockedCurve:
 
 
 def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
-    """Solve for the rotation of the output [rad] with a locked crank under torques up to +-`max_torque` [N m].
+    """Solve for the rotation of the output [rad] with a crank locked at an angle [rad], without friction and weight.
 
-    Without friction and weight.
+    The curve reaches to at least +-`max_torque` [N m]: the next power of 2, so that similar torques share one solution.
 
     Raises
     ------
@@ -125,27 +128,36 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
 
 
 def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
-    """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest.
+    """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest at no torque.
 
-    The curve is extrapolated linearly.
+    Between reversals of the path, the rotation is interpolated on a branch of `locked_branches`. Equal neighbours end
+    a branch, too, which changes nothing: the friction keeps its state. The curve is extrapolated linearly.
     """
     path = np.concatenate([[0.0], torque])
     reversals = 1 + np.flatnonzero(np.diff(np.sign(np.diff(path))))
-    ends = [0, *reversals.tolist(), len(torque)]
-    branches = locked_branches(curve, elements, path[ends].tolist())
-    stretches = zip(pairwise(ends), branches, strict=True)
+    end_indices = [0, *reversals.tolist(), len(torque)]
+    branches = locked_branches(curve, elements, path[end_indices].tolist())
     return np.concatenate(
-        [np.interp(path[start + 1 : end + 1], *_increasing(line)) for (start, end), line in stretches]
+        [
+            np.interp(path[start + 1 : end + 1], *_by_increasing_torque(branch))
+            for (start, end), branch in zip(pairwise(end_indices), branches, strict=True)
+        ]
     )
 
 
 def locked_branches(
     curve: LockedCurve, elements: SlipElements, reversals: Sequence[float], friction: LoadFriction = NO_LOAD_FRICTION
 ) -> list[tuple[Array, Array]]:
-    """Compute torque [N m] and rotation [rad] at the vertices of each branch between reversal torques [N m], from rest.
+    """Compute the hysteresis branches between reversal torques [N m], of which the first is the torque at rest.
 
-    T(x) is piecewise linear between the points of the curve and the slip limits of the elements; it increases, and is
-    inverted. Shape (m,) each.
+    The torque T(x) of contacts, slip elements and load-dependent friction is piecewise linear and increasing in the
+    rotation x, with vertices at the points of the curve and at the slip limits; it is inverted on each branch. At a
+    reversal, each element keeps its force (Masing's rules follow).
+
+    Returns
+    -------
+    list of tuple
+        Torque [N m] and rotation [rad] at the vertices of each branch, shape (m,) each, in the order of the path.
     """
     largest_torque = max(map(abs, reversals)) + float(elements.limits.sum())
     rotation, contact_torque = _extend_curve(curve, largest_torque / (1.0 - friction.share))
@@ -211,19 +223,23 @@ def _compute_vertices(
     return branches
 
 
-def _increasing(line: tuple[Array, Array]) -> tuple[Array, Array]:
-    return line if line[0][-1] >= line[0][0] else (line[0][::-1], line[1][::-1])
+def _by_increasing_torque(branch: tuple[Array, Array]) -> tuple[Array, Array]:
+    torque, rotation = branch
+    return branch if torque[-1] >= torque[0] else (torque[::-1], rotation[::-1])
 
 
 def _extend_curve(curve: LockedCurve, end_torque: float) -> tuple[Array, Array]:
-    """Extend a curve linearly to a torque [N m] at either end; return rotations and torques, both increasing."""
+    """Extend a curve linearly to +-`end_torque` [N m]; return its rotations [rad] and torques [N m], shape (m,) each.
+
+    Points whose rotation does not exceed that of all points before them are left out, so that both increase.
+    """
     slopes = [np.diff(curve.turn)[end] / np.diff(curve.torque)[end] for end in (0, -1)]
-    ends = [
+    end_rotations = [
         curve.turn[end] + slope * (sign * end_torque - curve.torque[end])
         for end, slope, sign in zip((0, -1), slopes, (-1.0, 1.0), strict=True)
     ]
     is_shorter = abs(curve.torque[0]) < end_torque
     torque = np.concatenate([[-end_torque], curve.torque, [end_torque]]) if is_shorter else curve.torque
-    rotation = np.concatenate([[ends[0]], curve.turn, [ends[1]]]) if is_shorter else curve.turn
-    increases = np.concatenate([[True], np.diff(rotation) > 0.0])
+    rotation = np.concatenate([[end_rotations[0]], curve.turn, [end_rotations[1]]]) if is_shorter else curve.turn
+    increases = np.concatenate([[True], rotation[1:] > np.maximum.accumulate(rotation)[:-1]])
     return rotation[increases], torque[increases]

@@ -70,10 +70,10 @@ def torque_at_pressure(
     contact_loads: Loads | None = None,
     follow: bool = False,
 ) -> tuple[float, str]:
-    """Find the output torque at which a contact first reaches its pressure [N m], to a thousandth.
+    """Find the output torque at which the first contact reaches its pressure, to a thousandth.
 
-    The first step assumes that the pressure rises with the square root of the torque, the others are secant steps of
-    the logarithms.
+    The first step assumes that the pressure rises with the square root of the torque; the others are secant steps of
+    the logarithms, with the exponent limited to `PRESSURE_TORQUE`.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def torque_at_pressure(
     Returns
     -------
     tuple of float and str
-        The torque [N m], and the kind of contact that reaches its pressure.
+        The torque [N m] with the sign of `torque`, and the kind of contact that reaches its pressure.
 
     Raises
     ------

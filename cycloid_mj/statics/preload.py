@@ -15,9 +15,9 @@ MAX_ANGLE = 600.0 * ARCMINUTE
 
 
 def preloaded(design: Named) -> Design:
-    """Return a design with ``ring.preload_arcmin`` in place of ``ring.preload_torque_nm``; others are unchanged.
+    """Return a design with ``ring.preload_arcmin`` in place of ``ring.preload_torque_nm``; one without is unchanged.
 
-    The angle is found by Brent's method.
+    The angle between the halves is found by Brent's method, such that `halves_torque` is the given torque.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def preloaded(design: Named) -> Design:
     Raises
     ------
     DesignError
-        No angle has that torque.
+        No angle up to `MAX_ANGLE` has that torque, or the parts have no equilibrium.
     """
     design = resolve(design)
     torque = design.ring.preload_torque

@@ -102,10 +102,10 @@ def identical_samples(reducer: Reducer, count: int) -> Samples:
 
 
 def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
-    """Draw `count` samples with the standard deviations of the design's `errors`: normal, a random stream per kind.
+    """Draw `count` samples with normal errors, with the standard deviations of the design's table `errors`.
 
-    Errors that the design lists part by part, measured deviations, and the error of the eccentricity are the same in
-    all samples. The streams depend on the `seed`.
+    Each kind of error has a random stream of its own, seeded by `seed` and its index. Errors that the design lists part
+    by part, measured deviations, and the error of the eccentricity are the same in all samples.
     """
     errors, nominal_samples = reducer.design.errors, identical_samples(reducer, count)
     measured_errors = measured_deviations(reducer.design)
@@ -220,10 +220,20 @@ def solve_samples(
 def _solve_rows(
     ideal_reducer: Reducer, springs: Springs, samples: Samples, common_waves: Array, torques: Array, threads: int
 ) -> Array:
-    """Return the kernel's figures of samples of a reducer without errors, shape (torques, samples, `FIGURES`).
+    """Solve all samples by the compiled kernel; return its figures, shape (torques, samples, `FIGURES`).
 
-    The waves of the samples are in addition to `common_waves`, shape (orders, 2) [m]; `threads` is the number of
-    threads.
+    Parameters
+    ----------
+    ideal_reducer, springs
+        The reducer without errors, and its springs at k crank angles.
+    samples
+        Deviations of the samples; their waves are in addition to `common_waves`.
+    common_waves
+        Cosine and sine amplitudes of the profile error that all samples have, shape (orders, 2) [m].
+    torques
+        Torques on the carrier [N m].
+    threads
+        Number of threads, which solve chunks of samples in parallel.
     """
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
     effects = _error_effects(ideal_reducer, springs, orders, common_waves)
@@ -290,11 +300,11 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     waves[:, :teeth] = np.concatenate(
         [profile_error(common_waves, foot), np.cos(foot * orders), np.sin(foot * orders)], axis=2
     )
-    unit = reducer.but(errors={"eccentricity": 1e-6})
+    unit_reducer = reducer.but(errors={"eccentricity": 1e-6})
     return Effects(
         contact_effects(contacts.slope),
         contact_effects(contacts.shift_slope),
-        cam_displacements(unit, springs.crank) / 1e-6,
+        cam_displacements(unit_reducer, springs.crank) / 1e-6,
         np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=-1),
         waves,
     )
@@ -306,9 +316,14 @@ def _own_disc_gradients(contacts: kernel.KernelSprings, slopes: Array) -> Array:
 
 
 def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
-    """Compute the deviations of the contacts of the samples; the springs are those of the design's clearances.
+    """Compute the deviations of the contacts of the samples, for the compiled kernel.
 
-    `orders` are those of the waves that differ between samples.
+    Parameters
+    ----------
+    springs
+        Springs with the clearances of the design.
+    orders
+        Orders of the profile waves that differ between samples, shape (w,).
     """
     design = reducer.design
     discs, count = design.gear.discs, len(samples)

@@ -147,7 +147,7 @@ class Sheet(Presented):
         return known_difference(quantity) if self.has_known_differences else None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the sheet to JSON values."""
+        """Convert the sheet to JSON values, the quantities by key, in the units of their keys."""
         return {
             "design": self.design,
             "condition": self.condition,
@@ -195,7 +195,7 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
-    """Compute the figures of some parts of the sheet under a load [N m], None for that of `load_of`."""
+    """Compute the figures of `parts` of the sheet under a load [N m] (None: `load_of`), and describe the conditions."""
     _, source = load_of(reducer, load)
     reducer, load = _with_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
@@ -280,21 +280,25 @@ def known_difference(quantity: Quantity) -> float | None:
 
 
 def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield backlash, lost motion and stiffness at a locked crank, without friction and weight."""
+    """Yield backlash, lost motion, stiffness and compliances at a locked crank, without friction and weight.
+
+    The backlash is extrapolated from two small torques in each direction to no torque. Torsion of the structure has
+    compliances of its own if ``structure`` is "springs".
+    """
     static_reducer = at_rest(reducer)
     crank_angles = turn_evenly(reducer)
     springs = springs_of(static_reducer, crank_angles, friction=False)
-    ends, stop_torque = [], SETTINGS.stop_torque_share * max(load, reducer.design.rated_torque)
+    stops, stop_torque = [], SETTINGS.stop_torque_share * max(load, reducer.design.rated_torque)
     for sign in (-1.0, 1.0):
         rotation, double_rotation = (
             loads(static_reducer, springs, sign * factor * stop_torque, follow=True).output_turn
             for factor in (1.0, 2.0)
         )
-        ends.append(2.0 * rotation - double_rotation)
-    width = (ends[1] - ends[0]) / ARCMINUTE
-    yield sheet_quantity("backlash", float(width.mean()))
-    yield sheet_quantity("backlash_min", float(width.min()))
-    yield sheet_quantity("backlash_max", float(width.max()))
+        stops.append(2.0 * rotation - double_rotation)
+    backlash = (stops[1] - stops[0]) / ARCMINUTE
+    yield sheet_quantity("backlash", float(backlash.mean()))
+    yield sheet_quantity("backlash_min", float(backlash.min()))
+    yield sheet_quantity("backlash_max", float(backlash.max()))
     windup_solution = solve_windups(reducer, crank_angles, load, warm_start=True)
     yield sheet_quantity(
         "lost_motion_ideal", float(np.mean([item.lost_motion for item in windup_solution])) / ARCMINUTE
@@ -320,7 +324,11 @@ def _stiffness(windups: Sequence[Windup]) -> float:
 
 
 def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the transmission errors, loaded and unloaded, in both directions, with friction."""
+    """Yield the transmission errors of disc and output [arcsec] of each of `CASES` and `DIRECTIONS`, with friction.
+
+    Also how far the mean angles differ between directions (reversal) and loads (wind-up); for a central crank, the
+    inertia torque of a load that follows the error.
+    """
     means: dict[tuple[str, str, str], float] = {}
     for case in CASES:
         for direction in DIRECTIONS:
@@ -343,10 +351,10 @@ def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
-    """Compute the rotations of disc and output from their ideal angles [rad] in a case and direction, by part.
+    """Compute the rotations of "gear" and "output" from their ideal angles [rad] over a turn, shape (m,) each.
 
-    Keys of `CASES` and `DIRECTIONS`; crank angles are even over a turn, both ends included. For an RV reducer, only the
-    output, over a turn of the carrier.
+    `case` and `direction` are keys of `CASES` (share of the load) and `DIRECTIONS` (sign of the speed). Crank angles
+    are evenly spaced, both ends included. For an RV reducer, only the output is computed, over a turn of the carrier.
     """
     if isinstance(reducer, RvReducer):
         return {"output": rv_sheet.running_rotation(reducer, DIRECTIONS[direction] * CASES[case] * load)}
@@ -366,9 +374,10 @@ def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) ->
 
 
 def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS)) -> Iterator[Quantity]:
-    """Yield forces, pressures and margins by kind of mating pair, and the torques of the first of `LIMITS`.
+    """Yield forces, pressures and margins of each kind of mating pair, and the torques of the first of `LIMITS`.
 
-    `limit_count` is the number of these limits.
+    `limit_count` is the number of these limits. With several discs also their shares of the torque and the bearing
+    reactions. A limit is NaN, with a note, if no contact is narrow enough for Hertz theory.
     """
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
@@ -446,7 +455,10 @@ def _mean(values: Array) -> float:
 
 
 def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency and losses, and the figures of back-driving."""
+    """Yield efficiency and losses, and torque and efficiency of back-driving.
+
+    The torque is NaN for a self-locking reducer. With the law ``film`` efficiencies have a spread.
+    """
     yield from _efficiency_figures(reducer, load)
     back_powers, back_torque = solve_back_driving(reducer, load)
     note = describe_self_locking(reducer, load) if math.isnan(back_torque) else ""
@@ -458,7 +470,7 @@ def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency and losses of the reducer when the crank drives."""
+    """Yield efficiency [%] and losses [W] of the reducer when the crank drives; with film friction, with a spread."""
     design = reducer.design
     mean_powers = powers(reducer, load)
     if design.has_film:

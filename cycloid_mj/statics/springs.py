@@ -57,7 +57,7 @@ class Springs:
     friction: FilmFriction | None = None
 
     def with_friction(self, friction: FilmFriction) -> "Springs":
-        """Return the springs with other friction coefficients of the film law."""
+        """Return the springs with other friction coefficients; only for springs with the law ``film``."""
         assert self.film is not None
         rubbing = friction.contacts[..., np.newaxis] * self.film.unit_rubbing
         speed = self.film.surfaces.reducer.design.drive.speed
@@ -199,10 +199,11 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
 
 
 def _pin_deflections(reducer: Reducer) -> Array:
-    """Compute the deflection of an output pin at each disc per force of another [m/N], shape (D, D).
+    """Compute the deflection of an output pin at each disc per force of each other disc [m/N], shape (D, D).
 
-    The forces of discs at phases b and b' include the angle b - b': the share cos(b - b') of the deflection is along a
-    force, and the share across it only moves the contact along its circle.
+    The diagonal is 0, as the deflection under a disc's own force is part of the contact's stiffness. The forces of
+    discs at phases b and b' include the angle b - b': the share cos(b - b') of the deflection is along a force, and the
+    share across it only moves the contact along its circle.
     """
     phases, flexibility = np.array(reducer.phases), reducer.contacts.pin_flexibility
     np.fill_diagonal(flexibility, 0.0)

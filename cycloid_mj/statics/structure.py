@@ -98,7 +98,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
 
 
 def structure_text(reducer: Reducer) -> str:
-    """Describe which parts of the structure are elastic, with their stiffness, in a sentence."""
+    """Describe in a sentence which parts of the structure are elastic, with their torsional stiffness [N m/arcmin]."""
     if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid; only contacts are elastic"
     stated_parts = [part for part in TWISTING if getattr(reducer.design.springs, part)]

@@ -80,9 +80,15 @@ class Windup:
 def split_in_series(reducer: Reducer, output_rate: float, disc_rate: float, centre_lead: float) -> dict[str, float]:
     """Split a compliance [rad/(N m)] into those of output, cam and mesh in series, by keys of `SERIES`.
 
-    `output_rate` and `disc_rate` are the rotations of output and disc per torque [rad/(N m)], `centre_lead` the
-    displacement of the disc's centre along its circle per torque [m/(N m)]. Torsion of the structure counts with the
-    contacts of the output. If the ring is the output, the disc rotates against a fixed carrier.
+    Torsion of the structure counts with the contacts of the output. If the ring is the output, the disc rotates against
+    a fixed carrier.
+
+    Parameters
+    ----------
+    output_rate, disc_rate
+        Rotation of output and disc per torque [rad/(N m)].
+    centre_lead
+        Displacement of the disc's centre along its circle, ahead of the crank, per torque [m/(N m)].
     """
     design = reducer.design
     cam_part, share = -centre_lead / (design.gear.eccentricity * design.lobes), reducer.share
@@ -99,8 +105,8 @@ def solve_windups(
 ) -> list[Windup]:
     """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m], without friction.
 
-    Returns a wind-up for each crank angle. `warm_start` is `follow` of `loads`: angles that vary smoothly take half of
-    the time.
+    Returns one wind-up per crank angle, with the poses under both signs of each torque share of `SHARES`. `warm_start`
+    is `follow` of `loads`: angles that vary smoothly take half of the time.
 
     Raises
     ------
@@ -144,7 +150,10 @@ def solve_windups(
 
 
 def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
-    """Compute the work of the force increments from a low to a high load by each of `SPRINGS` [J], shape (m,) each."""
+    """Compute the work of the force increments from a low to a high load in each of `SPRINGS` [J], shape (m,) by name.
+
+    It is force increment times relative displacement, summed over the contacts; that of bent output pins is separate.
+    """
     displacement = high.departures - low.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)
     teeth, cam, pins = high.teeth - low.teeth, high.cam - low.cam, high.output - low.output

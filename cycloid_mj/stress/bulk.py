@@ -47,13 +47,13 @@ class Distances:
     at_corner: Mask
     vertices: int
 
-    def from_patches(self, angle: int, nodes: Integers) -> Array:
-        """Compute the distance [m] of some nodes from the narrow patches at an angle, shape of `nodes`.
+    def from_patches(self, angle_index: int, nodes: Integers) -> Array:
+        """Compute the distance of some nodes from the nearest narrow patch at an angle [m], shape of `nodes`.
 
-        inf without patches; 0 for nodes next to sharp corners, which never belong to the bulk. `angle` and `nodes` are
-        indices.
+        `angle_index` and `nodes` are indices. The distance is inf without patches, and 0 for nodes next to sharp
+        corners, which never belong to the bulk.
         """
-        centres = self.patches[self.ends[angle] : self.ends[angle + 1]]
+        centres = self.patches[self.ends[angle_index] : self.ends[angle_index + 1]]
         squared_distance = cdist(centres, self.points[nodes, :2], "sqeuclidean").min(axis=0, initial=np.inf)
         return np.where(self.at_corner[nodes], 0.0, np.sqrt(squared_distance + self.outside[nodes] ** 2))
 
@@ -94,10 +94,10 @@ def search_distances(distances: Distances, start: float) -> Array:
 
 
 def largest_beyond(node_distances: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
-    """Compute the largest von Mises stress [Pa] (s,) beyond each of s distances at an angle, and its node (s,).
+    """Compute the largest von Mises stress [Pa] (s,) beyond each of s distances [m] at an angle, and its node (s,).
 
-    `stress` is that of all nodes, (n,). For speed, nodes with the largest stress are searched first, in bands, and
-    others only for distances beyond which no node of these bands is left.
+    `stress` is that of all nodes, (n,), and `angle` an index. For speed, nodes with the largest stress are searched
+    first, in bands, and others only for distances beyond which no node of these bands is left.
     """
     largest_nodes, pending = np.zeros(len(distances), np.int64), np.arange(len(distances))
     upper = np.inf
@@ -116,8 +116,8 @@ def largest_beyond(node_distances: Distances, distances: Array, angle: int, stre
 def find_plateau(stress_by_distance: Array, first_index: int) -> int:
     """Return the index, from `first_index` on, at which the largest stresses by distance (s,) reach a plateau.
 
-    That is the first one with a relative drop below `MAX_PLATEAU_DROP` to the next, else the one before the smallest
-    drop.
+    It is the first index with a relative drop below `MAX_PLATEAU_DROP` to the next value; without any, that of the
+    smallest drop.
     """
     first_index = min(first_index, len(stress_by_distance) - 1)
     drops = 1.0 - stress_by_distance[first_index + 1 :] / np.maximum(
@@ -130,7 +130,10 @@ def find_plateau(stress_by_distance: Array, first_index: int) -> int:
 
 
 def relative_drop(stress_by_distance: Array, index: int) -> float:
-    """Compute the relative drop of the largest stress from a distance to twice that; 1 if no node is left."""
+    """Compute the relative drop of the largest stress (s,) from the distance of an index to twice that distance.
+
+    It is 1 if no node is left there, and 0 without stress.
+    """
     stress_beyond = (
         stress_by_distance[index + DISTANCES_PER_OCTAVE]
         if index + DISTANCES_PER_OCTAVE < len(stress_by_distance)

@@ -64,9 +64,10 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise a part, and prepare its loads at all angles: pressure patches of the contacts, weight and inertia.
+    """Factorise the stiffness of a part and return its load case: contact pressure, weight and inertia at all angles.
 
-    The supports carry the load torque of the output, which acts at its hub.
+    The supports carry the load torque of the output, which acts at its hub. Loads on a part without supports are
+    balanced by its acceleration (d'Alembert).
     """
     contact_patches = distribute_contacts(grid if grid.section is None else grid.section.grid, loads)
     contact_loads = contact_patches.loads if grid.section is None else _extrude_loads(grid.section, loads)
@@ -93,7 +94,10 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
 
 def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
-    """Distribute the contact forces on the section over the heights of each disc on a solid, sparse (n, k) [N]."""
+    """Distribute the contact forces on the section over the heights of each disc on a solid.
+
+    Returns the nodal loads of n unknowns at k angles, a sparse matrix (n, k) [N].
+    """
     discs = np.array([disc_of(label) for label in loads.labels])
     disc_loads = [
         lift

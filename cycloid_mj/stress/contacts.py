@@ -92,12 +92,19 @@ class Action:
         return self._on_circle(centre, radius, half_width, -1.0)
 
     def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
-        """Compute the middle of a patch with a half width [m] on a circle, shape (k, 2) [m].
+        """Compute the middle of a contact patch on a circle [m], shape (k, 2).
 
-        A narrow patch is at the intersection of the line of action with the circle: `side` 1 ahead of the centre along
-        the force, -1 behind it. The tractions of a wide patch have many directions, so that for the same force their
-        sum, and the moment of friction, is larger. The resultant then acts at a larger radius (the friction radius of a
-        journal bearing), which is intersected instead. A line that misses the circle by rounding touches it.
+        A narrow patch is where the line of action intersects the circle. The tractions of a wide patch have many
+        directions, so that for the same force their sum, and the moment of friction, is larger. The resultant then acts
+        at a larger radius (the friction radius of a journal bearing), which is intersected instead. A line that misses
+        the circle by rounding touches it.
+
+        Parameters
+        ----------
+        half_width
+            Half width of the patch along the circle [m].
+        side
+            1: the intersection ahead of the centre along the force, -1: that behind it.
         """
         direction = self.direction
         foot_offset = self.foot - centre
@@ -158,7 +165,7 @@ class PartFrame:
 
 
 def part_frame(turn: Turn, part: str) -> PartFrame:
-    """Return the moving frame of a part along a turn, which is that of its solid."""
+    """Return the moving frame of a part along a turn, which is that of its solid: origin [m] and angle [rad]."""
     zeros = np.zeros_like(turn.angle)
     origin = np.zeros((zeros.size, 2))
     if part in turn.reducer.gears:
@@ -263,7 +270,7 @@ def _in(seat: PartFrame, action: Action) -> Action:
 
 
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
-    """List the contacts of a disc: teeth, the cam in its bore, and the output pins in its holes."""
+    """List the contacts of the disc of an index, in its frame: teeth, the cam in its bore, output pins in its holes."""
     frame = _disc(turn, disc)
     cam = _hole_contact(turn, _pair_name(turn, CAM, disc), "cam", _in(frame, _on_gear(turn, CAM, disc)), np.zeros(2))
     centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
@@ -376,9 +383,10 @@ def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
 
 
 def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
-    """Return the contact of a pin and the wall of its socket, which is open towards the gear.
+    """Return the contact of a ring pin and the wall of its socket, on the ring; `pin` and `disc` are indices from 0.
 
-    The force of a closed socket where the ring has no wall is left out: its end plates carry it.
+    The ring's wall is open towards the gear. A force on a closed socket where the ring has no wall is left out: end
+    plates carry it.
     """
     ring = turn.reducer.design.ring
     contact_force = _socket_force(turn, pin, disc).reaction()
@@ -417,14 +425,17 @@ def _contact(
 
 
 def _round_radii(turn: Turn, kind: str) -> tuple[float, float]:
-    """Return the radii of a round part and of its hole with clearance [m] in pairs of a kind."""
+    """Return the radius of a round part and that of its hole with clearance [m].
+
+    `kind` is the kind of pair: "cam", "output" or "pin_socket".
+    """
     design = turn.reducer.design
-    inner, outer = {
+    part_radius, hole_radius = {
         "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
         "output": (design.output.pin_radius, design.output.hole_radius + design.clearance.output),
         "pin_socket": (design.ring.pin_radius, design.ring.pin_radius + design.socket_play),
     }[kind]
-    return inner, outer
+    return part_radius, hole_radius
 
 
 def _round_width(turn: Turn, kind: str, action: Action) -> Array:

@@ -66,7 +66,10 @@ class Cost:
 
 
 def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
-    """Estimate processor time and memory of a part's study: its own grid, a finer one, and its other supports."""
+    """Estimate processor time [s] and memory [B] of a part's study from the number of unknowns of its grids.
+
+    These are its own grid, a finer one, and one for other supports, if it has any.
+    """
     rates = COST.shaft if grid.part == "shaft" else COST.plane if grid.dimension == 2 else COST.space
     finer = grid.unknowns * settings.finer(grid) ** rates.growth
     grids = [grid.unknowns, finer, *([grid.unknowns] if grid.part in SUPPORTS else [])]
@@ -76,7 +79,7 @@ def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
 
 
 def add_costs(costs: Iterable[Cost]) -> Cost:
-    """Add the times of parts that are studied in turn, and find the peak of memory."""
+    """Add the times [s] of parts that are studied in turn, and return the peak of their memory [B]."""
     seconds, memory, retained_memory = 0.0, COST.base_memory, 0.0
     for cost in costs:
         seconds, memory, retained_memory = (

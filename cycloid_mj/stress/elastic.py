@@ -67,14 +67,19 @@ def assemble_body(
     Parameters
     ----------
     grid
-        Its grid. Without `fixed_nodes` a planar part is free: three unknowns are fixed so that the solution is unique,
-        and have no reaction since the loads are in balance.
+        Its grid, with n unknowns. Without `fixed_nodes` a planar part is free: three unknowns are fixed so that the
+        solution is unique, and have no reaction since the loads are in balance.
     material
         Young's modulus, Poisson's ratio and density.
     springs
         Sparse (n, n) [N/m] of elastic supports, added to the stiffness.
     loose
         Indices of the rigid motions that no support fixes; by default all of a free part.
+
+    Raises
+    ------
+    CycloidError
+        The grid has several pieces, a rigid motion is free, or the matrix cannot be factorised.
     """
     motions = rigid_motions(grid.points)
     if loose is None:
@@ -113,9 +118,9 @@ def balance_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
 
 
 def solve_accelerations(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
-    """Solve for the accelerations (l, c) along the loose motions that balance loads (n, c) [N], which may be sparse.
+    """Solve for the accelerations (l, c) along the l loose motions that balance c loads (n, c) [N], dense or sparse.
 
-    Also returns the imbalance (c, r) of `balance_loads`.
+    Returns them and the imbalance (c, r) of `balance_loads`.
     """
     imbalance = np.zeros((loads.shape[1], part.motions.shape[1]))
     loose_motions = list(part.loose)
@@ -153,7 +158,10 @@ def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
 
 
 def mass_loads(part: ElasticBody, points: Array) -> Array:
-    """Compute the nodal loads (n, 4) [N] of unit body forces per mass: along x, along y, r, and -z x r in the plane."""
+    """Compute the nodal loads (n, 4) [N] of four unit fields of body force per mass, of a part with nodes (p, d) [m].
+
+    The fields are 1 m/s2 along x and along y, then, with the position r in the plane, r and -z x r per s2.
+    """
     x, y = points[:, 0], points[:, 1]
     fields = np.zeros((*points.shape, 4))
     fields[:, 0, 0] = 1.0
@@ -241,7 +249,7 @@ class _Assembler:
     """Sums matrices of elements (m, a, a) over the pairs of nodes that share an element, in the order of the rows."""
 
     def __init__(self, grid: Grid) -> None:
-        """Find the pairs of nodes that share an element, row by row."""
+        """Find the pairs of nodes that share an element, in the order of the rows of the matrix."""
         cells, self._nodes = grid.cells, len(grid.points)
         keys = (cells[:, :, np.newaxis] * self._nodes + cells[:, np.newaxis]).ravel()
         pairs, self._slot = np.unique(keys, return_inverse=True)
@@ -276,12 +284,9 @@ def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
 
 
 def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> None:
-    """Check that a part is connected and that its supports fix all of its rigid motions.
+    """Raise CycloidError unless a part is in one piece and its supports fix all of its rigid motions.
 
-    Raises
-    ------
-    CycloidError
-        The grid has several pieces, or a rigid motion is free.
+    `fixed` are the indices of the fixed unknowns, `springs` the elastic supports as in `assemble_body`.
     """
     cells = grid.mesh.t
     pairs = np.concatenate([np.stack([cells[0], corner]) for corner in cells[1:]], axis=1)

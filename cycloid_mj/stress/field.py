@@ -203,9 +203,16 @@ def _collect_maxima(
     components: Callable[[Array], Array],
     on_state: StateObserver = ignore_state,
 ) -> PartStress:
-    """Find the largest bulk stress at each angle from the responses; `components` maps displacements to stress.
+    """Find the largest bulk stress at each angle from the responses, and where it acts.
 
-    Without a `distance` [m] at which bulk begins, it is that of the plateau of the turn's largest stress.
+    Parameters
+    ----------
+    distance
+        Distance from patches at which bulk begins [m]; None: where the turn's largest stress reaches its plateau.
+    components
+        Maps displacements (n d, c) [m] to stress components (components, n, c) [Pa].
+    on_state
+        Called with the index of each angle and the stress components of all nodes at it.
     """
     search_steps = search_distances(distances, grid.bulk_distance) if distance is None else np.array([distance])
     maxima: list[tuple[Array, ...]] = []

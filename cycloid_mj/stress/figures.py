@@ -21,9 +21,15 @@ from cycloid_mj.stress.study import QUICK, part_study
 
 
 def for_one_turn(design: Design, load: float | None = None) -> Design:
-    """Return a design that runs from full speed for one settled turn.
+    """Return a design that runs at full speed from the start, for one settled crank turn in the frame of the ring.
 
-    `load` is the torque [N m]; by default the design's own, or its nominal torque if that is 0.
+    The log has at least 720 samples per turn. `load` is the torque [N m]; by default the design's own, or its nominal
+    torque if that is 0. Without speed, the duration stays as it is.
+
+    Raises
+    ------
+    DesignError
+        The ring is in two halves.
     """
     require_one_ring(Reducer(design), "stress by finite elements")
     load = load if load is not None else design.load.torque or round(design.rated_torque, 9)
@@ -96,7 +102,7 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
 
 
 def study_quantities(findings: StressFindings) -> Mapping[str, Quantity]:
-    """Return the catalogue's figures of the findings of a study, by their keys."""
+    """Return the catalogue's figures of the findings of a study, by their keys; those that are NaN are left out."""
     figures = {}
     for kind in KINDS:
         parts = [part for part in findings.parts if names.family(part.part) == kind]

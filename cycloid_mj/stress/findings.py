@@ -225,7 +225,7 @@ class PartFindings:
         return 2.0 * np.abs(waves @ (self.bulk - self.bulk.mean())) / self.bulk.size
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the findings to dicts, lists, numbers and text, in MPa, mm and degrees."""
+        """Convert the findings to JSON values, in MPa, mm and degrees; values that are not finite become None."""
         return {
             "part": self.part,
             "unknowns": self.unknowns,
@@ -312,7 +312,7 @@ class StressFindings:
         return any(each.part == part for each in self.parts)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the findings to dicts, lists, numbers, text and None only."""
+        """Convert the findings to JSON values, in N m and MPa."""
         references = {part: reference.as_json() for part, reference in self.references.items()}
         return {
             "design": self.design,

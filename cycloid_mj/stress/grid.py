@@ -184,7 +184,11 @@ def planar_grid(
 
 
 def _mesh_region(region: Region, settings: GridSettings, length: float, short_edges: Array, section: bool) -> Grid:
-    """Mesh a region by quadratic triangles; `short_edges` are rows (x, y, edge length) [m]."""
+    """Mesh a region by quadratic triangles.
+
+    `length` [m] is the unit of the settings' lengths, `short_edges` are rows (x, y, edge length) [m], and `section`
+    keeps the mesher's order of vertices.
+    """
     unit = length / settings.refinement
     loops = []
     for boundary in region.boundaries:
@@ -347,7 +351,10 @@ def _triangulate(
 
 
 def _set_edge_growth(field: Any, edges: list[int], longest: float, growth: float) -> None:
-    """Set the size field: edges grow with the distance from the outlines, up to the longest [mm]."""
+    """Set gmsh's size field, so that edges grow with the distance from the outlines.
+
+    `edges` are gmsh's tags, `longest` is the longest edge [mm], and `growth` the exponent of gmsh's field "Extend".
+    """
     extend = field.add("Extend")
     field.setNumbers(extend, "CurvesList", edges)
     field.setNumber(extend, "SizeMax", longest)

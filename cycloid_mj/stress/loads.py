@@ -120,6 +120,7 @@ def of_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
 def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array]:
     """Compute gravity, inertia and the moment that is carried elsewhere, as fields of `PartLoads` by name.
 
+    They are "body_force" [m/s2] (k, 2), "spin" [rad/s], "spin_rate" [rad/s2] and "torque" [N m], (k,) each.
     `contact_sum` is the sum of the contacts' forces, which accelerate a part that is free to move.
     """
     zeros = np.zeros_like(turn.angle)

@@ -177,8 +177,8 @@ def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, f
 def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
     """Compute the lateral displacement of the cam per force [m/N], with elastic seats and the thin post of the crank.
 
-    The post is a Timoshenko beam. Each bearing has the compliance 2/(E w), in its bore and on the shaft, the cam's ring
-    1/(E w), with widths w. Both bearings allow the crank to tilt.
+    The post is a Timoshenko beam. Each bearing has the compliance 2/(E w), half in its bore and half on the shaft, the
+    cam's ring 1/(E w), with Young's modulus E of the housing and widths w. Both bearings allow the crank to tilt.
     """
     material, span = reducer.design.material_of("housing"), crank.to_hub + crank.to_housing
     hub_share, housing_share = crank.to_housing / span, crank.to_hub / span

@@ -76,10 +76,10 @@ class Notch:
 
 
 def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
-    """Return the most loaded root of the output's pins, as a tuple of one notch.
+    """Return the most loaded root of the output pins over the turn, as a tuple of one notch.
 
     Forces are uniform over a disc's width. The nominal bending stress is 4 M/(pi R^3), with M by `root_arms` and the
-    core radius R under a roller.
+    radius R of the pin, or of its core under a roller.
     """
     design = reducer.design
     discs = np.array([disc_of(label) for label in loads.labels])
@@ -117,10 +117,14 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     fillet = reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
-        bends, twists = bending[:, station], torsion[:, station]
-        row = int(np.argmax(np.hypot(factors[0] * bends, np.sqrt(3.0) * factors[1] * twists)))
-        sizes = float(bends[row]), float(twists[row])
-        return Notch(name, shaft.radius, fillet, float(angle[row]), *sizes, *factors)
+        """Return the notch at a station; `factors` are its notch factors in bending and torsion."""
+        bending_factor, torsion_factor = factors
+        station_bending, station_torsion = bending[:, station], torsion[:, station]
+        row = int(
+            np.argmax(np.hypot(bending_factor * station_bending, np.sqrt(3.0) * torsion_factor * station_torsion))
+        )
+        stresses = float(station_bending[row]), float(station_torsion[row])
+        return Notch(name, shaft.radius, fillet, float(angle[row]), *stresses, *factors)
 
     nominal = np.hypot(bending, np.sqrt(3.0) * torsion)
     largest_station = int(np.unravel_index(int(nominal.argmax()), nominal.shape)[1])

@@ -41,7 +41,10 @@ class QuadraticOutline:
 
 
 def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
-    """Divide a closed polygon (n, 2) [m] into quadratic edges of the target lengths, with nodes at its corners."""
+    """Divide a closed polygon (n, 2) [m] into quadratic edges of the target lengths, with nodes at its corners.
+
+    The number of edges between two corners is the integral of 1/length along the outline, rounded up.
+    """
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
     edge_length = _limit_growth(_target_edges(points, radius, sizing), arc, sizing.growth)
@@ -49,13 +52,15 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     edge_count = np.concatenate(
         [[0.0], np.cumsum((1 / closed_lengths[1:] + 1 / closed_lengths[:-1]) / 2 * np.diff(arc))]
     )
-    ends = np.flatnonzero(corner) if corner.any() else np.array([0])
-    stretches = zip(
-        edge_count[ends], np.append(edge_count[ends[1:]], edge_count[ends[0]] + edge_count[-1]), strict=True
-    )
-    min_edges = max(1, math.ceil(12 / len(ends)))
+    corner_indices = np.flatnonzero(corner) if corner.any() else np.array([0])
+    start_counts = edge_count[corner_indices]
+    end_counts = np.append(start_counts[1:], start_counts[0] + edge_count[-1])
+    min_edges = max(1, math.ceil(12 / len(corner_indices)))  # a circle keeps its shape
     node_counts = np.concatenate(
-        [np.linspace(start, end, max(min_edges, math.ceil(end - start)) + 1)[:-1] for start, end in stretches]
+        [
+            np.linspace(start, end, max(min_edges, math.ceil(end - start)) + 1)[:-1]
+            for start, end in zip(start_counts, end_counts, strict=True)
+        ]
     )
     node_arcs = np.interp(np.append(node_counts, node_counts[0] + edge_count[-1]) % edge_count[-1], edge_count, arc)
     following = np.where(node_arcs[1:] > node_arcs[:-1], node_arcs[1:], node_arcs[1:] + arc[-1])
@@ -86,7 +91,7 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
     cross = edge_before[:, 0] * edge_after[:, 1] - edge_before[:, 1] * edge_after[:, 0]
     turn = np.abs(np.arctan2(cross, np.sum(edge_before * edge_after, axis=1)))
     length = (np.linalg.norm(edge_before, axis=1) + np.linalg.norm(edge_after, axis=1)) / 2
-    corner = turn > 0.15  # rad
+    corner = turn > 0.15  # rad: edges of a polygon that approximates an arc turn by less
     radius = np.where(corner, np.inf, length / np.maximum(turn, 1e-300))
     points = polygon
     while True:

@@ -29,7 +29,12 @@ def part_grid(
     focus
         Rows (x, y, edge length) [m]: outlines of planar grids are that fine there, e.g. to resolve a contact patch.
 
-    Errors are those of `solid_grid`.
+    Raises
+    ------
+    UsageError
+        The design has no such part.
+    CycloidError
+        The part does not mesh, or a package of the extra ``fem`` is missing.
     """
     reducer = Reducer(design)
     settings = GridSettings() if settings is None else settings

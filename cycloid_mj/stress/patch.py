@@ -54,7 +54,9 @@ class _Edges:
 
 
 def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
-    """Distribute the contact forces of a part at all angles over the nodes of its planar grid.
+    """Distribute the contact forces of a part at all angles over the nodes of its planar grid, as elliptical pressure.
+
+    Contacts without force at an angle are skipped there. A patch covers at most half of its outline.
 
     Raises
     ------

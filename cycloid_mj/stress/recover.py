@@ -46,7 +46,10 @@ class Recovery:
 
 
 def build_recovery(grid: Grid) -> Recovery:
-    """Build the recovery operators of a grid: derivatives at the quadrature points, and their fit at the nodes."""
+    """Build the recovery operators of a grid: derivatives at the quadrature points, and their fit at the nodes.
+
+    The derivatives are computed for `CHUNK_ELEMENTS` elements at a time, to save memory.
+    """
     # 3 Gauss points per triangle, 4 per tetrahedron: those with superconvergent stress
     basis = elastic.basis_of(grid, vector=False, order=2)
     points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, grid.dimension)
@@ -72,9 +75,10 @@ def stresses_at_points(operators: Recovery, displacements: Array, material: Mate
 
 
 def _point_stresses(operators: Recovery, displacements: Array, material: Material, precision: type) -> Array:
-    """Compute the stress components (p, components, c) [Pa] at the quadrature points by Hooke's law.
+    """Compute the stress components at the p quadrature points by Hooke's law [Pa], shape (p, components, c).
 
-    `displacements` are those of c load cases (n d, c) [m], `precision` the type of the result.
+    `displacements` are those of c load cases (n d, c) [m], `precision` the type of the result. The components are
+    `PLANE` or `SPACE`.
     """
     dimension, columns = operators.points.shape[1], displacements.shape[1]
     nodal = displacements.reshape(-1, dimension * columns)
@@ -93,9 +97,9 @@ def _point_stresses(operators: Recovery, displacements: Array, material: Materia
 
 
 def stresses(operators: Recovery, displacements: Array, material: Material) -> Array:
-    """Compute the stress components [Pa] (components, n, c) of displacements (n d, c) [m] at the nodes.
+    """Compute the stress components at the nodes [Pa], shape (components, n, c), from displacements (n d, c) [m].
 
-    In single precision, right to some 1e-6 of the largest nearby, in half of the time.
+    In single precision, which is half as slow: errors are about 1e-6 of the largest stress nearby.
     """
     point_stresses = _point_stresses(operators, displacements, material, np.float32)
     nodal = operators.fit @ point_stresses.reshape(len(point_stresses), -1)
@@ -103,7 +107,7 @@ def stresses(operators: Recovery, displacements: Array, material: Material) -> A
 
 
 def von_mises(stress: Array) -> Array:
-    """Compute the von Mises stress [Pa] of components (3 or 6, ...)."""
+    """Compute the von Mises stress [Pa] from components (3 or 6, ...) in the order of `PLANE` or `SPACE`."""
     if len(stress) == 3:
         xx, yy, xy = stress
         return np.sqrt(xx * xx - xx * yy + yy * yy + 3 * xy * xy)
@@ -113,7 +117,10 @@ def von_mises(stress: Array) -> Array:
 
 
 def principal(stress: Array) -> Array:
-    """Compute the principal stresses [Pa] (..., d), the largest first, of components (3 or 6, ...)."""
+    """Compute the principal stresses [Pa] (..., d), the largest first, from components (3 or 6, ...).
+
+    The components are in the order of `PLANE` or `SPACE`.
+    """
     pairs = PLANE if len(stress) == 3 else SPACE
     dimension = 2 if len(stress) == 3 else 3
     tensor = np.zeros((*stress.shape[1:], dimension, dimension))

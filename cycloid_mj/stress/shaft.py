@@ -81,7 +81,8 @@ class Pads:
 def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     """Return the spring-supported pads under a shaft, whose bearings have a radial stiffness [N/m] each.
 
-    Half of a bearing presses: a bed of k per area takes k R w pi/2 as its force per radial displacement.
+    Each bearing seat is divided into `MODEL.sectors` around the axis and `MODEL.strips` along it. Half of a bearing
+    presses: a bed of k per area has the force k R w pi/2 per radial displacement, with the radius R and width w.
 
     Raises
     ------
@@ -89,7 +90,7 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
         The grid has no face in a bearing: it is too coarse.
     """
     pad_loads, springs = [], []
-    for z0, z1 in shaft.bearings:
+    for z0, z1 in shaft.bearings:  # ends of the seat [m]
         face = select_surface(grid, partial(_on_seat, shaft, (z0, z1)))
         if not len(face.nodes):
             raise CycloidError(
@@ -177,7 +178,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     cam_loads = [share for cam in range(len(cams)) for share in _cam_shares(shaft, loads, cam)]
     shares = np.vstack([*cam_loads, loads.torque, mass_coefficients(loads)])
     relief, compliance = _pad_compliance(part, pads)
-    turns = section_moment_weights(grid.points, shaft.stations)
+    moment_weights = section_moment_weights(grid.points, shaft.stations)
 
     def solve_response(angles: Integers) -> Response:
         """Sum the unit loads at some angles, given by their indices, and open the pads in tension."""
@@ -196,17 +197,21 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
             moved=displacements,
             imbalance=weights.T @ imbalances,
             reaction=pad_forces.T @ part.motions,
-            moments=np.tensordot(applied_forces + pad_forces, turns, (0, 0)),
+            moments=np.tensordot(applied_forces + pad_forces, moment_weights, (0, 0)),
         )
 
     return LoadCase(part, solve_response, len(loads.angle), np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
-def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam: int) -> Iterator[Array]:
-    """Yield the factors (k,) of the unit pressures on a cam by harmonic, then of its couple, at k angles."""
-    position = loads.position[:, cam]
-    force = np.where(np.isfinite(position), loads.force[:, cam], 0.0)
-    arm = np.nan_to_num(position) - shaft.cam_centres[cam]
+def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) -> Iterator[Array]:
+    """Yield the factors (k,) of the unit loads of `_cam_unit_loads` on the cam of an index at k angles, in their order.
+
+    They are those of the cosine and sine pressure of each harmonic, for a pressure as the cosine over half of the cam,
+    then of the couple.
+    """
+    position = loads.position[:, cam_index]
+    force = np.where(np.isfinite(position), loads.force[:, cam_index], 0.0)
+    arm = np.nan_to_num(position) - shaft.cam_centres[cam_index]
     magnitude, direction = np.hypot(force[..., 0], force[..., 1]), np.arctan2(-force[..., 1], -force[..., 0])
     for order in MODEL.harmonics:
         weight = _half_cosine(order) / _half_cosine(1) * magnitude

@@ -73,7 +73,7 @@ class PartSprings:
         return f"{self.stiffness:.4g} N m/rad{between}"
 
     def table(self) -> Table:
-        """Return a table of the compliance of each part, and the spring that includes it."""
+        """Return a table with the compliance [mrad/(N m)] of each part and the key of the spring that includes it."""
         rows = [
             (part, 1e3 * item, f"springs.{SPRING_OF_PART[_kind(part)]}_nm_per_rad")
             for part, item in self.compliance.items()

@@ -60,31 +60,32 @@ def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distanc
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
-    """Compute amplitude and mean [Pa] of the nodes with the largest stress ranges, and their indices.
+    """Compute stress amplitude and mean [Pa] of the nodes with the largest stress ranges, and their indices, (m,) each.
 
-    `states` are the stress components at each instant (c, components, n) [Pa], NaN outside the bulk. A range is the
-    largest von Mises stress of the difference of two instants. A node that is never in the bulk has none.
+    A range is the largest von Mises stress of the difference between two instants; the amplitude is half of it, the
+    mean the von Mises stress of the mean of both, with the sign of its trace. A node that is in the bulk only once has
+    the amplitude 0, one that never is is left out.
+
+    Parameters
+    ----------
+    states
+        Stress components at each of c instants (c, components, n) [Pa], NaN outside the bulk.
     """
     bulk_nodes = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
     bound = rank_by_range(states[:, :, bulk_nodes])
     candidates = bulk_nodes[np.argsort(bound)[-1500:]]  # the others cannot be critical
     histories = states[:, :, candidates].astype(np.float64)
-    largest_range, first_angle, second_angle = (
-        np.zeros(len(candidates)),
-        *(np.zeros(len(candidates), int) for _ in range(2)),
-    )
+    columns, largest_range = np.arange(len(candidates)), np.zeros(len(candidates))
+    first_instant, second_instant = np.zeros(len(candidates), int), np.zeros(len(candidates), int)
     for instant in range(len(histories)):
-        distance = np.nan_to_num(von_mises(np.moveaxis(histories - histories[instant], 1, 0)), nan=-1.0)
-        farthest = distance.argmax(axis=0)
-        farthest_range = distance[farthest, np.arange(len(candidates))]
-        is_larger = farthest_range > largest_range
-        largest_range = np.where(is_larger, farthest_range, largest_range)
-        first_angle, second_angle = (
-            np.where(is_larger, instant, first_angle),
-            np.where(is_larger, farthest, second_angle),
-        )
-    positions = np.arange(len(candidates))
-    mean_stress = 0.5 * (histories[first_angle, :, positions] + histories[second_angle, :, positions]).T
+        ranges = np.nan_to_num(von_mises(np.moveaxis(histories - histories[instant], 1, 0)), nan=-1.0)
+        other_instant = ranges.argmax(axis=0)
+        instant_range = ranges[other_instant, columns]
+        is_larger = instant_range > largest_range
+        largest_range = np.where(is_larger, instant_range, largest_range)
+        first_instant = np.where(is_larger, instant, first_instant)
+        second_instant = np.where(is_larger, other_instant, second_instant)
+    mean_stress = 0.5 * (histories[first_instant, :, columns] + histories[second_instant, :, columns]).T
     # a node with a single state, or whose stress is constant, has its mean state
     mean_state = np.nan_to_num(histories[0]) if len(histories) == 1 else np.nanmean(histories, axis=0)
     mean_stress = np.where(largest_range > 0.0, mean_stress, mean_state)

@@ -274,10 +274,10 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
 def _solve_part(
     reducer: Reducer, grid: Grid, loads: PartLoads, map_angle: float | None
 ) -> tuple[PartStress, StressMap, StressRange | None, tuple[tuple[float, float], ...]]:
-    """Return the maxima of a part, its map, its stress range and its bulk stress by the distance from corners.
+    """Solve a part at all crank angles; return its maxima, map, stress range, and bulk stress by distance from corners.
 
-    `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. The factorisation is freed
-    before other grids are factorised.
+    `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. Parts other than
+    `RANGE_PARTS` have no stress range. The factorisation is freed before other grids are factorised.
     """
     part = assemble_part(reducer, grid, loads)
     has_range = names.family(grid.part) in RANGE_PARTS
@@ -295,12 +295,12 @@ def _solve_part(
     return stress, evaluate_map(part, row, stress.bulk_distance), stress_range, corners
 
 
-def select_angles(loads: PartLoads, requested: npt.ArrayLike) -> PartLoads:
-    """Return the loads at some of their crank angles, given by their indices."""
-    requested_angles = np.asarray(requested)
+def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
+    """Return the loads at some of their crank angles, given by their indices, in this order."""
+    angle_indices = np.asarray(indices)
     count = len(loads.angle)
     selected_fields: dict[str, Any] = {
-        field.name: getattr(loads, field.name)[requested_angles]
+        field.name: getattr(loads, field.name)[angle_indices]
         for field in fields(loads)
         if isinstance(getattr(loads, field.name), np.ndarray) and len(getattr(loads, field.name)) == count
     }
@@ -310,7 +310,10 @@ def select_angles(loads: PartLoads, requested: npt.ArrayLike) -> PartLoads:
 def _check_convergence(
     reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> Refinement:
-    """Solve some crank angles on a finer grid, and return the stresses of both grids."""
+    """Solve some crank angles on a finer grid, and return the bulk stresses of both grids.
+
+    One of the angles is that of the largest bulk stress.
+    """
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
     finer_stress = solve(reducer.design, finer, select_angles(loads, rows), distance=stress.bulk_distance)
@@ -337,7 +340,10 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
 def _stress_with_other_supports(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
-    """Return the name of each other support of a part, and the largest bulk stress [Pa] with it at five angles."""
+    """Return each other support of a part as "key = value", and the largest bulk stress [Pa] with it at five angles.
+
+    Empty for parts without a choice of supports. One of the angles is that of the largest bulk stress.
+    """
     if part not in SUPPORTS:
         return ()
     key, choices = SUPPORTS[part]
@@ -353,7 +359,7 @@ def _stress_with_other_supports(
 
 
 def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
-    """Return the maximum of the bulk stress over the turn, with angle, position and safety factor."""
+    """Return the maximum of the bulk stress over the turn, with crank angle, position and safety against yield."""
     row = int(np.argmax(stress.bulk_stress))
     largest = float(stress.bulk_stress[row])
     return Peak(
@@ -394,7 +400,10 @@ def _largest(values: Array) -> Array:
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
-    """Return the largest von Mises stress below a contact over the turn; NaN if all contacts are conformal."""
+    """Return the largest von Mises stress below a contact over the turn, with crank angle, position and safety.
+
+    The stress is NaN if all contacts are conformal.
+    """
     stresses = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
     row, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)
     largest = float(lines.von_mises[row, contact])

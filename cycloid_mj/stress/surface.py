@@ -40,15 +40,15 @@ class SolidSurface:
     unknowns: int
 
 
-def select_surface(grid: Grid, select: Callable[[Array], Mask]) -> SolidSurface:
-    """Return the faces on the surface of a solid grid that are selected by the middles of their corners.
+def select_surface(grid: Grid, is_selected: Callable[[Array], Mask]) -> SolidSurface:
+    """Return the faces on the surface of a solid grid that a function selects, with quadrature of order 6.
 
-    `select` maps the middles (3, f) [m] of all surface faces to a mask (f,).
+    `is_selected` maps the middles (3, f) [m] of all f surface faces to a mask (f,).
     """
     skfem, quadrature = import_package("skfem"), import_package("skfem.quadrature")
     mesh = grid.mesh
     faces = mesh.boundary_facets()
-    faces = faces[select(mesh.doflocs[:, mesh.facets[:, faces]].mean(axis=1))]
+    faces = faces[is_selected(mesh.doflocs[:, mesh.facets[:, faces]].mean(axis=1))]
     corners = mesh.facets[:, faces].T.astype(np.int64)
     nodes = np.hstack([corners, find_edge_nodes(mesh, corners[:, [[0, 1], [1, 2], [0, 2]]])])
     positions = grid.points[nodes]

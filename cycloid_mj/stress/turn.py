@@ -69,7 +69,7 @@ class Turn:
 def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
     """Select the samples nearest to crank angles [rad], shape (k,), in the last turn of the settled hold of a run.
 
-    Without a reducer the run may be of any design.
+    Angles and forces are those in the frame of the ring. Without a reducer the run may be of any design.
 
     Raises
     ------
@@ -119,7 +119,10 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
 
 
 def list_differences(reducer: Reducer, logged_reducer: Reducer) -> list[str]:
-    """List the keys in which a design differs from the one that ran, except load, speed, environment and settings."""
+    """List where a design differs from the one that ran: "key (value in the design, value in the log)".
+
+    Load, speed, environment and settings may differ.
+    """
     requested, logged_values = _compared_values(reducer), _compared_values(logged_reducer)
     return [
         f"{key} ({requested.get(key)} in the design, {logged_values.get(key)} in the log)"
@@ -138,12 +141,12 @@ def _compared_values(reducer: Reducer) -> dict[str, Any]:
 
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
-    """Return the rows of the last full crank turn of the samples in `hold`, both ends included.
+    """Return the indices of the samples of the last full crank turn in `hold`, both ends included.
 
     Raises
     ------
     LogError
-        They cover less than a turn.
+        The samples cover less than a turn.
     """
     rows = np.flatnonzero(hold)
     crank = run["crank_angle"][rows]
@@ -159,14 +162,9 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
 
 
 def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
-    """Check that the samples are not much coarser than the step between the requested angles.
+    """Raise LogError if a sample would be used for more than two of the requested angles.
 
     `crank_angles` [rad] are those of the `rows` of the run, `requested` the angles [rad].
-
-    Raises
-    ------
-    LogError
-        A sample would be used for more than two angles.
     """
     sample_step = float(np.median(np.abs(np.diff(crank_angles))))
     requested_step = 2 * np.pi / max(requested.size, 1)

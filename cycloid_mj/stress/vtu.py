@@ -18,7 +18,7 @@ _TYPES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "i1": "Int8", "u1": "
 
 
 def as_vtu(stress_map: StressMap) -> bytes:
-    """Encode a stress map as VTU: quadratic cells, displacement [m], stresses [Pa], and whether nodes are bulk.
+    """Encode a stress map as VTU (VTK's XML format): quadratic cells, displacement [m], stresses [Pa], and bulk nodes.
 
     Parameters
     ----------

@@ -71,6 +71,23 @@ def test_a_small_loop_inside_is_forgotten_once_it_closes() -> None:
     assert nested[4] == pytest.approx(nested[2], rel=1e-9)
 
 
+def test_equal_neighbours_of_a_path_do_not_change_its_rotation() -> None:
+    elements = SlipElements(np.array([2.0, 1.0]), np.array([2e3, 300.0]))
+    torque = np.array([5.0, 20.0, -3.0, 12.0])
+    with_pauses = np.array([0.0, 5.0, 5.0, 20.0, 20.0, 20.0, -3.0, 12.0, 12.0])
+    expected = follow_locked_path(SPRING, elements, torque)
+    rotation = follow_locked_path(SPRING, elements, with_pauses)
+    assert rotation == pytest.approx(np.concatenate([[0.0], np.repeat(expected, [2, 3, 1, 2])]), rel=1e-12, abs=1e-15)
+
+
+def test_points_that_turn_back_are_left_out_of_a_curve() -> None:
+    curve = LockedCurve(np.array([-2.0, -1.0, 0.0, 1.0, 2.0]), np.array([0.0, 2e-3, 1e-3, 1.5e-3, 3e-3]))
+    none = SlipElements(np.zeros(0), np.zeros(0))
+    (torque, rotation), *_ = locked_branches(curve, none, [-2.0, 2.0])
+    assert rotation.tolist() == [0.0, 2e-3, 3e-3]
+    assert torque.tolist() == [-2.0, -1.0, 2.0]
+
+
 def test_load_friction_has_a_slope_each_way_in_proportion_to_the_load() -> None:
     """T = K x (1 + mu) while the torque grows and K x (1 - mu) while it falls, and the branches meet at no torque."""
     none = SlipElements(np.zeros(0), np.zeros(0))
