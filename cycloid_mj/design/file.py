@@ -85,7 +85,15 @@ def preset(name: str) -> Design | None:
 
 
 def load(path: Path) -> Design:
-    """Read a design file (TOML); raise UsageError if there is no such file, DesignError if it is no valid design."""
+    """Read a design file (TOML), and the files of measurements that it names.
+
+    Raises
+    ------
+    UsageError
+        There is no such file, or it is a folder.
+    DesignError
+        The file cannot be read, or is not a valid design.
+    """
     try:
         text = note_input(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
@@ -105,6 +113,11 @@ def loads(text: str, source: str = "the design", folder: Path | None = None) -> 
     Without ``[base]``, a text that states a load but no motor gets a motor for that load. `source` names the text in
     errors. Files of measurements are relative to the `folder`; without one, as in a log, the text lists the measured
     values.
+
+    Raises
+    ------
+    DesignError
+        The text is empty, not TOML, or not a valid design.
     """
     tables = parse_toml(text, source)
     if not tables:
@@ -131,7 +144,7 @@ def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _base(table: Any, source: str) -> Design:
-    """Return the preset that ``[base]`` names."""
+    """Return the preset that the table ``[base]`` names; raise DesignError for anything else in it."""
     name = table.get("preset") if isinstance(table, Mapping) and len(table) == 1 else None
     if not isinstance(name, str) or name.casefold() not in PRESETS:
         raise DesignError(
@@ -141,9 +154,9 @@ def _base(table: Any, source: str) -> Design:
 
 
 def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
-    """Return a design with the torque and power of a motor that its load needs, at the speed of the drive.
+    """Return a design with the torque and power of a motor without losses for its load, at the speed of the drive.
 
-    `values` are those of the file in SI: a power that it states is kept.
+    `values` are those of the file in SI: a power that it states is kept. A design without load is unchanged.
     """
     torque = abs(design.load.torque) / design.reduction
     if not torque:
@@ -421,7 +434,7 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 
 
 def _expand_sparse_lists(values: dict[str, Any], source: str) -> dict[str, Any]:
-    """Expand lists such as ``{3 = 5.0}``, in place, to full ones: the third value 5 and the others 0.
+    """Expand lists such as ``{3 = 5.0}``, in place, to full ones: the third value 5 and the others 0; return `values`.
 
     `values` are the tables of the file; the lengths of lists follow from counts such as ``ring.teeth``.
     """
@@ -444,7 +457,13 @@ def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
 def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], source: str) -> tuple[Any, ...]:
     """Return a list with a value for each part: 0, or the one that `sparse` has under the part's number, from 1 on.
 
-    The number of parts is the product of `counts`; `source` names the key in errors.
+    The number of parts is the product of `counts`; `source` names the key in errors. If a count is out of range, the
+    sparse values are returned as they are, for the validation to report.
+
+    Raises
+    ------
+    DesignError
+        A part does not exist.
     """
     if not all(isinstance(count, int) and count <= LIMITS.list_length for count in counts):
         return tuple(sparse.values())  # the validation reports the number of parts, which is out of range

@@ -80,7 +80,7 @@ def limits(zone: str, size: float) -> tuple[float, float]:
     Raises
     ------
     ValueError
-        The zone is none that is known, or the size is not in (0, 0.5].
+        The zone is unknown, or the size is not in (0, 0.5].
     """
     match = re.fullmatch(r"([a-z]+|[A-Z]+)(\d+)", zone)
     if not match or match[1].lower() not in LETTERS:
@@ -108,7 +108,7 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
     Raises
     ------
     ValueError
-        It is not a hole's zone and a shaft's, or one of them is not known, or the size is not in (0, 0.5].
+        The fit is not a hole's zone and a shaft's, a zone is unknown, or the size is not in (0, 0.5].
     """
     hole, slash, shaft = fit.strip().partition("/")
     if not (slash and hole[:1].isupper() and shaft[:1].islower()):
@@ -118,12 +118,18 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
 
 
 def _upper_hole_deviation(letter: str, grade: int, size: float) -> float:
-    """Compute the upper deviation [m] of a hole with a letter after H at a nominal size [m] (4.3.2.5 and table 3)."""
-    finest = 8 if letter in "kmn" else 7
-    if letter == "n" and grade > finest:
+    """Compute the upper deviation of a hole with a letter after H at a nominal size [m] (ISO 286-1, 4.3.2.5, table 3).
+
+    It is that of the shaft with the same letter, with the opposite sign, plus the difference between the grade and the
+    next finer one up to IT8 (k, m, n) or IT7 (p to zc) above 3 mm.
+    """
+    max_delta_grade = 8 if letter in "kmn" else 7
+    if letter == "n" and grade > max_delta_grade:
         return 0.0 if size > 3e-3 else -_deviation(letter, grade, size)
-    mirrored_deviation = -_deviation(letter, 7 if grade == finest else grade, size)  # K8 has the k of the finer grades
-    if not (size > 3e-3 and 3 <= grade <= finest):
+    mirrored_deviation = -_deviation(
+        letter, 7 if grade == max_delta_grade else grade, size
+    )  # K8 has the k of the finer grades
+    if not (size > 3e-3 and 3 <= grade <= max_delta_grade):
         return mirrored_deviation
     if letter == "m" and grade == 6 and 250e-3 < size <= 315e-3:
         return -9e-6  # the standard's one exception

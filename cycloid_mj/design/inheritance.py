@@ -61,12 +61,12 @@ class Inheritance:
 def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None:
     """Find the values that a design file, with changes on the command line, takes from a preset.
 
-    Returns None for a preset or a design.
+    Only values of the tables `DESCRIBING` other than 0 count. Returns None for a preset or a design.
 
     Parameters
     ----------
     named
-        As of `resolve`; it can be read.
+        Preset, file or design as for `resolve`; a file must be readable and valid.
     changes
         ``table.key=value`` each.
     """

@@ -102,7 +102,10 @@ def walther(viscosity_40: float, viscosity_100: float, temperature: float) -> fl
 
 @cache
 def lubricants() -> Mapping[str, Lubricant]:
-    """Load all oils and greases by name; an oil is named by base oil and ISO viscosity grade, such as ``PAO 150``."""
+    """Load all oils and greases by name, from the table of the package.
+
+    An oil is named by base oil and ISO viscosity grade, such as ``PAO 150``.
+    """
     table = _table()
     properties = {
         base_oil: {name: row[name] for name in ("density", "pressure_factor", "pressure_exponent", "gear_factor")}

@@ -68,7 +68,11 @@ def _entry(
     surface_yield: float = 0.0,
     endurance_pressure: float = 0.0,
 ) -> Entry:
-    """Build a library entry in SI from moduli, strengths and pressures in MPa, and expansion in um/(m K)."""
+    """Build a library entry in SI units.
+
+    Modulus, strengths and pressures are in MPa, density in kg/m3, expansion in um/(m K), and `hottest`, the highest
+    temperature of use, in °C.
+    """
     strengths = (tensile * 1e6, yield_strength * 1e6)
     surface_strength = (surface_yield * 1e6, endurance_pressure * 1e6)
     return Entry(modulus * 1e6, poisson, density, *strengths, hottest, expansion / 1e6, source, *surface_strength)

@@ -133,7 +133,10 @@ def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _read_gear(path: Path) -> Columns:
-    """Read the columns of a measured profile: `ANGLES` or `POINTS`; without a header, numbers are x, y (and z)."""
+    """Read the columns of a measured profile: `ANGLES` or `POINTS`; without a header, numbers are x, y (and z) in mm.
+
+    Raises DesignError for another header, and as `_parse_columns`.
+    """
     lines = list(_read_rows(path))
     number, header_cells = lines[0]
     header = tuple(cell.lower() for cell in header_cells)
@@ -149,7 +152,10 @@ def _read_gear(path: Path) -> Columns:
 
 
 def _read_pins(path: Path) -> Columns:
-    """Read the columns of measured ring pins, listed once each in any order; return them in the order of the pins."""
+    """Read the columns of measured ring pins, listed once each in any order; return them in the order of the pins.
+
+    Raises DesignError if a pin is missing or listed twice, for another header, and as `_parse_columns`.
+    """
     lines = list(_read_rows(path))
     number, header_cells = lines[0]
     if tuple(cell.lower() for cell in header_cells) != PINS:
@@ -170,7 +176,10 @@ READERS = {"gear": _read_gear, "pins": _read_pins}
 
 
 def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of each line of a CSV file that is neither empty nor a comment (#)."""
+    """Yield line number and cells of each line of a CSV file that is neither empty nor a comment (#).
+
+    Raises DesignError if the file cannot be read, has no line below its header, or exceeds `LIMITS`.
+    """
     try:
         if note_input(path).stat().st_size > LIMITS.size:
             raise DesignError(

@@ -1011,7 +1011,7 @@ class Design(Section, Presented):
         return make_frame([*_value_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
     def _key_facts(self) -> tuple[tuple[str, str], ...]:
-        """Return pairs of name and text: ratio, ring, eccentricity, speed and torques."""
+        """Return pairs of name and text: name, ratio, ring, eccentricity, speed, nominal torque and load."""
         ring = self.ring
         kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins.replace('_', ' ')} pins"
         return (
@@ -1073,7 +1073,7 @@ class Design(Section, Presented):
         turns
             Crank turns after that.
         samples
-            Samples beyond them, for what filters and differences reach into.
+            Number of samples in addition, for filters and differences at the end.
         changes
             Table -> values; the crank's speed must not be 0.
         """
@@ -1215,8 +1215,9 @@ class Design(Section, Presented):
     def friction_of(self, pair: str) -> float:
         """Return the friction coefficient [1] of a kind of mating pair, reduced where rollers turn in between.
 
-        With the law ``film`` it is the upper limit, that of boundary lubrication, where parts slide. In an RV reducer
-        needles and tapered bearing of a crank both carry the force of a disc.
+        With the law ``film`` it is the upper limit, that of boundary lubrication, where parts slide. That of a sliding
+        roller on an output pin is referred to the radius of the roller. In an RV reducer, needles and tapered bearing
+        of a crank both carry the force of a disc, so that their friction is counted twice.
         """
         if self.planet is not None and pair in (CRANK_BEARING, PLANET_MESH):
             return self.planet.friction if pair == PLANET_MESH else 2.0 * self.friction.cam_rolling
@@ -1234,9 +1235,9 @@ class Design(Section, Presented):
     def mesh_friction(self) -> float:
         """Friction force per normal force where the gear slides past its ring [1].
 
-        A pin that can turn slips where it is the easier: on the gear, or in its seat, where a free pin's socket has the
-        pin's radius and the bore of a sleeve a smaller arm. It is a two-force body: where both are alike, the loss is
-        the same however the slip divides.
+        A pin that can turn slips at the contact with less friction: on the gear, or in its socket or on its core. The
+        friction in a sleeve acts at the smaller radius of its bore. If both are equal, the loss is the same however the
+        slip divides.
         """
         gear_friction, ring = self.friction_of(self.tooth_pair), self.ring
         if ring.has_sockets:

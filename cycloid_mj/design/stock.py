@@ -350,7 +350,8 @@ def dowel_diameters() -> tuple[float, ...]:
 def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
     """Find the shortest pin in stock of a diameter that fills a length [m], and how many in line; None if none fits.
 
-    Above 1 mm it is a dowel (ISO 8734) that is at least as long, or several in line; below a pin gauge (DIN 2269).
+    Diameters of dowels (ISO 8734) have one that is at least as long, or several in line; other small ones have a pin
+    gauge (DIN 2269).
     """
     size_mm, length_mm = round(diameter / MM, 6), length / MM
     if size_mm in _DOWELS:
@@ -416,9 +417,10 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
 
 
 def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> "Array":
-    """Find the lengths nearest to `lengths` [m] that dowels of a diameter fill uncut, at most `max_count` in line.
+    """Find the lengths nearest to `lengths` [m] (n,) that dowels of a diameter [m] fill in line, uncut.
 
-    A length stays where they differ from it by more than the factor `OFF`, or without such dowels: they are cut.
+    There are at most `max_count` of them. A length stays where they differ from it by more than the factor `OFF`, or
+    without such dowels: they are cut.
     """
     import numpy as np
 
@@ -443,7 +445,10 @@ def bar_diameters() -> tuple[float, ...]:
 
 @cache
 def needle_bearings() -> tuple[StockBearing, ...]:
-    """List the needle roller bearings without inner ring in stock by size: drawn cups, then machined rings."""
+    """List the needle roller bearings without inner ring in stock, sorted by outside diameter, bore and width.
+
+    Drawn cups (HK), and above the largest of these machined rings (RNA 49).
+    """
     cups = [
         StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
         for bore, outer_diameter, width, dynamic, static in _rows(_DRAWN_CUPS, 5)

@@ -33,10 +33,10 @@ class Unit:
         return value * self.multiplier / self.divisor
 
     def from_si(self, value: float) -> float:
-        """Convert an SI value to the shortest number in the file's unit that `to_si` converts back to it exactly.
+        """Convert an SI value to the shortest number in the file's unit that `to_si` converts back exactly.
 
-        Every value that came from a file has one. An SI value that falls between two of the file's floats has none:
-        then the nearest number is returned, whose SI value differs in the last bit.
+        Every value that came from a file has such a number. An SI value between two of the file's floats has none: then
+        the nearest number is returned, whose SI value differs in the last bit.
         """
         value_in_unit = value * self.divisor / self.multiplier
         rounded_values = (float(f"{value_in_unit:.{digits}g}") for digits in (14, 15, 16))

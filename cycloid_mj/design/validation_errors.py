@@ -100,7 +100,10 @@ def _quote(value: Any) -> str:
 
 
 def _locate_error(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
-    """Return the file keys (table, key) of a wrong value, and its declaration, which is None for an unknown key."""
+    """Return the file keys (table, key) of a wrong value, and its declaration, which is None for an unknown key.
+
+    Items of lists have their number in brackets, from 1 on.
+    """
     section, field, keys = root, None, list[str]()
     for name in details["loc"]:
         if isinstance(name, int) and keys:
@@ -113,7 +116,7 @@ def _locate_error(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[st
 
 
 def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> str:
-    """Describe the allowed values of a key: a range, words, or a type."""
+    """Describe the allowed values of a key in words: a range in the file's unit, a choice, or a type."""
     value, choices = details["input"], literal_choices(field)
     if details["type"] == "literal_error" and choices:
         similar = get_close_matches(value.casefold(), choices, n=1) if isinstance(value, str) else []

@@ -104,7 +104,7 @@ class BreakAway:
 
     @property
     def note(self) -> str:
-        """Explanation of the torque, or of a missing value."""
+        """Explanation of the torque, or of a missing value, for users."""
         if self.spread is None:
             largest = max(start.max_torque for start in self.starts)
             turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
@@ -163,7 +163,8 @@ def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
 def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> StartFromRest:
     """Simulate with an output torque that rises linearly from 0 to `max_torque` [N m]; fit the break-away torque.
 
-    The torque is NaN if the crank turns by less than a share of the rotation of a crank without friction.
+    The torque is NaN if the crank turns by less than a share of the rotation of a crank without friction. Its error is
+    the change if only the first quarter or the second half of the motion is fitted.
     """
     forward = -braking_sign(reducer)
     model = model_for(solver, reducer.at_rated_load, held="")
@@ -174,10 +175,8 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
     cycle = DriveCycle(0.0, 0.0, drive=np.zeros_like, load=lambda time: forward * max_torque * time / growth_time)
     run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": growth_time}).design, model, cycle)
     moving_run = run.select(np.abs(run["crank_angle"]) > START.turned)
-    if (
-        abs(run["crank_angle"][-1]) < START.min_travel * frictionless_rate * growth_time**2
-        or len(moving_run) < START.min_samples
-    ):
+    frictionless_rotation = frictionless_rate * growth_time**2
+    if abs(run["crank_angle"][-1]) < START.min_travel * frictionless_rotation or len(moving_run) < START.min_samples:
         return StartFromRest(math.nan, math.nan, max_torque, run)
     growth, count = max_torque / growth_time, len(moving_run)
     windows = [slice(None), slice(0, count // 4), slice(count // 2, None)]

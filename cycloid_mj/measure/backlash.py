@@ -151,8 +151,12 @@ def _run_presses(
 ) -> tuple[dict[str, list[StopPair]], dict[str, StopPair]]:
     """Simulate the stops with all clearances ("all") and with each kind alone, at every crank angle [rad].
 
-    Returns the stops by name of the case, one per crank angle, and those of the numerical checks at the first angle,
-    which press for a longer time with a shorter time step.
+    Returns
+    -------
+    presses_by_kind
+        Stops by name of the case, one pair per crank angle.
+    checks
+        Stops by name at the first angle, pressed for a longer time with a shorter time step, for the numerical error.
     """
     cases = {_ALL: bench.without_friction(reducer)} | {
         kind: with_single_clearance(reducer, kind) for kind in reducer.design.pair_kinds
@@ -169,12 +173,15 @@ def _run_presses(
     pairs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
     checks, presses = dict(zip(cases, pairs, strict=False)), pairs[len(cases) :]
     count = len(crank_angles)
-    by_kind = {name: presses[number * count : (number + 1) * count] for number, name in enumerate(cases)}
-    return by_kind, checks
+    presses_by_kind = {name: presses[number * count : (number + 1) * count] for number, name in enumerate(cases)}
+    return presses_by_kind, checks
 
 
 def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
-    """Return the design with the clearance of one kind of pair only, and no errors, friction or weight."""
+    """Return the design with the clearance of one kind of pair only, and no errors, friction or weight.
+
+    The other clearances are `PRESS.no_clearance`, and the holes are as large as the orbit of the output pins.
+    """
     design = reducer.design
     tiny_clearances = {other: PRESS.no_clearance for other in design.pair_kinds if other != kind}
     clearance = design.clearance.model_copy(update=tiny_clearances)
@@ -190,8 +197,14 @@ def press_to_stops(
     """Simulate pressing the output against both stops with the crank locked at an angle [rad]; return the stops.
 
     The torque follows the sequence `PRESS.levels`; at each stop the line through the angles at two torques is
-    extrapolated to zero torque. The design has no friction and no weight. `time_factor` multiplies the time at each
-    torque, `step_divisor` divides the time step.
+    extrapolated to zero torque. The design has no friction and no weight.
+
+    Parameters
+    ----------
+    time_factor
+        Factor on the time at each torque.
+    step_divisor
+        Divisor of the time step.
     """
     torque = PRESS.share * reducer.design.rated_torque
     press_time = time_factor * PRESS.settling * rotation_time(reducer, limits.widest_play(reducer, crank_angle), torque)
@@ -211,9 +224,8 @@ def press_to_stops(
         float(error[(phase > level + 1 - PRESS.read_share) & (phase < level + 1)].mean())
         for level in range(len(PRESS.levels))
     ]
-    return StopPair(
-        crank_angle, low=2.0 * stop_angles[5] - stop_angles[4], high=2.0 * stop_angles[2] - stop_angles[1], run=run
-    )
+    _, double_high, single_high, _, double_low, single_low = stop_angles
+    return StopPair(crank_angle, low=2.0 * single_low - double_low, high=2.0 * single_high - double_high, run=run)
 
 
 def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[str, ClosedForm]:
@@ -246,8 +258,12 @@ def _quantities(
 ) -> Iterator[Quantity]:
     """Yield the backlash [arcmin] by all clearances with its extremes, by each clearance alone, and the sum of these.
 
-    `presses_by_kind` maps "all" and each kind of pair to the stops at each crank angle, `checks` to those of the run
-    with longer time and shorter step at the first angle.
+    Parameters
+    ----------
+    presses_by_kind, checks
+        From `_run_presses`.
+    closed_forms
+        Closed forms by the same names; a case without one has no reference.
     """
     single_clearances = []
     for name, presses in presses_by_kind.items():
@@ -281,7 +297,7 @@ def _quantities(
 def _curves(
     reducer: Reducer, presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
 ) -> tuple[Curve, ...]:
-    """Return curves of the backlash [arcmin] over the crank angle [deg], simulated and by closed form."""
+    """Return curves of the backlash [arcmin] over the crank angle [deg] of each case, simulated and by closed form."""
     curve_list = []
     axes = "crank angle [deg]", "backlash [arcmin]"
     for name, presses in presses_by_kind.items():
@@ -316,7 +332,10 @@ def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str
 def _angle_rows(
     presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
 ) -> list[dict[str, Any]]:
-    """Convert the stops, backlash and time step of each crank angle to a list of JSON objects."""
+    """Convert stops [arcmin], backlash and time steps at each crank angle to JSON objects.
+
+    The stops are those of all clearances together; backlash, time steps and closed forms are by name of the case.
+    """
     return [
         {
             "crank_angle_deg": math.degrees(pair.crank),

@@ -38,9 +38,9 @@ def ideal_efficiency(reducer: Reducer, load: float) -> EfficiencyReference:
 
 
 def ideal_limit(reducer: Reducer) -> Reducer:
-    """Return a design with ideal load sharing: fixed pins, equal friction, nearly no clearance, a rigid cam.
+    """Return a design with ideal load sharing: fixed pins, equal friction, a clearance of 1 nm, a rigid cam.
 
-    The cam deflects by a hundredth of the deflection of the teeth.
+    The cam is as stiff as the design file allows for its disc; it deflects by about a hundredth as much as the teeth.
     """
     design = reducer.design
     disc_mass = mass_properties(gear_solid(reducer)).mass
@@ -59,7 +59,8 @@ def wang_efficiency(reducer: Reducer) -> EfficiencyReference:
     """Compute eta_x eta_sx of Wang, Luo and Su 2016, without the efficiencies of the bearings that they multiply by.
 
     eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi), eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_sx = 1 - 4 f K1 Dp/(pi Dw), with
-    f at the surface of the output pins.
+    the friction mu of the mesh, the diameters Dp of the pin circle, d of a pin and Dw of the circle of output pins, the
+    shortened-width coefficient K1 = c N/E, z lobes, and f, the friction at the surface of the output pins.
     """
     design = reducer.design
     ring, lobes = design.ring, design.lobes

@@ -76,7 +76,10 @@ class ContactPressures:
 
 
 def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
-    """Compute forces [N] and Hertz pressures [Pa] of all contacts in the samples of a run, by kind of mating pair."""
+    """Compute forces [N] and Hertz pressures [Pa] of all contacts in the samples of a run, by kind of mating pair.
+
+    The crank angle begins in the first turn. The force is that of the most loaded line, in a rolling cam of one roller.
+    """
     crank_angle = run["crank_angle"]
     shifted_angle = crank_angle - 2.0 * math.pi * np.floor(crank_angle[0] / (2.0 * math.pi))
     contacts = {}
@@ -93,7 +96,7 @@ def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]
 def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array:
     """Compute the relative curvature [1/m] of the contacts of one kind, shape (n, contacts), or (1,) if it is constant.
 
-    `crank_angle` [rad], shape (n,), is that relative to the ring.
+    `crank_angle` [rad], shape (n,), is that relative to the ring. That of teeth is the curvature of the ideal mesh.
     """
     if kind == reducer.design.tooth_pair:
         profile = reducer.tooth_profile

@@ -106,7 +106,10 @@ def efficiency(
 
 
 def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> dict[str, Any]:
-    """Convert losses by pair, losses by part, effects of the inputs and the starts from rest to JSON values."""
+    """Convert losses by pair and by part, effects of the inputs, and the starts from rest to JSON values.
+
+    Losses by pair are shares of the input power at each point of the map.
+    """
     rated = efficiency_map.rated.powers
     return {
         "losses_by_pair": [
@@ -155,19 +158,17 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
 def _losses(rated: OperatingPoint) -> list[Quantity]:
     """Return friction by kind of pair, power of normal forces, input and output power at the rated point [W].
 
-    Errors are the differences from the first half of the run.
+    Errors are the differences from the first half of the run; kinds without friction have a note.
     """
     powers, first_half = rated.powers, rated.shorter
     quantities = []
     for kind, power in powers.friction.items():
-        error, damping_note = abs(power - first_half.friction[kind]), "" if power else NO_FRICTION
+        error, friction_note = abs(power - first_half.friction[kind]), "" if power else NO_FRICTION
         quantities.append(
-            Quantity(f"{kind}_friction_power", f"friction of {kind}", power, "W", error, note=damping_note)
+            Quantity(f"{kind}_friction_power", f"friction of {kind}", power, "W", error, note=friction_note)
         )
-    normal_power, damping_note = (
-        sum(powers.normal.values()),
-        "damping, and errors of the time step, which cancel between the pairs",
-    )
+    normal_power = sum(powers.normal.values())
+    damping_note = "damping, and errors of the time step, which cancel between the pairs"
     error = abs(normal_power - sum(first_half.normal.values()))
     return [
         *quantities,
@@ -178,7 +179,10 @@ def _losses(rated: OperatingPoint) -> list[Quantity]:
 
 
 def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
-    """Return no-load torque and back-driving torques [N m], and the efficiency of back-driving [%]."""
+    """Return no-load torque and back-driving torques [N m], and the efficiency of back-driving [%].
+
+    The torques are NaN, with a note, where the reducer is self-locking. That from rest is also NaN below its error.
+    """
     design = reducer.design
     ratio, start_from_rest = design.reduction, efficiency_map.rest
     forward_efficiency = efficiency_map.rated.powers.efficiency
@@ -238,7 +242,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
 
 
 def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
-    """Return the table of the map: efficiency, its numerical error, and losses by pair at each speed and torque."""
+    """Return the table of the map: efficiency, its numerical error, and losses by pair, in percent of the input."""
     rows: list[tuple[str | float, ...]] = []
     for point in efficiency_map.grid:
         powers = point.powers
@@ -268,7 +272,10 @@ def _loss_percentages(point: OperatingPoint) -> dict[str, float]:
 
 
 def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
-    """Return efficiency over torque for each speed, losses over torque, and crank speed over torque from rest."""
+    """Return curves over the output torque: efficiency for each speed, losses at one speed, and crank speed from rest.
+
+    Losses that are 0 are left out; the speed of the losses is the design's, or else the last of the map.
+    """
     x, rest_run = "output torque [N m]", efficiency_map.rest.run
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))
     curves = []

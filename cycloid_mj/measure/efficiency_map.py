@@ -161,7 +161,10 @@ def run_map(
 def _named_tasks(
     reducer: Reducer, periods: int, check_step: bool, is_locked: bool, solver: Solver
 ) -> dict[Hashable, Task]:
-    """Return the runs outside of the map by their key in `_RUNS`; a self-locking drive does not coast."""
+    """Return the runs outside of the map by their key in `_RUNS`.
+
+    A self-locking drive (`is_locked`) has no run "coasting", and "halved" needs `check_step`.
+    """
     rated_torque, speed = reducer.design.rated_torque, reducer.design.drive.speed
     tasks: dict[Hashable, Task] = {
         "rated": partial(run_forward, reducer, rated_torque, speed, periods, solver),
@@ -206,7 +209,11 @@ def _operating_point(torque: float, speed: float, run: Run, reducer: Reducer) ->
 
 
 def _run_name(run_key: Hashable, point: OperatingPoint, varied_inputs: Sequence[Input]) -> str:
-    """Return the name of a run for warnings: its load and speed, or the input that is varied in it."""
+    """Return the name of a run for warnings: its load and speed, or the input that is varied in it.
+
+    The key is the design with a varied input, the common friction (float), a condition of the map (tuple), or a name of
+    `_RUNS`.
+    """
     if isinstance(run_key, Design):
         return next(item.names[run_key] for item in varied_inputs if run_key in item.ends)
     if isinstance(run_key, float):

@@ -148,7 +148,12 @@ class HysteresisLoop:
     def _fit_branch(
         self, min_share: float, max_share: float, loading: bool, sign: int, values: Array | None = None
     ) -> Array:
-        """Fit a line to a branch between two shares of the nominal torque; return slope and intercept."""
+        """Fit a line by least squares to a branch between two shares of the nominal torque; return slope and intercept.
+
+        Arguments as `read_branch`. The torque is a sine to an odd power, so that each branch is a quarter of the
+        period.
+        """
+        # the period begins at the positive peak, with unloading
         quarter = {(False, 1): 0, (True, -1): 1, (False, -1): 2, (True, 1): 3}[loading, sign]
         torque_share = sign * self.torque / self.rated
         is_inside = (
@@ -175,8 +180,12 @@ def run_loop(
 ) -> HysteresisLoop:
     """Simulate the torque loop at a locked crank angle [rad]; return its last period.
 
-    `peak_torque` [N m] and `period` [s] are those of the torque, `step_divisor` divides the time step; for retries and
-    errors see `bench.run_with_step_retries`.
+    Parameters
+    ----------
+    peak_torque, period
+        Peak [N m] and period [s] of the torque.
+    step_divisor
+        Divisor of the time step; for retries and errors see `bench.run_with_step_retries`.
     """
     duration, samples = (1.0 + LOOP.lead) * period, round((1.0 + LOOP.lead) * LOOP.samples)
     run = bench.run_with_step_retries(

@@ -261,11 +261,17 @@ def _kind_quantities(
     half_step: ContactPressures,
     missed_peak: float,
 ) -> Iterator[Quantity]:
-    """Yield forces, number of loaded contacts, Hertz pressure and margin of one kind of contact.
+    """Yield forces [N], number of loaded contacts, Hertz pressure [MPa] and margin of one kind of contact, with errors.
 
-    `contacts` are those of all samples, `first_periods` and `half_step` those of the first mesh periods with the full
-    and with half the time step; their difference is the error. For peaks `missed_peak`, relative to the force, is
-    added, for means half of the change between the halves of the samples.
+    Parameters
+    ----------
+    contacts
+        Contacts of all samples.
+    first_periods, half_step
+        Contacts of the first mesh periods with the full and with half the time step; their difference is an error.
+    missed_peak
+        Relative excess of the largest force over the turn, added to the error of peaks. To that of means, half of the
+        change between the halves of the samples is added.
     """
     kind = contacts.kind
     yield_pressure = YIELD_PRESSURE * reducer.contacts[kind].strength
@@ -309,7 +315,10 @@ def _disc_quantities(run: Run, half_step_run: Run, reducer: Reducer) -> Iterator
 
 
 def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the shares of the discs in the output torque, and the reactions of the bearings, over a run."""
+    """Yield the shares of the discs in the output torque, and the reactions of the bearings [N, N m], over a run.
+
+    Samples without a torque on the output are left out of the shares.
+    """
     design = reducer.design
     output = design.output
     pins = -run.forces("output").reshape(len(run), design.gear.discs, -1, 2)
@@ -324,10 +333,9 @@ def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantit
 
 
 def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: float) -> dict[str, float]:
-    """Compute by kind the factor on the torque at which the largest pressure reaches a limit.
+    """Compute by kind the factor on the torque at which the largest pressure reaches a limit, relative to the strength.
 
-    Pressures grow with the square root of the force. `pressure_limit` is relative to the yield strength; conformal or
-    unloaded kinds are omitted.
+    Pressures grow with the square root of the force. Conformal or unloaded kinds are omitted.
     """
     pressures = {
         kind: contacts.peak_pressure for kind, contacts in contacts_by_kind.items() if contacts.peak_pressure > 0.0
@@ -374,7 +382,10 @@ def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
 
 
 def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
-    """Yield size [N] and direction [deg] of the cam's force on a disc; `phase` [rad] is that of its eccentric."""
+    """Yield size [N] and direction [deg] of the cam's force on the disc of an index over the crank angle.
+
+    The direction is counter-clockwise from the eccentric, whose `phase` [rad] on the crank is given.
+    """
     angle_deg, (x, y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
     name = f"disc {disc + 1}" if contacts.vector.shape[1] > 1 else ""
     yield Curve("cam: force", name, angle_deg, np.hypot(x, y), _CRANK, _FORCE)
@@ -397,7 +408,10 @@ def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
 
 
 def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
-    """Compute the tooth forces by ideal load sharing [N], shape (n, D mates), at crank angles [rad], shape (n,)."""
+    """Compute the tooth forces by ideal load sharing [N] at crank angles [rad] (n,), shape (n, D N).
+
+    The columns are N mates of each disc; with a ring in two halves, of each disc and half.
+    """
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)
     gear, relative_angle = tooth_profile(design), reducer.member.against_ring(crank_angle)

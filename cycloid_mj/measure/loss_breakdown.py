@@ -27,7 +27,8 @@ def loss_shares(powers: Powers) -> dict[str, float]:
 def table(powers: Powers, published: Sequence[Published], error: float) -> Table:
     """Return a table of the losses in percent of the input power, part by part, followed by the published rates.
 
-    `error` is the numerical error of the efficiency [1].
+    `error` is the numerical error of the efficiency [1]. A published rate without friction was outside of the runs'
+    range.
     """
     remaining, rows = 1.0, []
     for part, share in loss_shares(powers).items():

@@ -81,10 +81,16 @@ def lost_motion(
 def _run_loops(
     reducer: Reducer, peak_torque: float, period: float, angles: int, solver: Solver, progress: Progress
 ) -> LostMotionLoops:
-    """Simulate the torque loops at several crank angles, as designed and without friction and weight; solve statics.
+    """Simulate the torque loops at several crank angles, as designed, and without friction and weight; solve statics.
 
     At the first angle both are repeated with a shorter time step and with a slower loop, for the numerical error.
-    `peak_torque` [N m] and `period` [s] are those of the loop.
+
+    Parameters
+    ----------
+    peak_torque, period
+        Peak [N m] and period [s] of the torque.
+    angles
+        Number of crank angles.
     """
     crank_angles = [float(angle) for angle in bench.crank_angles(reducer, angles)]
     ideal = bench.without_friction(reducer)

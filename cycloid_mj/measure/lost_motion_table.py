@@ -167,7 +167,7 @@ def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
 
 
 def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
-    """Yield the torsional stiffness [N m/arcmin] and the compliances of its parts in series [arcmin/(N m)]."""
+    """Yield the torsional stiffness [N m/arcmin], and its parts in series as compliances [arcmin/(N m)]."""
     unit = "N m/arcmin"
     static_values = [ARCMINUTE / item.compliance(item.turn) for item in data.statics]
     name = "torsional stiffness, 50 to 100 % of nominal torque"
@@ -242,7 +242,10 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
 
 
 def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
-    """Return the loop at the first crank angle, in full and near zero torque, and readings over the crank angle."""
+    """Return the loop at the first crank angle, in full and near zero torque, and readings over the crank angle.
+
+    Those of statics, and the backlash of rigid parts, are left out where there are none.
+    """
     service, ideal = data.service[0], data.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"
     near_zero = np.abs(service.torque) <= 3.0 * LOST_MOTION_SHARE * service.rated
@@ -285,7 +288,7 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
 
 
 def angle_rows(data: LostMotionLoops) -> list[dict[str, Any]]:
-    """Convert the readings at each crank angle to a list of JSON objects."""
+    """Convert the readings at each crank angle, simulated and by statics, to a list of JSON objects."""
     rows: list[dict[str, Any]] = []
     for index, (service, ideal) in enumerate(zip(data.service, data.ideal, strict=True)):
         row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service.crank))}

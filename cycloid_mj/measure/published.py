@@ -29,7 +29,7 @@ class Published:
 
 
 def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
-    """Return the friction coefficient that explains each published torque, as quantities [1] with their errors."""
+    """Return the friction coefficient at which the model has each published torque, as quantities with their errors."""
     note = "the same for all sliding pairs; rolling bearings and seals as designed"
     names = [f"friction at the paper's {item.torque:g} N m, {item.way}" for item in published]
     return [

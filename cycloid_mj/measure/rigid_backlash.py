@@ -32,6 +32,8 @@ def has_linear_gaps(reducer: Reducer) -> bool:
 def single_clearance_backlash(reducer: Reducer, crank_angles: npt.ArrayLike) -> dict[str, Array]:
     """Compute the backlash of the output [rad] by each clearance alone in closed form, at crank angles [rad] (k,).
 
+    It is delta (1/a_max - 1/a_min), with the clearance delta and the extreme lever arms a of the contacts of a kind.
+
     Returns
     -------
     Kind of pair -> shape (k,); (1,) at one angle.

@@ -64,7 +64,11 @@ def add_errors(*errors: float | None) -> float | None:
 def _split_closed_form(
     values: Array, closed_form: ClosedForm | None
 ) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Return a function that computes a statistic's error by the closed form, and the values less that form."""
+    """Return a function that computes a statistic's error by the closed form, and the values less that form.
+
+    The error is the statistic over the turn less that over the sampled angles. Without a closed form it is 0, and the
+    values are returned as they are.
+    """
     if closed_form is None:
         return lambda statistic: 0.0, values
     return lambda statistic: float(

@@ -91,9 +91,10 @@ def common_name(friction: float) -> str:
 
 
 def interpolate_friction(rate_by_friction: Mapping[float, float], rate: float) -> float:
-    """Interpolate the common friction at which the model has a rate (PCHIP); NaN outside of the range that was run.
+    """Interpolate the common friction at which the model has a rate (PCHIP).
 
-    The interpolated quantity is the relative loss 1/rate - 1, which is nearly proportional to the friction.
+    The interpolated quantity is the relative loss 1/rate - 1, which is nearly proportional to the friction. The result
+    is NaN outside of the range that was run, or if the losses do not increase with the friction.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -157,7 +158,10 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
 
 
 def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
-    """Return variants with other friction of the rolling bearings, and with plain bearings in their place."""
+    """Return variants with other friction of the rolling bearings, and with plain bearings in their place.
+
+    Empty for pairs that slide in the design.
+    """
     rows, pins = [], pins_of(reducer)
     plain_changes: dict[str, dict[str, Any]] = {
         "cam": {"gear": {"bearing": "plain"}},

@@ -196,9 +196,18 @@ def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any
 def _equal_input(
     reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], limits: Sequence[float], scale: float = 1.0
 ) -> Input:
-    """Return an input that sets some keys of a design table to one value; `limits` are its ends [SI].
+    """Return an input that sets some keys of a design table to one value.
 
-    `scale` converts SI to the unit.
+    Parameters
+    ----------
+    name, unit
+        Name of the input, and its unit.
+    table, keys
+        Table of the design, and the keys in it.
+    limits
+        Both ends of the range [SI].
+    scale
+        Factor from SI to the unit.
     """
     low, high = (dict.fromkeys(keys, end) for end in limits)
     return _input_with_designs(reducer, name, unit, (scale * limits[0], scale * limits[1]), table, low, high)
@@ -210,7 +219,7 @@ def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors:
         {kind: min(factor * getattr(reducer.design.clearance, kind), INPUTS.max_clearance) for kind in kinds}
         for factor in factors
     )
-    low_total, high_total = (sum(1e6 * clearance for clearance in end.values()) for end in (low, high))
+    low_total, high_total = (sum(1e6 * clearance for clearance in clearances.values()) for clearances in (low, high))
     return _input_with_designs(reducer, name, "um", (low_total, high_total), "clearance", low, high)
 
 

@@ -57,6 +57,8 @@ def run_steady(
 ) -> Run:
     """Simulate a design at full speed from the start; return the samples of some mesh periods in steady state.
 
+    Warns if the energy balance of the run is bad.
+
     Parameters
     ----------
     reducer

@@ -120,7 +120,11 @@ def separates_orders(reducer: Reducer, turns: int) -> bool:
 
 
 def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any]:
-    """Return the strongest orders of each condition with their causes, as JSON values."""
+    """Return the strongest orders of each condition with their causes, as JSON values.
+
+    `turns` is the number of crank turns, and "turns_that_part_orders" that from which the orders of ring and holes are
+    apart.
+    """
     return {
         "turns": turns,
         "turns_that_part_orders": reducer.design.lobes,
@@ -210,20 +214,23 @@ def _cause_quantities(
 
 
 def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
-    """Return the twelve strongest orders of disc and of output stage in a trace, with their causes, as JSON objects."""
+    """Return the twelve strongest orders of disc and of output stage in a trace, with their causes, as JSON objects.
+
+    Orders of no cause, by leakage between orders, have the cause "between".
+    """
     rows = []
     for location, cycles_per_turn in _bases(reducer).items():
         spectrum = _spectrum(reducer, trace, location, cycles_per_turn)
-        causes_of_signal = [cause_key for cause_key in causes(reducer) if cause_key.place == location]
+        causes_of_signal = [cause for cause in causes(reducer) if cause.place == location]
         for k in np.argsort(spectrum.amplitude)[::-1][:12]:
             order = float(spectrum.order[k])
-            cause_key = next((item.key for item in causes_of_signal if item.has(order)), "between")
+            cause = next((item.key for item in causes_of_signal if item.has(order)), "between")
             rows.append(
                 {
                     "shows_in": location,
                     "order": order,
                     "amplitude_arcsec": float(spectrum.amplitude[k]),
-                    "cause": cause_key,
+                    "cause": cause,
                 }
             )
     return rows
@@ -260,7 +267,10 @@ def _mean_change(traces: Traces, finer: FinerTraces, case: TraceCondition, signa
 def _compared_errors(
     traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str
 ) -> tuple[Array, Array]:
-    """Return the errors [arcsec] of a condition's forward run with full and half the time step, where both ran."""
+    """Return the errors [arcsec] of a condition's forward run with full and with half the time step, where both ran.
+
+    `signal` is an attribute of `Trace`, such as "output".
+    """
     fine = finer_traces[condition.load, condition.pace]
     coarse = traces[
         next(

@@ -204,8 +204,9 @@ def explain_published(
 ) -> list[Published]:
     """Return the published torques with the common friction at which the model has the same rate.
 
-    With the numerical `error` of a rate, each is simulated at its friction; the error of the friction follows from the
-    deviation, that error and the slope of the rate.
+    With the numerical `error` of a rate, each is simulated at its friction; the error of the friction is the deviation
+    of that run plus `error`, over the slope of the rate. Those outside of the range have a friction of NaN and no
+    error.
     """
     rates = sensitivity.common_rates(rate_by_variant, sensitivity.pins_of(reducer))
     explained_figures = [
@@ -241,7 +242,11 @@ def _quantities(
     held_crank_efficiency: float,
     by_input: Sequence[InputEffect],
 ) -> list[Quantity]:
-    """Return the figures of the rated test: torques, output rate, ripple, efficiency and energy balance."""
+    """Return the figures of the rated test: torques, output rate, ripple, efficiency and energy balance.
+
+    Errors are by half the time step (`half_step`), and by the second half of the run for the ripple. `by_input` are the
+    effects of the assumed inputs.
+    """
     rated_torque = reducer.design.rated_torque
     powers, reference = test.powers, ideal_efficiency(reducer, test.output)
     error = rate_error(test, half_step)

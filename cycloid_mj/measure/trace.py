@@ -109,7 +109,8 @@ def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCy
 def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCondition) -> Trace:
     """Simulate a condition over some crank turns; return the transmission errors over the crank angle.
 
-    The crank turns from the angle 0, or in reverse back to it from a whole number of turns.
+    The crank turns from the angle 0, or in reverse back to it from a whole number of turns, so that both directions
+    cover the same angles.
     """
     direction = float(np.sign(condition.speed))
     sample_rate = TRACE.samples * reducer.mesh_periods * abs(condition.speed) / (2.0 * np.pi)

@@ -139,8 +139,14 @@ def _level_quantities(
 ) -> Iterator[Quantity]:
     """Yield rms levels of all signals at the design's speed, and the share of power above the stored band.
 
-    The balance of momentum is the second method for the force on the housing. `half_step_runs` maps the load to the run
-    with half the time step, for the error.
+    The balance of momentum is the second method for the force on the housing.
+
+    Parameters
+    ----------
+    runs
+        Runs at the design's speed, one per load.
+    half_step_runs
+        Runs with half the time step by load, for the error; empty without this check.
     """
     orbit_acceleration, weight = (
         reducer.design.gear.eccentricity * reducer.design.drive.speed**2,
@@ -177,7 +183,10 @@ def _level_quantities(
 def _unbalance_quantities(
     reducer: Reducer, runs: Sequence[VibrationRun], half_step_runs: Mapping[str, VibrationRun]
 ) -> Iterator[Quantity]:
-    """Yield the unbalance from the solids, and the force of the first run that rotates with the crank."""
+    """Yield the unbalance [g mm] and couple [N m] from the solids, and the force that rotates with the crank [N].
+
+    The force is that of the first run, compared with the closed form m c omega^2.
+    """
     unbalances, speed_squared, single = (
         unbalance(reducer),
         reducer.design.drive.speed**2,
@@ -232,7 +241,10 @@ def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Cu
 
 
 def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield the amplitude spectra of the drawn signals at the design's speed; for vectors the root sum of squares."""
+    """Yield the amplitude spectra of the drawn signals at the design's speed, over the frequency [Hz].
+
+    For vectors it is the root sum of squares of the axes. Runs too short for the window have none.
+    """
     for key in _spectrum_keys(reducer):
         name, unit = _ALL[key]
         for run in runs:

@@ -141,7 +141,7 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
 
 
 def _tilting_signals(run: Run, reducer: Reducer) -> dict[str, Array]:
-    """Return moments of the discs [N m] and forces of the shaft's bearings [N] by signal, shape (n, 2) each."""
+    """Return tilting moments of the discs [N m] and forces of the shaft's bearings [N] by signal, shape (n, 2) each."""
     reactions = bearing_reactions(run, reducer)
     return {
         "shaft_tilting": reactions.shaft.moment,
@@ -157,7 +157,7 @@ def _remove_mean(key: str, signal: Array) -> Array:
 
 
 def _decimate_run(run: Run, stride: int) -> Run:
-    """Keep one of `stride` samples of a run, with the largest of the contact force peaks since the previous one."""
+    """Keep one of `stride` samples of a run; its contact force peaks are the largest since the previous one."""
     decimated_run = run.select(slice(None, None, stride))
     starts = np.maximum(np.arange(len(decimated_run)) * stride - stride + 1, 0)
     peaks = {

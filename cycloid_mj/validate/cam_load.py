@@ -35,7 +35,7 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def _slow_ideal_row(quick: bool) -> ValidationRow:
-    """Compare the cam's force on a disc of the ideal reducer with the closed form, slowly under load."""
+    """Compare the cam's force on a disc of the ideal reducer, turning slowly under load, with the closed form."""
     rpm = 100.0 if quick else 40.0
     design = design_of_kind(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
     reducer = Reducer(design)
@@ -71,7 +71,10 @@ def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
 
 
 def _rated_rows() -> list[ValidationRow]:
-    """Compare the cam's force at rated load with the balance of logged forces and with ideal sharing."""
+    """Compare the cam's force at rated load with the balance of logged forces, and with ideal sharing.
+
+    The latter row has no bound, as clearance and a compliant cam change the sharing.
+    """
     run, design = rig.rated_run(FREE, 1640.0, 12)
     reducer = Reducer(design)
     crank, cam = run["crank_angle"], run.forces("cam")[:, 0]
@@ -114,10 +117,7 @@ def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
 
 
 def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
-    """Simulate a reducer with a nearly rigid cam at a crank speed [rpm].
-
-    Return the samples of the last `duration` [s].
-    """
+    """Simulate a reducer with a nearly rigid cam at a crank speed [rpm]; return its last `duration` [s]."""
     drive_changes = f"drive.speed_rpm={rpm!r}", f"drive.hold_s={SHARING.settled + duration!r}"
     reducer = rig.with_changes(reducer, *drive_changes, "load.rise_s=0.004", "settings.log_rate_hz=10000.0")
     model = build(reducer.design)

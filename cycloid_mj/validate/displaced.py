@@ -36,10 +36,22 @@ def phase_of(reducer: Reducer, disc: int) -> float:
 def in_ring_frame(
     reducer: Reducer, crank_angle: float, shifts: Array, rotations: Array, output_turn: float
 ) -> tuple[float, Array]:
-    """Transform a pose from the fixed frame to the ring's frame: crank angle [rad] and the unknowns z [m].
+    """Transform a pose from the fixed frame to the ring's frame.
 
-    In the fixed frame the crank is at an angle [rad]; each disc departs from its ideal pose by a shift [m], in the axes
-    of the ring, shape (D, 2), and a rotation [rad], shape (D,); the output (carrier or ring) by an angle [rad].
+    Parameters
+    ----------
+    crank_angle
+        Crank angle in the fixed frame [rad].
+    shifts, rotations
+        Departures of each disc from its ideal pose: along the axes of the ring [m], shape (D, 2), and rotation [rad],
+        shape (D,).
+    output_turn
+        Departure of the output (carrier or ring) from its ideal angle [rad].
+
+    Returns
+    -------
+    relative_angle, z
+        Crank angle in the frame of the ring [rad], and the unknowns of the springs there [m], shape (3 D + 1,).
     """
     design = reducer.design
     ring, carrier = float(reducer.member.ring_angle(crank_angle)), float(reducer.member.gear_angle(crank_angle))
@@ -70,7 +82,10 @@ def exact_contacts(reducer: Reducer, crank: float, z: Array, pin_shift: Array | 
 def _tooth_contacts(
     reducer: Reducer, crank: float, z: Array, disc: int, pin_shift: Array | float = 0.0
 ) -> tuple[Array, Array]:
-    """Compute the gaps of pins or arcs to a disc [m], shape (N,), and their gradients by the unknowns, shape (N, u)."""
+    """Compute the gaps of ring pins or lobe arcs to a disc [m], shape (N,), and their gradients by z, shape (N, u).
+
+    `crank` is the crank angle [rad], `z` are the unknowns [m] (u,), and `pin_shift` [m] moves all pins.
+    """
     gear, errors, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_place + pin_shift
     nearest = pin_gaps(gear, pose, pins, design_flanks(reducer))
@@ -84,7 +99,10 @@ def _tooth_contacts(
 
 
 def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
-    """Compute the gaps of the output pins in the holes of a disc [m], shape (n,), and their gradients, shape (n, u)."""
+    """Compute the gaps of the output pins in the holes of a disc [m], (n,), and their gradients by z, (n, u).
+
+    `crank` is the crank angle [rad], `z` are the unknowns [m] (u,).
+    """
     output, ideal = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
     ideal_positions = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
     disc_angle, output_angle = (ideal + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
@@ -107,7 +125,10 @@ def _moment(arms: Array, forces: Array) -> Array:
 
 
 def cam_offsets(reducer: Reducer, crank: float, z: Array) -> Array:
-    """Compute the offset of the centre of each disc from that of its cam [m], shape (D, 2)."""
+    """Compute the offset of the centre of each disc from that of its cam [m], shape (D, 2), in the frame of the ring.
+
+    `crank` is the crank angle [rad], `z` are the unknowns [m] (u,).
+    """
     design = reducer.design
     errors, offsets = reducer.deviations, []
     for disc in range(design.gear.discs):
@@ -139,7 +160,10 @@ class DisplacedSprings:
     part of `stiffness` and is 0 here."""
 
     def contacts(self, unknowns: Array) -> tuple[Array, Array]:
-        """Compute the gaps of contacts after their free travel, then of cams [m], and the gradients of both."""
+        """Compute the gaps of contacts, then of cams [m], shape (n + D,), and their gradients, shape (n + D, u).
+
+        The gaps include the free travel of ring pins.
+        """
         gaps, slopes = exact_contacts(Reducer(self.design), self.crank, unknowns)
         offsets = cam_offsets(Reducer(self.design), self.crank, unknowns)
         distances, cam_gradients = np.linalg.norm(offsets, axis=1), np.zeros((len(offsets), unknowns.size))
@@ -157,7 +181,7 @@ class DisplacedSprings:
         return self._forces_at(self.gaps(z))
 
     def _forces_at(self, gaps: Array) -> Array:
-        """Compute the forces of contacts and cams [N] from their gaps [m], shape (n + D,), with bent pins."""
+        """Compute the forces of contacts and cams [N] from their gaps [m], shape (n + D,); output pins may bend."""
         discs = self.design.gear.discs
         force = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
         if self.bending.any():
@@ -179,10 +203,9 @@ class DisplacedSprings:
         return np.asarray(slopes.T @ self._forces_at(gaps))
 
     def balance(self, load: Array, start: Array) -> Array:
-        """Solve for the equilibrium under a load (u,) [N] by modified Newton steps from a start pose.
+        """Solve for the equilibrium under a load (u,) [N] by modified Newton steps; return its pose [m], shape (u,).
 
-        Return its pose [m].
-        The stiffness matrix is that of the start (finite differences), which has to be near.
+        The stiffness matrix is that of the start pose (finite differences), which has to be near.
 
         Raises
         ------
@@ -213,11 +236,17 @@ class DisplacedSprings:
 def _pin_forces(gaps: Array, compliance: Array) -> Array:
     """Solve for the forces of D discs on one bent output pin [N], from the gaps of the unbent pin [m], shape (D,).
 
-    Solves the linear complementarity problem by enumeration: closed contacts have f >= 0, open contacts a gap >= 0.
+    Solves the linear complementarity problem with the `compliance` (D, D) [m/N] by enumeration of the closed contacts:
+    these have a force >= 0, the others a gap >= 0.
+
+    Raises
+    ------
+    RunError
+        There is no solution.
     """
     discs = gaps.size
-    for code in range(2**discs):
-        is_closed: Mask = np.array([bool(code >> disc & 1) for disc in range(discs)])
+    for closed_bits in range(2**discs):
+        is_closed: Mask = np.array([bool(closed_bits >> disc & 1) for disc in range(discs)])
         force = np.zeros(discs)
         force[is_closed] = np.linalg.solve(compliance[np.ix_(is_closed, is_closed)], -gaps[is_closed])
         bent_gaps = gaps + compliance @ force

@@ -144,7 +144,10 @@ def solve(
 
 
 def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
-    """Solve for the pose [m] of equilibrium from an initial guess; return it and the largest residual force [N]."""
+    """Solve for the pose of equilibrium [m] from an initial guess by Powell's hybrid method.
+
+    Returns it and the largest residual force [N].
+    """
 
     def imbalance(x: Array) -> Array:
         return _residual_force(locked, _SCALE * x)
@@ -154,7 +157,10 @@ def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
 
 
 def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
-    """Minimise the energy at uniform stiffness by a trust-region method; return the pose [m]."""
+    """Minimise the energy of springs with uniform stiffness by a trust-region method of SciPy; return the pose [m].
+
+    It is the initial guess for the equilibrium, whose springs depend on the local curvature.
+    """
 
     def gradient(x: Array) -> Array:
         return -_residual_force(locked, _SCALE * x, uniform=True)
@@ -220,7 +226,10 @@ def _springs_at_pose(locked: LockedReducer, z: Array, uniform: bool) -> dict[str
 
 @lru_cache(maxsize=1)  # energy, residual and stiffness use the same pose
 def _springs_at(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
-    """Compute the springs of all kinds of pairs at a pose, given as the bytes of the unknowns [m]."""
+    """Compute the springs by kind ("ring", "cam", "output", and "socket" if pins move) at a pose.
+
+    `pose` are the bytes of the unknowns [m], by which the result is cached.
+    """
     unknowns = np.frombuffer(pose)
     springs = {
         "ring": _ring_springs(locked, unknowns, uniform),
@@ -241,10 +250,7 @@ def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
 
 
 def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
-    """Compute the springs between disc and ring at a pose z [m].
-
-    Without `uniform` they depend on the local curvature.
-    """
+    """Compute the springs between disc and ring at a pose z [m], with `uniform` stiffness or by the local curvature."""
     nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
     count, normals = nearest.distance.size, nearest.normals
     gradient = np.zeros((count, z.size))

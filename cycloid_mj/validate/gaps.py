@@ -132,7 +132,7 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 
 
 def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute distance, normal and parameter as `trochoid_distance`, for the waved trochoid, by Newton steps."""
+    """Compute distance, normal and parameter as `trochoid_distance`, for a trochoid with waves, by Newton's method."""
     distance, normals, t = trochoid_distance(flanks.gear, points)
     if not flanks.waves:
         return distance, normals, t
@@ -146,7 +146,7 @@ def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]
 
 
 def _waved_curve(flanks: Flanks, t: Array) -> tuple[Array, Array]:
-    """Compute the points T - w n [m] of the trochoid set back by waves w(t), and their derivative, each (n, 2)."""
+    """Compute the points T - w n [m] of the trochoid set back by waves w(t), and their derivative by t, each (n, 2)."""
     gear = flanks.gear
     offset, offset_rate = np.zeros(t.shape), np.zeros(t.shape)
     for order, cosine, sine in flanks.waves:
@@ -169,7 +169,11 @@ def _outwards(along: Array) -> Array:
 
 
 def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
-    """Compute distance less the offset [m], normal and parameter for flanks before (1) or after (-1) the tips."""
+    """Compute distance less the offset [m], normal and parameter for the flanks on one side of the tips.
+
+    `side` is 1 for the flanks before the tips (with growing parameter), -1 for those after them; they are rotated by
+    the modification.
+    """
     gear, ends = flanks.gear, _flank_ends(flanks)
     rotated_points = rotate(points, side * flanks.rotation)
     t = _waved_distance(flanks, rotated_points)[2]
@@ -206,7 +210,8 @@ def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks 
     """Compute the gap of every arc of the internal gear, and the local minima of the gap inside `roots`.
 
     Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only within
-    the fan of its normals, |alpha| <= asin(c N / E). `flanks` are given if they are modified.
+    the fan of its normals, at most asin(c N/E) from the radial direction, with eccentricity c, N lobes and the
+    pin-circle radius E. `flanks` are given if they are modified.
     """
     flanks = flanks or _ideal(gear)
     arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
@@ -224,7 +229,7 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
 
 
 def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
-    """Find the local minima of the distance inside roots: the lowest of three samples, refined by their parabola."""
+    """Find the local minima of the distance inside roots: the lowest of three adjacent samples, refined by parabolas."""
     min_phase = gear.best_phase
     B = np.pi - (np.pi - min_phase) * np.cos(np.linspace(0, np.pi, 400))
     samples = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))

@@ -73,7 +73,7 @@ def design_with_errors(kind: str, *changes: str) -> Design:
 
 
 def gap_rows(kind: str) -> list[ValidationRow]:
-    """Compare the gaps of displaced parts of a kind of ring with exact curves."""
+    """Compare the gaps of parts displaced by `POSE`, for a kind of ring, with exact curves."""
     design = design_with_errors(
         kind, *WIDE_CLEARANCES, "modification.rotation_arcsec=0.0"
     )  # corners have no second derivative
@@ -94,9 +94,10 @@ def hole_rows() -> list[ValidationRow]:
 
 
 def model_rows(pins: str) -> list[ValidationRow]:
-    """Compare the penetrations computed by the collider in MuJoCo with exact gaps, for a support of the pins.
+    """Compare the penetrations that the collider computes in MuJoCo with exact gaps.
 
-    Three discs and the output are displaced, pins and sleeves by ``PIN_SHIFT``.
+    `pins` is the support of the ring pins, a value of ``ring.pins``. Three discs and the output have random
+    displacements, pins and sleeves are shifted by ``PIN_SHIFT``. Open contacts count as 0.
     """
     clearances = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
     errors = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
@@ -138,7 +139,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
 
 
 def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
-    """Return the joint positions of crank, discs and output [rad], [m] at the unknowns z [m], by joint name."""
+    """Return the positions of the joints of crank, discs and output, [rad] or [m], at the unknowns z [m], by name."""
     angles = (
         float(kinematics.gear_rotation(reducer.tooth_profile, BALANCE.crank))
         + unknowns / reducer.design.output.pin_circle_radius
@@ -182,7 +183,10 @@ def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow
 
 
 def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
-    """Compare the power of the cams, with friction, with the power of the load and of all sliding contacts."""
+    """Compare the power of the cams, with friction, with the power of the load and of all sliding contacts.
+
+    `name` is that of the case, whose `changes` are settings as for ``--set``.
+    """
     frictions = [f"friction.{kind}={BALANCE.friction}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"
     design = design_of_kind(FIXED, *frictions, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
@@ -206,7 +210,10 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
 
 
 def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Compare the smallest clearance of the best fit with the smallest exact gap of parts placed accordingly."""
+    """Compare the smallest clearance of the best fit with the smallest exact gap of parts in its pose.
+
+    `bound` is the allowed difference [%], `changes` are settings as for ``--set``.
+    """
     design = design_with_errors(FIXED, *WIDE_CLEARANCES, *changes)
     reducer = Reducer(design)
     fit = best_fit(reducer, BALANCE.crank)
@@ -218,7 +225,10 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
 
 
 def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Compare the exact gaps between free pins and the nearest disc with those between the pins and their sockets."""
+    """Compare the exact gaps between free pins and the nearest disc with those between the pins and their sockets.
+
+    The best fit shifts a pin so that both are equal; pins that it does not shift are left out.
+    """
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
     fit, teeth = best_fit(reducer, BALANCE.crank), design.ring.teeth

@@ -89,7 +89,7 @@ WANG = (Wang(141.0, 8.5, 0.8441, 100.0, 13.2, 0.8947, 0.5e-4), Wang(141.0, 7.7, 
 
 
 def hertz_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the Hertz stresses of three variants with those printed by Krol et al. 2019."""
+    """Compare the Hertz stresses of the variants `KROL` with those printed by Krol et al. 2019, to their last digit."""
     rows = []
     for number, case in enumerate(KROL, start=1):
         source, unit = f"Krol et al. 2019, variant {number}", "MPa"
@@ -103,7 +103,10 @@ def hertz_rows(quick: bool) -> list[ValidationRow]:
 
 
 def printed_drive_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the backlash of the 3-D printed drive: simulated, by linear programme, and measured by its builder."""
+    """Compare the backlash of the 3-D printed drive: simulated, by linear programme, and measured by its builder.
+
+    The simulated one is extrapolated from two torques to none. The measured one has no bound.
+    """
     design = rig.with_changes(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
     # torques that press the output against a stop [N m]
     model, (small_torque, large_torque) = build(design.design), (0.1, 0.2)
@@ -168,7 +171,10 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
 
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
-    """Compute Hertz's peak pressure [Pa] at the lobe's tip, in the valley and on an output sleeve of a variant."""
+    """Compute Hertz's peak pressure [Pa] at the lobe's tip, in the valley and on an output sleeve of a variant.
+
+    The forces are those of their formulas for ideal sharing.
+    """
     lobes, pins = case.pins - 1, case.pins
     eccentricity, rho, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
     gear = CycloidGear(pins, eccentricity, eccentricity * pins / case.shortening, rho)
@@ -184,7 +190,10 @@ def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
 
 
 def efficiency_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the efficiency by Wang's formula with its printed results and with the simulated reducer."""
+    """Compare the efficiency by Wang's formula with its printed results and with the simulated reducer.
+
+    The latter rows have no bound where the formula neglects the moment of friction, or the clearance.
+    """
     rows = []
     for number, case in enumerate(WANG, start=1):
         values, name = (100.0 * total_efficiency(case), 100.0 * case.printed), f"efficiency by formula, row {number}"

@@ -57,7 +57,7 @@ def clearances(value_um: float) -> list[str]:
 
 
 def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
-    """Change the cam's stiffness [N/m] in a compiled model, with the damping and added mass that go with it."""
+    """Change the cam's stiffness [N/m] in a compiled model, in place, with its damping and added mass."""
     model = compiled.model
     disc_mass = float(model.body("gear").mass[0])
     law = contact_law(stiffness, 0.5, disc_mass, 0.0, 0.0, float(model.opt.timestep))
@@ -84,6 +84,8 @@ def rated_design(kind: str, *changes: str) -> Design:
 
 def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
     """Simulate the paper's reducer with a kind of ring at rated load and a crank speed [rpm].
+
+    `changes` are settings as for ``--set``, ``key=value``.
 
     Returns
     -------

@@ -102,7 +102,7 @@ def _ideal_row(
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
-    """Compute the ideal forces of ring pins or ring lobes on the disc [N], shape (N, 2)."""
+    """Compute the ideal forces of ring pins or ring lobes on the disc [N], shape (N, 2), at a crank angle [rad]."""
     design = reducer.design
     gear, torque = tooth_profile(design), design.load.torque
     indices, normals, _ = _ideal_contacts(reducer, crank)
@@ -113,11 +113,15 @@ def ideal_forces(reducer: Reducer, crank: float) -> Array:
 
 
 def patch_forces(reducer: Reducer, crank: float) -> Array:
-    """Compute the forces [N], shape (N, 2), of an ideal internal gear whose nearby contact lines share springs."""
+    """Compute the forces of an ideal internal gear whose nearby contact lines share springs [N], shape (N, 2).
+
+    `crank` is the crank angle [rad]. With the weights w of `_patch_weights` and arms l, a line carries F = T w l/sum w
+    l^2.
+    """
     gear = reducer.tooth_profile
     indices, normals, B = _ideal_contacts(reducer, crank)
     weight_roots = np.sqrt(_patch_weights(reducer, crank))
-    # w l / sum w l^2 is root(w) times the share of an arm root(w) l.
+    # w l / sum w l^2 is sqrt(w) times the share of a line with the arm sqrt(w) l
     magnitudes = weight_roots * ideal_loads.share_load(
         weight_roots * profile.moment_arm(gear, B), reducer.design.load.torque
     )
@@ -193,7 +197,11 @@ def _at_slow_speed(reducer: Reducer, rpm: float) -> Reducer:
 
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
-    """Compute the contacts of the ideal mesh: index of the ring lobe, normal of the ring, and phase B [rad]."""
+    """Compute the contacts of the ideal mesh at a crank angle [rad].
+
+    Returns index of the ring lobe (n,), normal of the ring (n, 2) and phase B [rad] (n,); for an internal gear the arcs
+    first, then the root lines.
+    """
     gear = reducer.tooth_profile
     arc_contacts = envelope.arc_contacts(gear, crank)
     if reducer.design.ring.kind == "pin":
@@ -213,9 +221,10 @@ def _lobe_of_roots(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
 
 
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
-    """Compute the share of a full spring of each contact of the ideal internal gear, arcs first.
+    """Compute the share of a full spring of each contact of the ideal internal gear at a crank angle [rad], arcs first.
 
-    The separation of a root line and the arc of its lobe is the gap half-way between them, in working deflections.
+    A root line and the arc of its lobe have the share (1 + s)/2 each, where s is the gap half-way between them in
+    working deflections, at most 1. An arc next to two root lines has the product of both.
     """
     design = reducer.design
     gear = tooth_profile(design)

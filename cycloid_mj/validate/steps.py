@@ -77,7 +77,7 @@ def rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def light_load_rows(kind: str) -> list[ValidationRow]:
-    """Compare runs of a preset (`kind`) with the automatic and with half the time step under a light load.
+    """Compare runs of a kind of ring with the automatic and with half the time step under a light load.
 
     The compared values are those of `StepFigures`, their limits `LIGHT_LOAD_BOUNDS`.
     """
@@ -90,7 +90,10 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
 
 
 def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
-    """Compare the figures of a run with massless pins, at their own time step, with those of real free pins."""
+    """Compare the figures of a run with massless pins, at their own time step, with those of real free pins.
+
+    Raises the error of the run with real pins, if it failed.
+    """
     if isinstance(real_pins, RunError):
         raise real_pins
     changes = 'ring.pins="massless"'
@@ -100,7 +103,16 @@ def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[Valida
 
 
 def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> list[ValidationRow]:
-    """Compare each step of a study with its shortest: all figures up to the automatic step [us], then the worst."""
+    """Compare each time step of a study with its shortest.
+
+    All figures up to the automatic step [us] have a row with a bound; for longer steps only the worst one has, without
+    a bound. A failed run is a row that fails. Rows of the observed order of convergence follow.
+
+    Raises
+    ------
+    RunError
+        The run with the shortest step failed.
+    """
     finest = min(figures_by_step)
     reference = figures_by_step[finest]
     if isinstance(reference, RunError):
@@ -148,9 +160,9 @@ def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunErr
 
 
 def _run_figures(kind: str, periods: int, *changes: str) -> StepFigures:
-    """Simulate a preset (`kind`) for some mesh periods at rated load and 1640 rpm.
+    """Simulate a kind of ring for some mesh periods at rated load and 1640 rpm.
 
-    Returns the figures that must not depend on the time step. `changes` are settings as for ``--set``, ``key=value``.
+    Returns figures that the time step must not change. `changes` are settings as for ``--set``, ``key=value``.
     """
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)
@@ -195,7 +207,10 @@ def _compare_figures(
 
 
 def _order_rows(kind: str, figures_by_step: Study) -> list[ValidationRow]:
-    """Return the observed order of convergence of the mean transmission error over the three shortest steps."""
+    """Return the row of the observed order of convergence of the mean transmission error over the three shortest steps.
+
+    Empty with fewer than three runs.
+    """
     steps = sorted(figures_by_step)[:3]
     values = [figures_by_step[step] for step in steps]
     means = [value.mean_error for value in values if isinstance(value, StepFigures)]

@@ -38,7 +38,10 @@ def _stiffness_factor(reducer: Reducer, curvature: Array) -> Array:
 def _share_patches(
     reducer: Reducer, flat_stiffness: float, nearest: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
 ) -> Array:
-    """Return the stiffness [N/m], shape (n,), with the contact lines of one patch sharing that of a single line."""
+    """Return the stiffness [N/m], shape (n,), with the contact lines of one patch sharing that of a single line.
+
+    A root line and the arc of its lobe with less than one deflection of gap between them form a patch.
+    """
     gear, deflection = reducer.tooth_profile, reducer.contacts[reducer.design.tooth_pair].force / flat_stiffness
     min_phase, stiffness = gear.best_phase, stiffness.copy()
     arc_row = {int(lobe): row for row, lobe in enumerate(nearest.owner) if np.isnan(nearest.B[row])}

@@ -39,7 +39,7 @@ WORKERS = 2
 
 
 def _parts() -> Iterator[ValidationPart]:
-    """Yield all validation parts of this package: step, function and cost of quick and full runs."""
+    """Yield all validation parts of this package: step, function, and CPU time [s] of quick and full runs."""
     yield ValidationPart("two-body", two_bodies.rows, (1.0, 1.0))
     yield ValidationPart("friction", incline.rows, (0.2, 0.2))
     yield ValidationPart("mechanism", mechanism.rows, (9.0, 9.0))
@@ -123,7 +123,7 @@ def run_parts(
 ) -> Iterator[tuple[int, list[ValidationRow]]]:
     """Run validation parts in parallel processes, the longest first; yield index and rows of each as it ends.
 
-    A part that cannot be run yields one row, which fails and has the reason.
+    A part that cannot be run yields one row, which fails and has the reason. Warnings of the parts are repeated here.
     """
     order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
     tasks = [(parts[index], quick) for index in order]
@@ -140,7 +140,10 @@ def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[
 
 
 def _run(task: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
-    """Run a part; return its rows and its warnings, which would be lost in a process."""
+    """Run a part, quickly or in full; return its rows, and the texts of its warnings, which a process would lose.
+
+    A part that raises CycloidError has one failed row.
+    """
     part, quick = task
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

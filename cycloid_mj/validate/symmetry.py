@@ -75,7 +75,8 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
 def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Compare gravity off, down and turned by a right angle with each other, over one crank turn.
 
-    The turned mechanism is the same one a quarter of a crank turn later, but for the place of its output pins.
+    The mechanism under turned gravity is the same one a quarter of a crank turn later, but for the place of its output
+    pins.
     """
     # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
     step_changes = [] if kind == FREE else ["settings.timestep_us=5.0"]

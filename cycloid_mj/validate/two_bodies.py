@@ -54,7 +54,10 @@ _XML = """<mujoco>
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Compare static deflection, frequency and restitution of one contact in MuJoCo with closed forms."""
+    """Compare static deflection, frequency and restitution of one contact in MuJoCo with closed forms.
+
+    Rows on the secant stiffness, without bounds, follow. `quick` changes nothing.
+    """
     stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
     law = contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, step)
@@ -119,7 +122,7 @@ def measure_frequency(law: ContactParameters, timestep: float) -> float:
 
 
 def measure_restitution(law: ContactParameters, timestep: float) -> float:
-    """Simulate an impact in MuJoCo; return the coefficient of restitution."""
+    """Simulate an impact at `TWO.speed` in MuJoCo; return the coefficient of restitution, the ratio of speeds [1]."""
     model = two_body_model(law, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
@@ -155,7 +158,10 @@ def two_body_model(law: ContactParameters, timestep: float, gravity: float) -> A
 
 
 def _secant_rows(stiffness: float) -> list[ValidationRow]:
-    """Compare the constant stiffness of the model with that at other forces, and with Palmgren's formula."""
+    """Compare the constant stiffness of the model [N/m] with that at other forces, and with Palmgren's formula.
+
+    These rows have no bound: they show the range of the secant stiffness.
+    """
     drive = RATED
     working, length, radius = (
         drive.contacts["pin_gear"].force,

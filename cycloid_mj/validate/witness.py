@@ -96,7 +96,10 @@ def planar_figures(reducer: Reducer, timestep: float = WITNESS.timestep) -> tupl
 
 
 def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
-    """Compute the figures of a run in its last mesh periods, in the order of `WITNESS.bounds`."""
+    """Compute the figures of a run in its last mesh periods, in the order of `WITNESS.bounds`.
+
+    They are those of `_compute_figures`.
+    """
     design = reducer.design
     window = WITNESS.periods * 2.0 * np.pi / (design.ring.teeth * abs(design.drive.speed))
     evaluated_run = run.select(run.time >= max(design.drive.hold - window, SETTLED))
@@ -113,7 +116,24 @@ def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
 def _compute_figures(
     error: Array, cam_force: Array, powers: tuple[Array, Array], speed_error: Array
 ) -> tuple[float, ...]:
-    """Compute the figures from output error [rad], cam force [N], powers of crank and output [W], and speed error."""
+    """Compute the figures that MuJoCo and the planar solver are compared by.
+
+    Parameters
+    ----------
+    error
+        Transmission error of the output [rad], shape (n,).
+    cam_force
+        Force of the cam [N], shape (n, 2).
+    powers
+        Power of the crank and of the load on the output [W], shape (n,) each.
+    speed_error
+        Speed of the gear less the ideal one [rad/s], shape (n,).
+
+    Returns
+    -------
+    tuple of float
+        Mean and peak-to-peak error [arcsec], mean cam force [N], efficiency [%], rms speed error [mrad/s].
+    """
     crank, output = (float(power.mean()) for power in powers)
     return (
         ARCSECONDS * float(error.mean()),
