@@ -55,7 +55,8 @@ FOLDED = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command, by default that of ``sys.argv``, and return its exit code.
 
-    A usage error never raises: it is printed in one line on stderr.
+    No error is raised: a message is printed on stderr. The exit code is 2 for wrong usage, 1 for a failure or a closed
+    pipe, and 128 plus the number of the signal after Ctrl-C or another signal.
     """
     words = _expand_folded_command([_rename_flag(word) for word in (sys.argv[1:] if argv is None else argv)])
     try:
@@ -92,9 +93,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def application(names: Collection[str] | None = None) -> App:
-    """Build the command line with all commands, or only those of `names` with flags and help, the others by their name.
+    """Build the command line, with flags and help of all commands or only of `names`; others are listed by name.
 
-    A command that is listed by its name alone does not import its modules, so that help is fast.
+    A command that is only listed does not import its modules, so that help is fast.
     """
     app = CompletingApp(
         name="cycloid-mj",
@@ -149,7 +150,7 @@ def _add_papers(app: App, group: Group, imported: bool) -> None:
 def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArguments]:
     """Parse a command line; return the function of the command and its arguments.
 
-    Words of a fixed set, such as a solver's name, may be in capital or small letters.
+    Words of a fixed set, such as a solver's name, may be in capital or small letters: they are corrected.
 
     Raises
     ------
@@ -168,7 +169,10 @@ def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArgument
 
 
 def _has_command(paper: "Paper") -> bool:
-    """Return whether a paper's function can be used as a command with flags; warn if it cannot."""
+    """Return whether a paper's function can be used as a command with flags; warn if it cannot.
+
+    Its command is built for trial, since errors of a paper's package may be of any type.
+    """
     trial = App()
     try:
         trial.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
@@ -183,7 +187,7 @@ def _has_command(paper: "Paper") -> bool:
 
 
 def _expand_folded_command(words: list[str]) -> list[str]:
-    """Return a command line with the group before a command that was called without it."""
+    """Return a command line with the group in front of a command that was called by its old name, and warn."""
     if not words or (group := FOLDED.get(words[0])) is None:
         return words
     tell(

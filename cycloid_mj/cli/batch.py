@@ -46,6 +46,8 @@ def run_all(
     ------
     RunError
         A run failed, or Ctrl-C stopped them: every run has then ended, and each log that was begun is readable.
+    CycloidError
+        Another error of a run, such as an existing log.
     """
     workers = min(Engine(kind="threads").local_workers, len(jobs))
     total = sum(design.drive.ramp + design.drive.hold for design in jobs)

@@ -170,7 +170,13 @@ def calibrate(
 
 
 def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
-    """Read measured loops from CSV files; raise UsageError if two files have the same name."""
+    """Read measured loops from CSV files.
+
+    Raises
+    ------
+    UsageError
+        Two files have the same name, or a file cannot be read.
+    """
     from cycloid_mj.bench import read_loop
 
     loops = [read_loop(path) for path in paths]
@@ -213,10 +219,10 @@ def _fit_loss_models(
 
 
 def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
-    """Test the calibrated design with its checks, statics and reduction, and return a sentence on the first failure.
+    """Test the calibrated design by its checks, statics and reduction; return a sentence on the first failure.
 
-    The sentence names each fitted parameter without which the design can be used, with its value of the drawn design.
-    The result is empty if no test fails.
+    The sentence names each fitted parameter without which the design can be used, with the value of the original design
+    instead. The result is empty if no test fails.
     """
     from cycloid_mj.cli.progress import show_activity
 
@@ -329,7 +335,10 @@ def _calibration_outcome(
 
 
 def _headline(calibration: "Calibration") -> dict[str, str]:
-    """Return the first figures to show: play, stiffness, friction, residual, then the fitted parameters."""
+    """Return the first `MOST_FIGURES` figures as texts by name: play, stiffness, friction, residual, fitted parameters.
+
+    Those of the loops are for measurement and model.
+    """
     from cycloid_mj.base.units import DEGREE
 
     measured_figures, model_figures = calibration.measured, calibration.modelled

@@ -121,7 +121,10 @@ def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
 
 
 def _measure_plain_coacd(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
-    """Decompose the toothed parts by CoACD without slices, and return their deviations by part and threshold."""
+    """Decompose the toothed parts by CoACD without slices, for comparison.
+
+    Returns the deviations of their surfaces [um] by part and threshold of CoACD.
+    """
     from cycloid_mj.dynamics.mjcf.folder import quality_um
     from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring
 

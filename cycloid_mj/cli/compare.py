@@ -204,7 +204,10 @@ def compare(
 
 
 def _require_consistent(designs: Sequence[str], logs: Sequence[str], options: CompareOptions) -> None:
-    """Raise UsageError unless at least two designs, or only logs, are named, with flags that have an effect."""
+    """Raise UsageError unless at least two designs, or two logs and no designs, are named.
+
+    With logs, flags that apply to new simulations raise it, too.
+    """
     if logs and len(logs) < len(designs):
         raise UsageError(
             f"{logs[0]} is a log, but {_first_design(designs)} is a design, and they cannot be mixed: name designs "
@@ -253,7 +256,7 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
 
 
 def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
-    """Plan the runs of all cases with the flags of the command.
+    """Plan the runs of all cases with the flags of the command: starts, sweep, and variations of assumed values.
 
     Raises
     ------
@@ -319,7 +322,10 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
 
 
 def _draw_figures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
-    """Return functions that encode the figures of a comparison, by name."""
+    """Return functions that encode the figures of a comparison, by name.
+
+    The figure of the curvature has the designs of the first load.
+    """
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure
     from cycloid_mj.plots.save import encode_figure

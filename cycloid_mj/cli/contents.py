@@ -23,7 +23,11 @@ class Listed(NamedTuple):
     examples: str = "EXAMPLES"
 
     def add_to(self, app: App, name: str, group: Group, position: int) -> None:
-        """Import the command's function, and add it with flags and help to a group at a position in its list."""
+        """Import the function of the command, and add it with flags and help to an app.
+
+        `function` names it as "module:function"; the function "commands" builds a group of commands. `position` is the
+        place of the command in its `group` of the help.
+        """
         module_name, _, function_name = self.function.partition(":")
         module = import_module(f"cycloid_mj.cli.{module_name}")
         function = getattr(module, function_name)

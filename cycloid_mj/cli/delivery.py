@@ -132,7 +132,7 @@ def claim_page(
 
 
 def deliver(outcome: Outcome, destination: Destination, flags: CommonFlags) -> int:
-    """Write the files of an outcome, print it as text or JSON, and return its exit code."""
+    """Write the files of an outcome, print it as text, or as JSON with ``--json``, and return its exit code."""
     write(outcome, destination, flags)
     if flags.json:
         say_json(_result_json(outcome))
@@ -183,7 +183,10 @@ def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, 
 
 
 def write(outcome: Outcome, destination: Destination, flags: CommonFlags) -> None:
-    """Write the files of an outcome, all or none, and print the names of files that its text does not name."""
+    """Write the files of an outcome, all or none, and print the names of those that its text does not name.
+
+    With ``--quiet`` nothing is printed.
+    """
     files = dict(_encode_files(outcome, destination))
     if files:
         with defer_signals():
@@ -201,13 +204,16 @@ def _list_files(files: Collection[Path]) -> str:
 
 
 def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[Path, bytes]]:
-    """Yield path and content of every file of an outcome: files, figures, JSON, CSV and page."""
+    """Yield path and content of every file of an outcome: files, pictures in each format, JSON, CSV and page.
+
+    Without a folder there is at most the page.
+    """
     if destination.folder:
         for name, content in outcome.files.items():
             yield destination.folder / name, content
         for name, draw in outcome.pictures.items():
-            for form in outcome.formats:
-                yield destination.folder / f"{name}.{form}", draw(form)
+            for file_format in outcome.formats:
+                yield destination.folder / f"{name}.{file_format}", draw(file_format)
         if outcome.filed:
             yield (
                 destination.folder / f"{destination.stem}.json",
@@ -224,7 +230,8 @@ def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[
 def show_outcome(outcome: Outcome, show_hidden: bool) -> None:
     """Print an outcome as text: headline, failures, warnings and summary; tables and notes if they fit into 25 lines.
 
-    With `show_hidden` (``--all``), all tables, notes and passed checks are printed.
+    With `show_hidden` (``--all``), all warnings, tables, notes and passed checks are printed; else a line counts what
+    is hidden.
     """
     passes = outcome.passes if show_hidden else ()
     show_hidden = show_hidden or _count_lines(outcome) <= TEXT.max_lines

@@ -107,7 +107,10 @@ def _strictly(outcome: Outcome, strict: bool) -> Outcome:
 
 
 def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
-    """Return the summary of an RV reducer as lines of text: ratio, cranks, size, discs, and counts of the checks."""
+    """Return the summary of an RV reducer as lines of text: ratio, cranks, size, mass, discs, and counts of the checks.
+
+    The mass is left out if the design cannot be built.
+    """
     from cycloid_mj.geometry.rv import are_one_part, flip_clockings
     from cycloid_mj.parts.export.rv_assembly import rv_mass
 
@@ -142,7 +145,10 @@ def _outcome(
     rating: "Rating | None",
     inheritance: Inheritance | None,
 ) -> Outcome:
-    """Convert checks, summary and rating of a design to an `Outcome`; the last two are None if not available."""
+    """Convert checks, summary and rating of a design to an `Outcome`, with exit code 1 if the design cannot be built.
+
+    Summary, rating and inheritance are None if not available.
+    """
     summary_values = _summary_json(summary, rating) if summary else None
     return Outcome(
         title=f"checks: {design.name}",

@@ -144,9 +144,9 @@ def _simulate_self_test() -> str:
 
 
 def _test_rendering() -> Iterator[Finding]:
-    """Yield a finding whether OpenGL renders off-screen.
+    """Yield a finding whether OpenGL renders off-screen; rendering is optional.
 
-    It is tried in its own process, because a driver that fails may end it.
+    It is tried in a process of its own, because a driver that fails may end the process.
     """
     code = (
         "import mujoco; from cycloid_mj.scene.opengl import opengl\n"

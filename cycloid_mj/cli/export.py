@@ -336,7 +336,7 @@ def export(
 
 
 def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flags: ExportFlags) -> "Export":
-    """Return the files of the mechanism's parts, with the clearances measured in their outlines."""
+    """Compute the files of the mechanism's parts, with the clearances measured in their outlines."""
     from cycloid_mj.parts.export import export
 
     return export(
@@ -354,7 +354,10 @@ def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flag
 def _drive_files(
     reducer: Reducer, file_format: "Format", sizes: "Casing | None", settings: "PrintSettings", flags: ExportFlags
 ) -> Mapping[str, bytes]:
-    """Return the files of covers, flanges and the parts that are joined to them; none without a casing."""
+    """Return the files of covers, flanges and the parts that are joined to them by name; none without a casing.
+
+    The clearances are widened by the offset of ``--offset-um``.
+    """
     from cycloid_mj.parts.export import drive_files, widen_clearances
 
     if sizes is None:
@@ -419,7 +422,7 @@ def _bed_size(text: str | None) -> tuple[float, float] | None:
 
 
 def _clearance_table(outlines: "Export", offset: float) -> Table:
-    """Tabulate the clearances in the outlines by pair of parts [um]: required, offset, smallest and largest."""
+    """Tabulate the clearances in the outlines by pair of parts [um]: required, `offset`, smallest and largest."""
     rows = tuple(
         (
             clearance.pair,

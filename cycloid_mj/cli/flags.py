@@ -136,7 +136,10 @@ def _nearest(text: str) -> str:
 
 
 def within(low: float, high: float) -> Callable[[Any, Any], None]:
-    """Return a validator of a flag that raises ValueError for a value outside `low` to `high`, both allowed."""
+    """Return a cyclopts validator that raises ValueError for a flag's value outside `low` to `high`.
+
+    Both ends, and None, are accepted.
+    """
 
     def require(_: Any, value: float | None) -> None:
         if value is not None and not low <= value <= high:
@@ -291,7 +294,7 @@ class DesignOptions:
         return find_inheritance(self.design, self.set_)
 
     def warn_of_inherited_motor(self, design: Design) -> None:
-        """Warn if the design file states no motor torque, so that that of its preset applies."""
+        """Warn if the design file states neither motor torque nor load, so that the motor of its preset applies."""
         inheritance = self.inheritance()
         if inheritance and MOTOR_TORQUE in inheritance.motor:
             warn(
@@ -376,9 +379,10 @@ class ClusterDelivery(Delivery):
 
 
 def require_distinct_names(designs: Iterable[Design]) -> None:
-    """Raise UsageError if two designs have the same name and would overwrite each other's files."""
+    """Raise UsageError if two designs have the same name, as one's files would overwrite the other's."""
     names = [design.name for design in designs]
-    if repeated_name := next((name for name in names if names.count(name) > 1), None):
+    repeated_name = next((name for name in names if names.count(name) > 1), None)
+    if repeated_name is not None:
         raise UsageError(
             f"two designs have the name {repeated_name!r}, so they would overwrite each other's files: change the key "
             "`name` in one of the design files"

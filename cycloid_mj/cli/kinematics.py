@@ -80,10 +80,16 @@ def kinematics(
 
 
 def _compute_motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:
-    """Compute time, crank angle, position, velocity and acceleration of a disc's point as columns.
+    """Compute the motion of a disc's point as columns of shape (n,) in the units of their names.
 
-    `q` is the point [m], `until` the end and `step` the interval of the samples [s]; None: defaults of the flags. Each
-    column has the shape (n,).
+    They are time, crank angle, position, velocity and acceleration, the latter three in mm.
+
+    Parameters
+    ----------
+    q
+        The point in the frame of the disc [m].
+    until, step
+        End and interval of the samples [s]; None: defaults of the flags.
     """
     import numpy as np
 
@@ -103,7 +109,13 @@ def _compute_motion(design: Design, q: tuple[float, float], until: float | None,
 
 
 def _choose_step(design: Design, step: float | None) -> float:
-    """Return the interval of samples [s]: that of the flag, or the time of one degree of crank at full speed."""
+    """Return the interval of samples [s]: that of the flag, or the time of one degree of crank at full speed.
+
+    Raises
+    ------
+    UsageError
+        The flag is not set, and the speed is 0.
+    """
     if step is not None:
         return step
     if design.drive.speed == 0.0:

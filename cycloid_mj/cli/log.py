@@ -244,7 +244,10 @@ def _names(columns: str | None) -> list[str] | None:
 
 
 def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
-    """Return the 3-D scene of a logged design, or None without a design; `rate` [Hz] defaults to that of the log."""
+    """Return the 3-D scene of a logged design, with a rate [Hz] of its frames that defaults to that of the log.
+
+    Without a valid design it is None, with a note; if a rate is requested, the error is raised.
+    """
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene
 

@@ -389,7 +389,15 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
 
 
 def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptions, delivery: MeasureDelivery) -> int:
-    """Measure designs one after another, print and write the results, and return the exit code."""
+    """Measure designs one after another, write and print the results, and return the exit code.
+
+    `name` is that of the measure. With several designs, JSON is a list of measurements.
+
+    Raises
+    ------
+    UsageError
+        Two designs have the same name.
+    """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques

@@ -237,7 +237,10 @@ class SizeFlags:
         return best_ratio(requirement, low, high) if self.ratio_range else requirement
 
     def _crank_speed(self, ratio: int) -> float | None:
-        """Return the required crank speed [rpm], at most the speed of the motor at the torque; None if not required.
+        """Return the required crank speed at a ratio [rpm]; None if none is required.
+
+        With a motor it is the required speed or, without one, the usual speed of the process, at most the speed of the
+        motor under the torque.
 
         Raises
         ------
@@ -312,7 +315,13 @@ def new(
 
 
 def _file_stem(name: str) -> str:
-    """Return the name of a new design without ``.toml``; raise UsageError if it cannot be a file or is a preset."""
+    """Return the name of a new design without ``.toml``.
+
+    Raises
+    ------
+    UsageError
+        It cannot be the name of a file, or is that of a preset.
+    """
     stem = name.removesuffix(".toml")
     if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
         raise UsageError(f"NAME {name!r} is not allowed: use at most 64 letters, digits, spaces and . _ -, e.g. my")
@@ -414,9 +423,10 @@ def _refusal_json(answer: "Answer", requirement: "Requirement", is_range: bool) 
 
 
 def _list_flags(remedy: "FeasibleChange", original: "Requirement", is_range: bool) -> list[str]:
-    """Return the flags that request a remedy: those whose value differs between remedy and `original` requirement.
+    """Return the words of a command line that requests a remedy.
 
-    With `is_range`, the ratio that was chosen from a range is set as well.
+    They are the flags whose value differs from the `original` requirement and, with `is_range`, the ratio that was
+    chosen from a range.
     """
     from cycloid_mj.base.units import RPM
 

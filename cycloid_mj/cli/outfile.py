@@ -32,7 +32,9 @@ Columns = Mapping[str, "npt.NDArray[Any]"]
 
 
 def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
-    """Claim the file of a table before the work, the value of the flag `flag`; stdout and devices are always accepted.
+    """Claim the file of a table before the work, so that no later command overwrites it.
+
+    `file` is the value of `flag`; stdout and devices are always accepted.
 
     Raises
     ------
@@ -110,7 +112,13 @@ def create_folder(name: str, contents: str) -> Path | None:
 
 @contextmanager
 def _open_output(file: str) -> Iterator[TextIO]:
-    """Open a file for text that gets its name when it is complete; a device is written directly."""
+    """Open a file for text that gets its name when it is complete; a device is written directly.
+
+    Raises
+    ------
+    CycloidError
+        The file cannot be written.
+    """
     path = Path(file)
     try:
         if path.exists() and not path.is_file() and not path.is_dir():

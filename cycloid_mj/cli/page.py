@@ -27,7 +27,10 @@ def console(stderr: bool = False) -> "Console":
 
 
 def flow_help(app: App) -> App:
-    """Set the help format of an app and its commands: lines break at the page width, flags have no negative form."""
+    """Set the help format of an app and its commands, in place, and return the app.
+
+    Lines break at the page width, and flags have no negative form.
+    """
     # its own, too: the command reference and completion look at a command without the defaults of the app around it
     app.default_parameter = FLAGS
     app.help = paragraphs(app.help)

@@ -100,7 +100,11 @@ def find_stop(error: BaseException) -> KeyboardInterrupt | None:
 
 
 def run() -> None:
-    """Run the command of ``sys.argv``, and end the process with its exit code; errors are printed on stderr."""
+    """Run the command of ``sys.argv``, and end the process with its exit code; errors are printed on stderr.
+
+    Sets up streams, environment and signals of the process; after a signal during the start, the exit code is 128 plus
+    its number.
+    """
     # a stream that was closed before the start is None
     sys.stdout = sys.stdout or StringIO()
     sys.stderr = sys.stderr or StringIO()

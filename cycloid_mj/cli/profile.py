@@ -84,7 +84,13 @@ def _gear(reducer: Reducer, points: int | None) -> Columns:
 
 
 def _ring_columns(reducer: Reducer, points: int | None) -> Columns:
-    """Return the outline of an internal gear as columns, shape (n,) each: points, normals, curvature and part."""
+    """Return the outline of an internal gear as columns, shape (n,) each: points, normals, curvature and part.
+
+    Raises
+    ------
+    UsageError
+        The design has ring pins.
+    """
     from cycloid_mj.geometry.envelope import sample_ring
 
     design = reducer.design
@@ -98,7 +104,13 @@ def _ring_columns(reducer: Reducer, points: int | None) -> Columns:
 
 
 def _curvature_columns(reducer: Reducer, crank_angles: int | None) -> Columns:
-    """Return the relative curvature and the Hertz pressure of all contact lines over a mesh period, as columns."""
+    """Return the relative curvature and the Hertz pressure of all contact lines over a mesh period, as columns.
+
+    Raises
+    ------
+    UsageError
+        The number of crank angles results in too many rows.
+    """
     import numpy as np
 
     from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, peak_pressure

@@ -71,7 +71,10 @@ class Progress:
             tell(text)
 
     def report_time(self, simulated_time: float) -> None:
-        """Show on stderr that the simulation has reached the time `simulated_time` [s]."""
+        """Report that the simulation has reached the time `simulated_time` [s].
+
+        On a terminal a bar is updated; otherwise a line is printed on stderr every few seconds.
+        """
         self._waiting.close()
         if self._quiet:
             return

@@ -119,7 +119,10 @@ def protocol(
 
 
 def _outcome(sheet: "Protocol") -> Outcome:
-    """Convert a test protocol to an `Outcome`: figures of model and bench, definitions and page."""
+    """Convert a test protocol to an `Outcome`: figures of model and bench, definitions and picture.
+
+    The headline has the figure of the bench where it was measured, else that of the model.
+    """
     from cycloid_mj.base.result import to_json_values
     from cycloid_mj.bench.protocol import LINES
     from cycloid_mj.plots.bench import protocol_figure

@@ -275,7 +275,10 @@ def _outcome(
 
 
 def describe_inaccuracy(scene: "StepTrial", timestep_ms: float | None, integrator: str | None) -> list[str]:
-    """Return a sentence on the error of a scene and its remedy, flags to omit or change; [] if it is accurate."""
+    """Return a sentence on the error of a scene, with flags to omit or change as the remedy; empty if it is accurate.
+
+    `timestep_ms` and `integrator` are the values of these flags, None if they are not set.
+    """
     if scene.accurate:
         return []
     flags = {"--timestep-ms": timestep_ms, "--integrator": integrator}

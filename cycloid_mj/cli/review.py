@@ -40,7 +40,8 @@ def report(
     point_q = parse_point(q)
     if not logs:
         raise UsageError("no log is given: name at least one log, e.g. cycloid-mj report runs/pin.mcap")
-    if repeated_log := next((log for index, log in enumerate(logs) if log in logs[:index]), None):
+    repeated_log = next((log for index, log in enumerate(logs) if log in logs[:index]), None)
+    if repeated_log is not None:
         raise UsageError(f"log {repeated_log} is given twice: name each log once")
     # a page is UTF-8, which names of files need not be
     runs = {printable(log): read(log) for log in logs}

@@ -211,7 +211,7 @@ def _draw_page(ran: "Ran", quiet: bool) -> str:
 
 
 def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> Iterator[str]:
-    """Yield commands to continue with: the run under load or its rating, then one for each kind of user."""
+    """Yield commands to continue with: the rating or, without load, the loaded run, then one for each kind of user."""
     design = [design_options.design, *(word for change in design_options.set_ for word in ("--set", change))]
     resolved = design_options.resolve()
     if findings.condition.load:
@@ -266,9 +266,14 @@ class Ran:
 
 
 def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
-    """Raise UsageError or DesignError if a design cannot be simulated.
+    """Raise an error if a design cannot be simulated.
 
-    Its run would be too long, its crank does not turn, or its checks fail.
+    Raises
+    ------
+    UsageError
+        The crank does not turn, or the run would have more than `RUN.max_steps` time steps.
+    DesignError
+        A check of the design fails.
     """
     reducer = reducer_of(design)
     if design.drive.speed == 0.0:
@@ -328,6 +333,8 @@ def run_into_log(
 ) -> Ran:
     """Simulate a design into the first log of `names` that does not exist, evaluate the run, and return its summary.
 
+    A run that cannot be evaluated has an error in place of findings.
+
     Parameters
     ----------
     design
@@ -349,6 +356,10 @@ def run_into_log(
     ------
     RunError
         The run failed or was stopped; the log has the samples up to then.
+    UsageError
+        The hold is too short.
+    LogTakenError
+        All of the logs exist.
     """
     reducer = reducer_of(design)
     from cycloid_mj.dynamics.run import blocks, model_for, provenance, schedule
@@ -377,7 +388,10 @@ def run_into_log(
 def _log_opener(
     compiled: "Model", reducer: Reducer, provenance: dict[str, str], force: bool, viewable: bool
 ) -> "Callable[[Path], LogWriter]":
-    """Return a function that opens a path as the log of a run, with its columns, provenance and files for viewers."""
+    """Return a function that opens a path as the log of a run, with its columns, provenance and files for viewers.
+
+    Logs that are not `viewable` have the design as their only file; those of an RV reducer have no 3-D scene.
+    """
     from cycloid_mj.analysis.series import DESIGN_FILE
     from cycloid_mj.dynamics.run import attachments, log_columns, run_warnings, warnings_entry
     from cycloid_mj.log import LogWriter

@@ -230,7 +230,7 @@ def _require_consistent(designs: Sequence[str], logs: Sequence[str], has_changes
 
 
 def _require_springs(springs: bool, has_selection: bool) -> None:
-    """Raise UsageError if ``--mounts`` lacks ``--springs``, or flags have selected parts, logs or figures."""
+    """Raise UsageError if ``--mounts`` is set without ``--springs``, or if flags select parts, logs or figures."""
     if not springs:
         raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
     if has_selection:
@@ -261,7 +261,7 @@ def _read_logs(
     settings: "StudySettings",
     delivery: StressDelivery,
 ) -> _Job:
-    """Read the logs to study, mesh the requested parts, and claim the files of the results."""
+    """Read the logs to study, mesh the requested parts, and claim the files of the results; return all three."""
     runs = [_read_log(Path(log), designs[index] if designs else "") for index, log in enumerate(logs)]
     grids = _plan_cost([design for design, _, _ in runs], parts, settings, delivery.quiet)
     default_folder = f"{logs[0].removesuffix('.mcap')}-stress"
@@ -347,7 +347,10 @@ def _require_runnable(designs: Sequence[Design]) -> None:
 
 
 def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
-    """Mesh the requested parts of every design, and print the time and memory that their study needs."""
+    """Mesh the requested parts of every design, and print the time and memory that their study needs unless `quiet`.
+
+    Returns the grids by part, one mapping for each design.
+    """
     from cycloid_mj.stress.cost import add_costs, estimate_cost
     from cycloid_mj.stress.study import study_grids
 
@@ -368,7 +371,7 @@ def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "Study
 
 
 def _read_log(path: Path, design: str) -> Logged:
-    """Read the log of a run, and warn of its warnings.
+    """Read the log of a run, and repeat its warnings; return its design, the run and the path.
 
     Raises
     ------
@@ -414,7 +417,13 @@ def _study_parts(
 
 
 def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[list[str]]:
-    """Return the requested parts of each design; raise UsageError for a part that no design has."""
+    """Return the requested parts of each design, by default all; parts that a design lacks are left out.
+
+    Raises
+    ------
+    UsageError
+        No design has one of the parts.
+    """
     from cycloid_mj.stress.loads import part_names, require_part
 
     for part in parts:

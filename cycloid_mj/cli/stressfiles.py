@@ -30,9 +30,10 @@ COLUMNS = (
 
 
 def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
-    """Convert stress studies to an `Outcome`: tables, warnings, VTU files, verdicts of papers, and figures.
+    """Convert stress studies to an `Outcome`: tables, VTU files, verdicts of papers, and figures.
 
-    `figures` are the kinds of figures to draw.
+    Parts beyond the yield strength are failures; those beyond shakedown, or not converged, are warnings. `figures` are
+    the kinds of figures to draw.
     """
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import values_json

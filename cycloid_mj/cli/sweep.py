@@ -169,7 +169,13 @@ def sweep(
 def _choose_points(
     vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int
 ) -> "Points":
-    """Return the points of the flags: a table, a grid, or a sample of varied keys; raises as `choose_points`."""
+    """Return the points of the flags: the rows of a table, a grid, or a sample of varied keys.
+
+    Raises
+    ------
+    UsageError
+        A ``--vary`` has no values or is repeated, or as `choose_points`.
+    """
     from cycloid_mj.explore.points import read_table
     from cycloid_mj.explore.sweeps import choose_points
 

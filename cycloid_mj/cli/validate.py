@@ -97,7 +97,10 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
 
 
 def _format_row(number: int, row: "ValidationRow") -> tuple[str, ...]:
-    """Format a row of a validation as cells of text; the bound is in the unit of the error."""
+    """Format a row of a validation as cells of text; `number` is that of its step.
+
+    The bound is in the unit of the error.
+    """
     quantity = row.measured
     return (
         f"{number} {quantity.name}",

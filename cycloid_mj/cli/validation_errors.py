@@ -54,7 +54,10 @@ def _choices(hint: Any) -> tuple[str, ...]:
 
 
 def _describe(error: CycloptsError) -> str:
-    """Return a message on an error of cyclopts, without its markup."""
+    """Return the message on an error of cyclopts in the words of this command line, without markup.
+
+    Errors of other types keep their own text.
+    """
     argument = error.argument
     if isinstance(error, UnknownCommandError) and error.app is not None:
         return _unknown_command((error.unused_tokens or [""])[0], error.app)

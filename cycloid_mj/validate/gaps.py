@@ -229,7 +229,7 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
 
 
 def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
-    """Find the local minima of the distance inside roots: the lowest of three adjacent samples, refined by parabolas."""
+    """Find the local minima of the distance inside roots: the lowest of three adjacent samples, refined by parabola."""
     min_phase = gear.best_phase
     B = np.pi - (np.pi - min_phase) * np.cos(np.linspace(0, np.pi, 400))
     samples = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
