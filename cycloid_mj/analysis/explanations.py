@@ -18,7 +18,10 @@ def explain(findings: Findings) -> list[str]:
 
 
 def _motion(findings: Findings) -> Iterator[str]:
-    """Yield sentences on the output's speed, the transmission error, the wind-up and the path of the disc."""
+    """Yield sentences on the output's speed, the transmission error, the wind-up and the path of the disc.
+
+    The speed is left out if its ideal value is 0 (crank at rest), the wind-up without a load.
+    """
     speed, error, crank = findings.output_speed, findings.transmission_error, findings.crank
     if speed.theory_rad_s:
         yield (
@@ -62,7 +65,10 @@ def _losses(findings: Findings) -> Iterator[str]:
 
 
 def _contacts(findings: Findings) -> str:
-    """Return a sentence on number, force and deflection of the contacts and, where ring pins move, on pin 1."""
+    """Return a sentence on number, force and deflection of the contacts.
+
+    It also covers pin 1 if ring pins move, and the crank bearings of an RV reducer if their forces were logged.
+    """
     contact, pin, bearings = findings.contact_summary, findings.pin1, findings.crank_bearings
     pin_clause = f"; pin 1 moves up to {pin.max_radial_um:.3g} um (clearance plus deflection)" if pin else ""
     bearing_clause = f"; crank bearings carry up to {bearings.max_force_n:.4g} N" if bearings else ""

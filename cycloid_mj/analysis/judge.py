@@ -49,8 +49,12 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 
     Parameters
     ----------
-    run, q, settle
-        Arguments of `series`.
+    run
+        Run with its ``design.toml``.
+    q
+        Point of the disc in its frame [m], shape (2,); by default the centre of hole 1 (or crank bore 1), on +y.
+    settle
+        Time after the ramp that is not evaluated [s]; by default an estimate, see `window.in_hold`.
     log
         Path of the log, for `Findings.log`.
 
@@ -62,17 +66,20 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
     Raises
     ------
     LogError
-        The run has no design, lacks a column, or has fewer than two samples.
+        The run has no design or another run's, lacks a column, or has fewer than two samples.
+    DesignError
+        The attached design is not valid.
     UsageError
-        `q` is no point, or `settle` is negative.
+        `q` is not two finite numbers, or `settle` is negative.
     """
     return judge(series(run, q, settle), log)
 
 
 def judge(motion: Series, log: str | None = None) -> Findings:
-    """Compute the findings of a series: every figure with its closed form.
+    """Compute the findings of a series: the measured values and their closed form.
 
-    `log` is the path of the log. See `analyze`.
+    `log` is the path of the log, for `Findings.log`. For entries that the log's provenance lacks, the time step is that
+    of the design, the solver ``mujoco``, and the others None.
     """
     run, provenance = motion.run, motion.run.provenance
     power, contacts, evaluated_window = _power(motion), _contacts(motion), _window(motion)
@@ -121,7 +128,7 @@ def _crank(motion: Series) -> Crank:
 
 
 def _discs(motion: Series) -> tuple[Disc, ...]:
-    """Return speed, transmission error and path of each disc; an empty tuple for a single disc."""
+    """Return speed, transmission error and motion of q of each disc; an empty tuple for a single disc."""
     count = motion.design.gear.discs
     series_by_disc = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
     return tuple(
@@ -137,7 +144,7 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
 
 
 def _speed(speed: Compared, motion: Series) -> SpeedFindings:
-    """Return mean speeds and errors of the evaluated samples [rad/s]."""
+    """Return the mean speeds over full periods, and rms and peak error over all evaluated samples [rad/s]."""
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),
         mean_rad_s=_mean(speed.simulated, motion),
@@ -158,19 +165,20 @@ def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
 
 
 def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
-    """Compare the acceleration of q by velocity differences with Eq. 19 at the crank's mean state between samples.
+    """Compare the acceleration of q with Eq. 19 [m/s^2], between successive samples of a mask (n,).
 
-    None if no two successive samples are evaluated, or if the crank turns too far between samples.
+    Accelerations are differences of velocities; Eq. 19 is evaluated at the mean crank angle and speed of both samples.
+    None if no two successive samples are in the mask, or if the crank turns by more than `MAX_CRANK_STEP` between them.
     """
-    intervals = np.flatnonzero(mask[1:] & mask[:-1])
-    if intervals.size == 0 or peak(np.diff(motion.crank_angle)[intervals]) > MAX_CRANK_STEP:
+    evaluated_intervals = np.flatnonzero(mask[1:] & mask[:-1])
+    if evaluated_intervals.size == 0 or peak(np.diff(motion.crank_angle)[evaluated_intervals]) > MAX_CRANK_STEP:
         return None
-    interval = np.diff(motion.time)
+    duration = np.diff(motion.time)
     angle, speed = (_midpoints(values) for values in (motion.crank_angle, motion.orbit_speed))
-    crank_acceleration = np.diff(motion.orbit_speed) / interval
+    crank_acceleration = np.diff(motion.orbit_speed) / duration
     path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
-    simulated_acceleration = np.diff(motion.q_velocity.simulated, axis=0) / interval[:, np.newaxis]
-    error = Compared(simulated_acceleration, path.acceleration).error_size[intervals]
+    simulated_acceleration = np.diff(motion.q_velocity.simulated, axis=0) / duration[:, np.newaxis]
+    error = Compared(simulated_acceleration, path.acceleration).error_size[evaluated_intervals]
     return AccelerationFindings(rms(error), peak(error))
 
 
@@ -181,7 +189,10 @@ def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
 
 
 def _contacts(motion: Series) -> ContactSummary:
-    """Return the mean number of contacts, the largest penetration and the largest force of the evaluated samples."""
+    """Return the mean number of contacts, and the largest penetration [um] and force [N] of one contact.
+
+    The mean is over full periods, the extremes are over all evaluated samples.
+    """
     run, is_evaluated = motion.run, motion.evaluation_mask
     return ContactSummary(
         mean_active=_mean(run["contacts"], motion),
@@ -191,7 +202,11 @@ def _contacts(motion: Series) -> ContactSummary:
 
 
 def _crank_bearings(motion: Series) -> CrankBearings | None:
-    """Return the forces of the cranks on the discs of an RV reducer; None without cranks, or without logged forces."""
+    """Return the forces of the cranks on the discs of an RV reducer [N]: the largest, and the largest mean.
+
+    Means are those of roller bearings, with the exponent 10/3, over full periods. None without cranks, or if their
+    forces were not logged.
+    """
     kind = names.KINDS[names.CRANK]
     if not motion.run.pairs(kind):
         return None
@@ -214,7 +229,10 @@ def _ramp(motion: Series) -> Ramp | None:
 
 
 def _power(motion: Series) -> Power:
-    """Return mean input and output power [W], mean torques [N m] and the crank torque without losses [N m]."""
+    """Return mean powers [W] and torques [N m] over full periods, and the crank torque without losses.
+
+    Input power is positive if the drive receives it, output power if the load does.
+    """
     run, driven = motion.run, motion.run.driven_shaft
     load_torque = _mean(run["load_torque"], motion)
     return Power(
@@ -232,7 +250,10 @@ def _efficiency(power: Power, motion: Series) -> float | None:
 
 
 def _losses(motion: Series) -> tuple[Loss, ...]:
-    """Return the mean loss by friction and by normal forces [W] of each kind of mating pair that was in contact."""
+    """Return the mean loss by friction and by normal forces [W] of each kind of mating pair, over full periods.
+
+    Kinds whose losses are 0 in every sample are left out.
+    """
     run = motion.run
     by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)
     losses = []

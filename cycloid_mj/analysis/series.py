@@ -182,23 +182,27 @@ class Series:
 
 
 def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:
-    """Compare the motion of a run with the closed form.
+    """Compare the motion of a run with the closed form, sample by sample.
+
+    Samples from the first value on that is not finite, or too large, are left out.
 
     Parameters
     ----------
     run
         Run with its ``design.toml``. With several discs, the series is that of the first, see `Series.of_disc`.
     q
-        Point of the disc in its frame [m]; by default the centre of hole 1 (or crank bore 1), on +y.
+        Point of the disc in its frame [m], shape (2,); by default the centre of hole 1 (or crank bore 1), on +y.
     settle
         Time after the ramp that is left out [s]; see `window.in_hold`.
 
     Raises
     ------
     LogError
-        The run has no design, lacks a column, or has fewer than two samples.
+        The run has no design or another run's, lacks a column, or has fewer than two samples.
+    DesignError
+        The attached design is not valid.
     UsageError
-        `q` is no point, or `settle` is negative.
+        `q` is not two finite numbers, or `settle` is negative.
     """
     design = design_of(run)
     reducer = reducer_of(design)
@@ -248,7 +252,12 @@ def point_path(
     reducer, q, disc
         The reducer, the point in the disc's frame [m], shape (2,), and the index of the disc.
     crank_angle, speed, acceleration
-        Those of the crank [rad], [rad/s], [rad/s2], shape (n,).
+        Angle, speed and acceleration of the crank [rad], [rad/s], [rad/s2], shape (n,).
+
+    Returns
+    -------
+    PointPath
+        Vectors of shape (n, 2) in SI units; positions are relative to the centre of the first disc at crank angle 0.
     """
     gear, phase = reducer.tooth_profile, reducer.phases[disc]
     if reducer.design.output.turns_ring:
@@ -265,7 +274,7 @@ def design_of(run: Run) -> Design:
     Raises
     ------
     LogError
-        The attachment is missing, or belongs to another run.
+        The attachment is missing, not UTF-8 text, or belongs to another run: it has other numbers of pins or lobes.
     DesignError
         The attachment is not a valid design.
     """
@@ -288,9 +297,9 @@ def design_of(run: Run) -> Design:
 
 def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
     """Raise LogError if the run has forces of another number of pins, lobes or output pins than the design has."""
-    kinds = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
+    part_names = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
     pairs = reducer.mechanism.pairs
-    for kind, part_name in kinds.items():
+    for kind, part_name in part_names.items():
         expected_names = {pair.name for pair in pairs if pair.kind == kind}
         logged_names = set(run.pairs(kind))
         if logged_names and logged_names != expected_names:
@@ -302,7 +311,10 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
 
 
 def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
-    """Return the run up to its first sample with a value that is not finite or too large; a failed run may end in one.
+    """Return the run up to its first sample with a value that is not finite or too large.
+
+    A failed run may end in such samples. All columns are checked, not only those needed; the note of the shortened run
+    says where it was cut.
 
     Raises
     ------
@@ -349,7 +361,10 @@ def _disc_columns(gear: str) -> tuple[str, ...]:
 
 
 def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, Compared]:
-    """Return angle, speed, position and velocity of a disc with their closed form, by attribute of `Series`."""
+    """Return the motion of a disc and its closed form, by attribute of `Series`.
+
+    These are the disc's angle [rad] and speed [rad/s], and position [m] and velocity [m/s] of its point q (2,) [m].
+    """
     design = reducer.design
     *_, angle_column, _, _, speed_column = _disc_columns(names.gears(design.gear.discs)[disc])
     angle, speed = (run[names.column(reducer.INPUT, quantity)] for quantity in ("angle", "speed"))

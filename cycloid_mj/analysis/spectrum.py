@@ -35,6 +35,10 @@ class SpectrumSettings:
     """Orders per cycle in the window (zero padding), so that a peak between two cycles is not too low."""
     hann_bandwidth: float = 1.5
     """Equivalent noise bandwidth of a Hann window, in cycles of the window."""
+    decimation_reach: int = 10
+    """Half length of the decimation filter, in samples of the new rate."""
+    decimation_beta: float = 6.0
+    """Parameter beta of its Kaiser window: attenuation to 1e-3."""
     step_rtol: float = 1e-6
     """Relative tolerance of the even steps of the crank."""
     missing_cycle_share: float = 0.02
@@ -87,34 +91,39 @@ class Orders(Presented):
         return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2) / self.spread))
 
 
-def periodic_orders(crank: Array, values: Array, cycles_per_turn: float = 1.0, max_order: float = np.inf) -> Orders:
+def periodic_orders(
+    crank_angle: Array, values: Array, cycles_per_turn: float = 1.0, max_order: float = np.inf
+) -> Orders:
     """Compute the amplitudes of periodic values by order, by a discrete Fourier transform over all full cycles.
+
+    An order is a number of cycles per crank turn. The mean (order 0) is left out, as is the order at two samples per
+    cycle.
 
     Parameters
     ----------
-    crank
-        Crank angles [rad] at even steps, increasing, a whole number of them in a cycle, shape (n,).
+    crank_angle
+        Crank angles [rad] at even steps, increasing, a whole number of steps in a cycle, shape (n,).
     values
-        Shape (n,).
+        Values at these angles in any unit, shape (n,).
     cycles_per_turn
-        Cycles in a crank turn of what the values repeat with [1].
+        Cycles of the periodic values in a crank turn [1].
     max_order
-        Largest order to return [1]; at most that of two samples in a cycle.
+        Largest order to return [1].
 
     Raises
     ------
     UsageError
         The steps are not even, or do not fit in a cycle, or there is no whole cycle.
     """
-    period, increment = 2.0 * np.pi / cycles_per_turn, float(crank[-1] - crank[0]) / (len(crank) - 1)
-    cycles = int((len(crank) * increment) / period + SPECTRUM.step_rtol)
+    period, increment = 2.0 * np.pi / cycles_per_turn, float(crank_angle[-1] - crank_angle[0]) / (len(crank_angle) - 1)
+    cycles = int((len(crank_angle) * increment) / period + SPECTRUM.step_rtol)
     points = round(cycles * period / increment)
-    uneven = np.abs(np.diff(crank) - increment).max() > SPECTRUM.step_rtol * increment
+    uneven = np.abs(np.diff(crank_angle) - increment).max() > SPECTRUM.step_rtol * increment
     if cycles < 1 or uneven or abs(points * increment - cycles * period) > SPECTRUM.step_rtol * period:
         raise UsageError(
             f"the spectrum needs equally spaced crank angles over full cycles of {np.degrees(period):.6g} deg, with a "
-            f"whole number of samples per cycle. The {len(crank)} angles span {np.degrees(crank[-1] - crank[0]):.6g} "
-            "deg: sample the signal again at such angles"
+            f"whole number of samples per cycle. The {len(crank_angle)} angles span "
+            f"{np.degrees(crank_angle[-1] - crank_angle[0]):.6g} deg: sample the signal again at such angles"
         )
     amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
     order = cycles_per_turn * np.arange(amplitude.size) / cycles
@@ -129,26 +138,32 @@ def periodic_orders(crank: Array, values: Array, cycles_per_turn: float = 1.0, m
     )
 
 
-def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: float = 1.0) -> Orders | None:
-    """Compute the amplitudes of logged values by order, over all full cycles of a base; the mean is subtracted.
+def tapered_orders(
+    angle: Array, values: Array, max_order: float = np.inf, cycles_per_turn: float = 1.0
+) -> Orders | None:
+    """Compute the amplitudes of logged values by order, over all full cycles; the mean is subtracted.
+
+    An order is a number of cycles per crank turn. The values are interpolated at even crank angles, and a Hann window
+    is applied.
 
     Parameters
     ----------
     angle
         Crank angles [rad] at even times, strictly increasing or decreasing, shape (n,).
     values
-        Shape (n,).
-    most
-        The largest order to return [1]; at most ``SPECTRUM.band`` of the samples in a turn.
-    base
-        Cycles per crank turn of which the window has an integer number [1]; by default full turns.
+        Values at these angles in any unit, shape (n,).
+    max_order
+        Largest order to return [1]; at most ``SPECTRUM.band`` of the samples in a turn.
+    cycles_per_turn
+        The window has a whole number of cycles of this order [1]; by default full turns.
 
     Returns
     -------
     Orders or None
-        None if the values are shorter than a cycle.
+        None if there are fewer than two times ``SPECTRUM.reach`` values, if they span less than a cycle, or if the
+        crank reverses or stops.
     """
-    swept = base * np.abs(angle - angle[0]) / (2.0 * np.pi)
+    swept = cycles_per_turn * np.abs(angle - angle[0]) / (2.0 * np.pi)
     if len(swept) < 2 * SPECTRUM.reach or (np.diff(swept) <= 0.0).any():
         return None
     sampled_angle = float(swept[-1]) * len(swept) / (len(swept) - 1)
@@ -164,18 +179,20 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
         * np.abs(np.fft.rfft(window * (even_samples - even_samples.mean()), SPECTRUM.padding * points))
         / np.sum(window)
     )
-    order = base * np.arange(amplitude.size) / (SPECTRUM.padding * cycles)
-    highest = min(most, SPECTRUM.band * base * len(swept) / sampled_angle)
+    order = cycles_per_turn * np.arange(amplitude.size) / (SPECTRUM.padding * cycles)
+    highest = min(max_order, SPECTRUM.band * cycles_per_turn * len(swept) / sampled_angle)
     is_kept = (order > 0.0) & (order <= highest)
-    band = SPECTRUM.min_cycles * base / cycles, highest
-    return Orders(base, order[is_kept], amplitude[is_kept], band, cycles, SPECTRUM.hann_bandwidth * SPECTRUM.padding)
+    band = SPECTRUM.min_cycles * cycles_per_turn / cycles, highest
+    return Orders(
+        cycles_per_turn, order[is_kept], amplitude[is_kept], band, cycles, SPECTRUM.hann_bandwidth * SPECTRUM.padding
+    )
 
 
 def _invert_samples(increasing: Array, targets: Array) -> Array:
-    """Compute the (fractional) sample numbers at which increasing values (n,) reach targets (k,), by Lagrange's cubic.
+    """Compute the fractional sample numbers (k,) at which increasing values (n,) reach targets (k,); n is at least 4.
 
-    The crank angle of a run is so smooth that this is right to 1e-5 samples; importing SciPy's splines would take
-    longer than the evaluation of a run.
+    Lagrange's cubic interpolation is right to 1e-5 samples, because the crank angle of a run is smooth; importing
+    SciPy's splines would take longer than the evaluation of a run.
     """
     first_index = np.clip(np.searchsorted(increasing, targets) - 2, 0, len(increasing) - 4)
     node_values = increasing[first_index + np.arange(4)[:, np.newaxis]]
@@ -200,6 +217,11 @@ def between_samples(values: Array, sample_numbers: Array) -> Array:
         Samples, shape (n,); they are extended at both ends by odd reflection.
     sample_numbers
         Sample numbers, from 0 to n - 1 or little more, that need not be integers, shape (k,).
+
+    Returns
+    -------
+    Array
+        Interpolated values, shape (k,).
     """
     padded = np.pad(values, SPECTRUM.reach, mode="reflect", reflect_type="odd")
     index = np.clip(np.floor(sample_numbers).astype(np.int64), 0, len(values) - 1)
@@ -215,33 +237,41 @@ def between_samples(values: Array, sample_numbers: Array) -> Array:
 
 
 def decimate(values: Array, factor: int, means: bool = False) -> Array:
-    """Decimate samples by a factor after a low-pass filter (linear-phase FIR, Kaiser window) that prevents aliasing.
+    """Decimate samples by a factor after a low-pass filter that prevents aliasing (linear-phase FIR, Kaiser window).
+
+    Frequencies above ``1 - SPECTRUM.band`` of the new rate are attenuated to 1e-3, those below ``SPECTRUM.band`` of it
+    are kept.
 
     Parameters
     ----------
     values
         Evenly spaced samples, shape (n,) or (n, k).
     factor
-        Frequencies above ``1 - SPECTRUM.band`` of the new rate are attenuated to 1e-3, those below ``SPECTRUM.band`` of
-        it are kept.
+        Number of samples for each one that is kept; 1 returns the values.
     means
         Whether values are means from one sample to the next; the filter then corrects their attenuation.
 
     Returns
     -------
     Array
-        Shape (ceil(n / factor),) or (ceil(n / factor), k); the first and last 10 samples are affected by the ends.
+        Shape (ceil(n / factor),) or (ceil(n / factor), k); the first and last ``SPECTRUM.decimation_reach`` samples are
+        affected by the ends.
     """
     if factor == 1:
         return values
     from scipy.signal import firwin2, upfirdn
 
-    half_length, new_nyquist = 10 * factor, 1.0 / factor
+    half_length, new_nyquist = SPECTRUM.decimation_reach * factor, 1.0 / factor
     frequency = np.linspace(
         0.0, new_nyquist, 1 + 2 ** (2 * half_length).bit_length()
     )  # the grid of firwin2 and points between
     gain = 1.0 / np.sinc(0.5 * frequency) if means else np.ones(frequency.size)
-    taps = firwin2(2 * half_length + 1, [*frequency, new_nyquist, 1.0], [*gain, 0.0, 0.0], window=("kaiser", 6.0))
+    taps = firwin2(
+        2 * half_length + 1,
+        [*frequency, new_nyquist, 1.0],
+        [*gain, 0.0, 0.0],
+        window=("kaiser", SPECTRUM.decimation_beta),
+    )
     margins = ((half_length, half_length), *[(0, 0)] * (values.ndim - 1))
     padded = np.pad(values, margins, mode="reflect", reflect_type="odd")
     start_index = 2 * half_length // factor
@@ -258,14 +288,15 @@ def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
     values
         Evenly spaced samples, shape (n,) or (n, k).
     rate
-        Samples per second.
+        Sampling rate [Hz].
     segment
-        Samples in a segment.
+        Number of samples in a segment.
 
     Returns
     -------
     tuple of Array
-        Up to ``SPECTRUM.band`` of the rate: shapes (m,), and (m,) or (m, k) in squares of the values' unit per Hz.
+        Frequencies, shape (m,), and densities in squares of the values' unit per Hz, shape (m,) or (m, k). Frequencies
+        above ``SPECTRUM.band`` of the rate are left out.
     """
     from scipy.signal import welch
 

@@ -60,7 +60,10 @@ def groups(findings: Findings) -> list[RowGroup]:
 def _motion_rows(
     part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the "
 ) -> Iterator[FigureRow]:
-    """Yield the rows of transmission error [arcsec] and speed [rad/s] of a part."""
+    """Yield the rows of transmission error [arcsec] and speed [rad/s] of a part, such as "output".
+
+    `article` precedes the part's name in the rows of transmission error; "" for names with a number.
+    """
     mean, theory = speed.mean_rad_s, speed.theory_rad_s
     # a difference within rounding is shown as 0
     mean_error = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory

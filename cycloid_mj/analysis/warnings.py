@@ -49,7 +49,11 @@ COARSE = "the log rate or the hold is too low for these powers: raise settings.l
 
 
 def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterator[str]:
-    """Yield all warnings about the results of a run, evaluated over a window: incomplete, too short, or inaccurate."""
+    """Yield all warnings about the results of a run, evaluated over a window.
+
+    They cover an incomplete run or its note, a run that is too short, those of `run_warnings`, and a penetration of
+    `contacts` of more than half of the allowed one.
+    """
     run = motion.run
     if not run.complete:
         yield f"the run is incomplete: {run.note or 'the reason is unknown'}"
@@ -69,7 +73,10 @@ def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterat
 
 
 def run_warnings(motion: Series) -> tuple[str, ...]:
-    """Return the warnings about log rate, time step, convergence and power balance of a run, with remedies."""
+    """Return the warnings about log rate, time step, convergence and power balance of a run, with remedies.
+
+    Those recorded during the run come first. The power balance is omitted for a run without a hold.
+    """
     run, reducer = motion.run, motion.reducer
     # the columns of powers suffice: most columns of a run are forces, whose copy would be as large as the run
     evaluated_run = run.of_topic(REDUCER).select(motion.whole_periods)
@@ -81,7 +88,10 @@ def run_warnings(motion: Series) -> tuple[str, ...]:
 
 
 def convergence_warnings(run: Run) -> Iterator[str]:
-    """Yield a warning if time steps of the planar solver ended before its contact iteration converged."""
+    """Yield a warning if samples include time steps whose contact iteration did not converge.
+
+    Only the planar solver logs this; there is no warning about other runs.
+    """
     if run.provenance.get("solver") != "planar" or "solver_iterations" not in run.columns:
         return
     count = int(np.count_nonzero(run["solver_iterations"] > NEWTON.max_iterations))
@@ -93,17 +103,18 @@ def convergence_warnings(run: Run) -> Iterator[str]:
 
 
 def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str, ...]:
-    """Return warnings if the power balance of a run's samples is open, or its efficiency is undefined or impossible.
+    """Return warnings about an open power balance, and about an undefined or impossible efficiency, of a run's samples.
 
-    A run that logs no losses has no balance, and sampled powers do not average out over less than a crank turn. A
-    reducer whose load is not the design's may be driven through both shafts.
+    A run that logs no energies, or sweeps less than a crank turn, has no balance. An efficiency below
+    `JAM.min_efficiency` is reported as almost self-locking. If the input power is negligible, because the load does not
+    act yet or the drive stands still, the efficiency is undefined and not checked. `LIMITS` has the tolerances.
 
     Parameters
     ----------
     run, reducer
         The run, and the drive under its load.
     remedy
-        Remedy, if log rate and duration of the run are not those of the design; by default the design's keys for both.
+        Remedy for the messages; by default longer hold and higher log rate, by their keys in the design file.
     """
     design = reducer.design
     powers = mean_powers(run)
@@ -114,12 +125,12 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
     is_short = _swept_turns(run) < LIMITS.min_turns
     if "kinetic_energy" in run.columns and not is_short:
         is_idle = powers.delivered <= idle_power
-        balance_power, max_error = (
+        balance_power, max_balance_error = (
             (max(largest_power, LIMITS.min_power_share * idle_power), LIMITS.idling_balance_rtol)
             if is_idle
             else (reference_power, LIMITS.balance_rtol)
         )
-        if abs(powers.missing) > max_error * balance_power:
+        if abs(powers.missing) > max_balance_error * balance_power:
             texts.append(
                 _open_balance_warning(powers.missing, balance_power, abs(design.drive.speed), is_idle, remedy or COARSE)
             )
@@ -143,8 +154,8 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
         # the efficiency of a drive that floats or stands still is undefined
         return tuple(texts)
     # without friction the efficiency is 1 to rounding and what sampled powers leave open
-    max_error = 1.0 + (LIMITS.balance_rtol if powers.lost < LIMITS.balance_rtol * reference_power else 0.0)
-    is_impossible = not 0.0 <= powers.efficiency <= max_error if design.load.torque else powers.efficiency > max_error
+    max_efficiency = 1.0 + (LIMITS.balance_rtol if powers.lost < LIMITS.balance_rtol * reference_power else 0.0)
+    is_impossible = powers.efficiency > max_efficiency or (design.load.torque != 0.0 and not powers.efficiency >= 0.0)
     if design.load.torque and powers.note:
         texts.append(f"efficiency 0, {powers.note}: both shafts drive, and friction takes all power; or {explanation}")
     if is_impossible and (design.load.torque or max(powers.crank, powers.output) > idle_power):
@@ -153,7 +164,10 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
 
 
 def _open_balance_warning(missing_power: float, total_power: float, speed: float, is_idle: bool, remedy: str) -> str:
-    """Return the warning of an open power balance at a crank speed [rad/s]; powers are in [W]."""
+    """Return the warning that a power [W] is missing in the balance, out of the total power [W].
+
+    `speed` is that of the crank [rad/s]; `is_idle` for a drive whose output power is negligible.
+    """
     figures = "powers and losses" if is_idle else "powers, losses and efficiency"
     whose = f"{' of the idling drive' if is_idle else ''} at {RPM.from_si(speed):.4g} rpm"
     return (

@@ -18,6 +18,8 @@ class WindowSettings:
     settling_turn: float = 1 / 8
     """Shortest settling time, as a share of a crank turn: slow reducers are large, with low natural frequencies."""
     min_samples: int = 2
+    period_tolerance: float = 1e-6
+    """Tolerance of counts of full turns and mesh periods, in periods: the servo may miss an end by 1e-8."""
     time_rtol: float = 1e-9
     """Relative tolerance of times, for rounding."""
 
@@ -36,7 +38,7 @@ def reaches_hold(reducer: Reducer, time: Array) -> bool:
 
 
 def require_hold(reducer: Reducer, time: Array) -> None:
-    """Raise LogError if a run has too few samples at constant crank speed to evaluate."""
+    """Raise LogError if a run, sampled at times (n,) [s], has too few samples at constant crank speed to evaluate."""
     if not reaches_hold(reducer, time):
         count = np.count_nonzero(~in_ramp(reducer, time))
         end_text = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
@@ -54,10 +56,10 @@ def settling(reducer: Reducer) -> float:
 
 
 def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
-    """Return a mask of the settled samples at constant crank speed, shape (n,).
+    """Return a mask of the settled samples at constant crank speed, shape (n,), of samples at times (n,) [s].
 
     They begin `settle` [s] after the ramp, but never after more than half of the hold that was run. By default `settle`
-    is `settling`, counted from the end of the load's rise where that comes later than the ramp's.
+    is `settling`, counted from the end of the load's rise if that is later than the end of the ramp.
 
     Raises
     ------
@@ -82,32 +84,38 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
-    """Return the samples of the longest first part with full crank turns, else full mesh periods, else all.
+    """Return the samples of the longest first part with full crank turns, or else full mesh periods, or else all.
 
-    `crank_angle` [rad] has shape (n,), `mesh_period` is in [rad]. Sums over the slice contain no ripple of turn or
-    mesh, except for the fraction of a sample at its end.
+    `crank_angle` (n,) [rad] is monotone, `mesh_period` [rad] the crank angle from tooth to tooth. Sums over the slice
+    contain no ripple of turn or mesh, except for the fraction of a sample at its end.
     """
     swept_angle = np.abs(crank_angle - crank_angle[0])
     span = swept_angle[-1] * swept_angle.size / max(swept_angle.size - 1, 1)
     for period in (2 * np.pi, mesh_period):
-        count = np.floor(span / period + 1e-6)
+        count = np.floor(span / period + WINDOW.period_tolerance)
         if count >= 1:
-            return slice(0, int(np.searchsorted(swept_angle, count * period * (1 - 1e-6))))
+            return slice(0, int(np.searchsorted(swept_angle, count * period * (1 - WINDOW.period_tolerance))))
     return slice(0, swept_angle.size)
 
 
 def turn_by_turn(crank_angle: Array) -> list[slice]:
-    """Return the samples of each full crank turn from the first sample on; all samples if there is no full turn."""
+    """Return the samples of each full crank turn from the first sample on, a slice for each.
+
+    `crank_angle` (n,) [rad] is monotone. Without a full turn, the only slice has all samples.
+    """
     swept_turns = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
     # a turn of n samples ends one sample after its last
-    turns = int(swept_turns[-1] * swept_turns.size / max(swept_turns.size - 1, 1) + 1e-6)
+    turns = int(swept_turns[-1] * swept_turns.size / max(swept_turns.size - 1, 1) + WINDOW.period_tolerance)
     # samples may fall on the ends of a turn, which the servo of the drive misses by about 1e-8 of a turn
-    starts = np.searchsorted(swept_turns, np.arange(turns + 1) - 1e-6 / (2 * np.pi))
+    starts = np.searchsorted(swept_turns, np.arange(turns + 1) - WINDOW.period_tolerance / (2 * np.pi))
     return [slice(int(start), int(stop)) for start, stop in pairwise(starts)] or [slice(0, swept_turns.size)]
 
 
 def one_turn(crank_angle: Array) -> slice:
-    """Return the samples of a crank turn from crank angle 0 (modulo a turn), else of the first turn, else all."""
+    """Return the samples of a crank turn from crank angle 0 (modulo a turn), else of the first turn, else all.
+
+    The size of `crank_angle` (n,) [rad] increases.
+    """
     turns = np.abs(crank_angle) / (2 * np.pi)
     for start in (np.ceil(turns[0] - 1e-6), turns[0]):
         first, last = np.searchsorted(turns, [start - 1e-6, start + 1 + 1e-6])

@@ -153,7 +153,7 @@ def _headline(
         for key in HEADLINE[:6]
     ]
     for figure in OF_RUNS:
-        spreads = [trial.over_starts(figure.of) for trial in trials]
+        spreads = [trial.over_starts(figure.read) for trial in trials]
         values = [math.nan if spread is None else spread.mean for spread in spreads]
         if not all(map(math.isnan, values)):
             rows.append((f"{figure.words} (runs)", values, figure.unit))

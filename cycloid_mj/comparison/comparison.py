@@ -94,17 +94,26 @@ class Comparison(Presented):
 
 
 def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) -> Comparison:
-    """Compare runs.
+    """Combine the runs of two or more designs under the same loads into a comparison.
 
     Parameters
     ----------
-    trials, sensitivity
-        The runs, and the sensitivities of their figures.
+    trials
+        Exactly one trial of each design under each load, in any order. Solver and settings are the same for all; only
+        the duration may depend on the load.
+    sensitivity
+        Sensitivities of their dynamic figures, if computed.
+
+    Returns
+    -------
+    Comparison
+        The trials in ascending order of load, the designs in the order of their first trial.
 
     Raises
     ------
     UsageError
-        Fewer than two designs, two designs of one name, a missing load, or different conditions or solvers.
+        There are fewer than two designs, two designs of one name, a missing or repeated run, or different settings or
+        solvers.
     DesignError
         A design has massless pins.
     """
@@ -124,7 +133,13 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Return the distinct designs of cases by name; a case is a design under a load. Errors are those of `compare`."""
+    """Return the distinct designs of cases by name, after the checks of `compare`; a case is a design under a load.
+
+    Raises
+    ------
+    UsageError, DesignError
+        As `compare`, except for the solvers.
+    """
     by_name: dict[str, Design] = {}
     for case in cases:
         require_pin_bodies(Reducer(case), "the idle and dynamic figures of a comparison")
@@ -147,10 +162,10 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
 
 def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
     """Raise UsageError unless each design has exactly one run under each load."""
-    pairs = [(case.name, case.load.torque) for case in cases]
+    names_and_loads = [(case.name, case.load.torque) for case in cases]
     for name in names:
-        for load in sorted({load for _, load in pairs}):
-            count = pairs.count((name, load))
+        for load in sorted({load for _, load in names_and_loads}):
+            count = names_and_loads.count((name, load))
             if count != 1:
                 problem = "is missing" if count == 0 else f"is given {count} times"
                 raise UsageError(
@@ -189,17 +204,20 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
 
 
 def _run_json(trial: Trial) -> dict[str, Any]:
-    """Convert a trial to JSON values: measures of its first start and, without load, the spread of each figure."""
+    """Convert a trial to JSON values: the measures of its first start, and without load the spreads over all starts.
+
+    A spread is left out if no start has the figure.
+    """
     spreads = [
-        {"quantity": figure_name, "unit": unit, **spread.as_json()}
-        for figure_name, unit, compared in ROWS
-        if trial.load == 0.0 and (spread := trial.over_starts(compared)) is not None
+        {"quantity": quantity, "unit": unit, **spread.as_json()}
+        for quantity, unit, read_measure in ROWS
+        if trial.load == 0.0 and (spread := trial.over_starts(read_measure)) is not None
     ]
     return {
         "design": trial.name,
         "load_nm": trial.load,
         **to_json_values(trial.measures),
         "starts": len(trial.starts),
-        "start_logs": [findings_of_start.findings.log for findings_of_start in trial.starts],
+        "start_logs": [measures.findings.log for measures in trial.starts],
         "spreads": spreads,
     }

@@ -36,7 +36,8 @@ def remove_steady_shifts(errors: Array, crank_angle: Array, gear_angle: Array) -
 
     A shift that is constant in the frame of the housing, the crank or the disc is clearance taken up or elastic
     deflection, not vibration. With x + i y these are the terms a + b e^(i theta) + d e^(i phi) at `crank_angle` theta
-    and ideal `gear_angle` phi = -theta/(N-1) [rad], shape (n,); the last term vanishes for a disc that does not turn.
+    and ideal `gear_angle` phi = -theta/(N-1) [rad], shape (n,), for N ring teeth; the last term coincides with the
+    first for a disc that does not turn. Returns the remaining errors, shape (n, 2).
     """
     terms = np.exp(1j * np.stack([np.zeros_like(crank_angle), crank_angle, gear_angle], axis=1))
     complex_error = errors[:, 0] + 1j * errors[:, 1]

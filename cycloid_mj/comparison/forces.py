@@ -39,9 +39,12 @@ def cam_force(motion: Series) -> Array:
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Compute numbers of loaded teeth and forces of teeth, cams and output pins [N] over full crank turns."""
-    parts = full_turns(motion)
-    rows = slice(parts[0].start, parts[-1].stop)
+    """Compute numbers of loaded teeth and forces of teeth, cams and output pins [N] over full crank turns.
+
+    The samples are those of the settled hold, or all if it is shorter than a turn.
+    """
+    turns = full_turns(motion)
+    rows = slice(turns[0].start, turns[-1].stop)
     teeth, cams = tooth_forces(motion)[rows], _force_sizes(motion, "cam")[rows]
     output_pins = _force_sizes(motion, "output")[rows]
     loaded_teeth, largest_force = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)

@@ -53,7 +53,7 @@ def settle_run(run: Run, q: npt.ArrayLike | None = None) -> Series:
 
 
 def measure_run(motion: Series, log: str | None = None) -> Measures:
-    """Compute the measures of a run.
+    """Compute the measures of a run for a comparison; `log` is the path of its log.
 
     Raises
     ------
@@ -64,10 +64,13 @@ def measure_run(motion: Series, log: str | None = None) -> Measures:
 
 
 def _fluctuation(motion: Series) -> Fluctuation:
-    """Compute the rms errors of disc speed, path and velocity of q over full crank turns, without steady shifts."""
-    parts = full_turns(motion)
-    rows = slice(parts[0].start, parts[-1].stop)
-    turns_in_rows = [slice(part.start - rows.start, part.stop - rows.start) for part in parts]
+    """Compute the rms errors of disc speed, and of path and velocity of q, over full crank turns.
+
+    Steady shifts are removed from path and velocity, see `remove_steady_shifts`.
+    """
+    turns = full_turns(motion)
+    rows = slice(turns[0].start, turns[-1].stop)
+    turns_in_selection = [slice(part.start - rows.start, part.stop - rows.start) for part in turns]
     angle = motion.crank_angle[rows]
     ideal_angle = motion.reducer.member.gear_angle(angle)
     path, velocity = (
@@ -75,7 +78,7 @@ def _fluctuation(motion: Series) -> Fluctuation:
         for point_motion in (motion.q_position, motion.q_velocity)
     )
     return Fluctuation(
-        gear_speed_rad_s=compute_level(motion.gear_speed.error, parts),
-        q_path_um=compute_level(1e6 * path, turns_in_rows),
-        q_velocity_mm_s=compute_level(1e3 * velocity, turns_in_rows),
+        gear_speed_rad_s=compute_level(motion.gear_speed.error, turns),
+        q_path_um=compute_level(1e6 * path, turns_in_selection),
+        q_velocity_mm_s=compute_level(1e3 * velocity, turns_in_selection),
     )

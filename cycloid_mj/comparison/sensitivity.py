@@ -58,8 +58,8 @@ class Sensitivity:
 def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
     """Compute how each dynamic figure of loaded runs changes with each assumption of the contact model.
 
-    `varied_trials` has for each assumption the same runs as `reference`, in the same order, with that assumption
-    changed.
+    `varied_trials` has, for each assumption, the same runs as `reference` in the same order, with that assumption
+    changed. Figures without a value in the reference run are left out, as are changes to a run without a value.
     """
     return [
         Sensitivity(
@@ -81,7 +81,11 @@ def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, 
 
 
 def sensitivity_table(sensitivities: Sequence[Sensitivity], condition: str) -> Table:
-    """Return a table of the change of each figure with each assumption, one column per design, or "not determined"."""
+    """Return a table of the change of each figure with each assumption: one row per figure, one column per design.
+
+    Changes are relative [%], or in points for figures in %; "not determined" where `Sensitivity.is_determined` is
+    False. `condition` is part of the title. If a design has several loads, its column has those of the last one.
+    """
     assumptions = " and ".join(item.words for item in ASSUMPTIONS)
     designs = list(dict.fromkeys(item.design for item in sensitivities))
     rows = []

@@ -73,24 +73,25 @@ class StartSpread:
 
 
 def compare_order(spread: StartSpread, other: StartSpread) -> int:
-    """Return which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
+    """Return which of two positive quantities is larger: 1 the first, -1 the other, 0 if they cannot be ranked.
 
-    They differ where all starts of one exceed all of the other by more than `ORDER_MARGIN`.
+    One is larger if each of its starts exceeds all starts of the other by more than the factor `ORDER_MARGIN`.
     """
     if spread.low > ORDER_MARGIN * other.high:
         return 1
     return -1 if other.low > ORDER_MARGIN * spread.high else 0
 
 
-def start_variant(reducer: Reducer, number: int, count: int = STARTS) -> Design:
-    """Return the design of one of `count` independent starts, by rotating gravity; number 0 is the design itself.
+def start_variant(reducer: Reducer, index: int, count: int = STARTS) -> Design:
+    """Return the design of one of `count` independent starts, by rotating gravity; index 0 is the design itself.
 
     Gravity is rotated by a whole number of tooth pitches, which is equivalent to another initial crank angle at the
     same phase of the mesh. If the ring has fewer teeth than `count`, gravity is rotated by equal parts of a turn.
+    Without gravity in the plane of the discs, all starts are equal.
     """
     design = reducer.design
     teeth, environment = design.ring.teeth, design.environment
-    rotation = 2 * math.pi * round(teeth * number / count) / teeth if teeth >= count else 2 * math.pi * number / count
+    rotation = 2 * math.pi * round(teeth * index / count) / teeth if teeth >= count else 2 * math.pi * index / count
     if rotation == 0.0:
         return design
     cos, sin = math.cos(rotation), math.sin(rotation)
@@ -103,7 +104,7 @@ def start_variant(reducer: Reducer, number: int, count: int = STARTS) -> Design:
 
 def independent_starts(reducer: Reducer, count: int = STARTS) -> tuple[Design, ...]:
     """List `count` independent starts of a design; only one where no gravity acts in its plane."""
-    return tuple(dict.fromkeys(start_variant(reducer, number, count) for number in range(count)))
+    return tuple(dict.fromkeys(start_variant(reducer, index, count) for index in range(count)))
 
 
 def gravity_turn(reducer: Reducer) -> float:

@@ -11,11 +11,11 @@ from cycloid_mj.comparison.trial import Trial
 
 
 class ComparedFigure(NamedTuple):
-    """A figure of a run; `of` returns it from the run's measures, None where the run has none."""
+    """A figure of a run; `read` returns it from the run's measures, None where the run has none."""
 
     words: str
     unit: str
-    of: Callable[[Measures], float | None]
+    read: Callable[[Measures], float | None]
 
 
 def _efficiency(measures: Measures) -> float | None:
@@ -91,7 +91,10 @@ COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", 
 
 
 def figure_frame(trials: Iterable[Trial]) -> Frame:
-    """Return a frame of the figures of all runs: one row of `COLUMNS` per figure and run."""
+    """Return a frame of the figures of all runs: one row per figure and trial, with the columns `COLUMNS`.
+
+    Mean, least and largest value are over the independent starts; figures without a value are left out.
+    """
     rows: list[dict[str, Cell]] = [
         {
             "load_nm": trial.load,
@@ -105,7 +108,7 @@ def figure_frame(trials: Iterable[Trial]) -> Frame:
         }
         for trial in trials
         for figure in ROWS
-        if (spread := trial.over_starts(figure.of)) is not None
+        if (spread := trial.over_starts(figure.read)) is not None
     ]
     return make_frame(rows, COLUMNS, {})
 
@@ -113,7 +116,8 @@ def figure_frame(trials: Iterable[Trial]) -> Frame:
 def table(trials: Sequence[Trial]) -> Table:
     """Return a table of the figures under one load: quantity, one column per design, unit.
 
-    A figure of several starts is written as range and mean; a row without any value is omitted.
+    `trials` are those under the load. A figure of several starts is written as range and mean; a row without any value
+    is omitted. The title has the time window of the first trial and the smallest number of starts.
     """
     findings = trials[0].measures.findings
     window, starts = findings.window, min(len(trial.starts) for trial in trials)
@@ -122,7 +126,7 @@ def table(trials: Sequence[Trial]) -> Table:
     note = ", disc and q of disc 1" if any(trial.measures.findings.discs for trial in trials) else ""
     rows = []
     for figure in ROWS:
-        spreads = [trial.over_starts(figure.of) for trial in trials]
+        spreads = [trial.over_starts(figure.read) for trial in trials]
         if any(spread is not None for spread in spreads):
             rows.append((figure.words, *("" if spread is None else _words(spread) for spread in spreads), figure.unit))
     header = ("quantity", *(trial.name for trial in trials), "unit")

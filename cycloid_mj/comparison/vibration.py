@@ -68,7 +68,7 @@ class VibrationLevels:
 def acceleration(motion: Series) -> Acceleration:
     """Compute the accelerations of disc centre and output less their closed form, as differences between samples.
 
-    The centre is that of the disc of the series.
+    The disc is that of the series; n samples have n - 1 accelerations, see `Acceleration`.
     """
     run, reducer = motion.run, motion.reducer
     angle = run["crank_angle"] + reducer.phases[motion.disc]
@@ -83,7 +83,8 @@ def acceleration(motion: Series) -> Acceleration:
 def spectrum(motion: Series) -> Spectrum:
     """Compute the power spectral densities of `acceleration` over full crank turns, by Welch's method.
 
-    Segments have two turns. The loss of high frequencies by the means between samples is corrected.
+    Segments have two turns, or all samples if there are fewer. Accelerations are means between samples, which
+    attenuates high frequencies; this is corrected.
     """
     turns = full_turns(motion)
     window = slice(turns[0].start, turns[-1].stop)
@@ -97,7 +98,10 @@ def spectrum(motion: Series) -> Spectrum:
 
 
 def vibration(motion: Series) -> VibrationLevels:
-    """Compute the rms accelerations of disc centre and output over full crank turns, and by octave bands."""
+    """Compute the rms accelerations of disc centre [m/s^2] and output [rad/s^2] less their closed form.
+
+    They are over full crank turns, in total, of each turn, and by octave bands.
+    """
     accelerations, turns = acceleration(motion), full_turns(motion)
     return VibrationLevels(
         gear_centre_m_s2=compute_level(accelerations.centre, turns),
@@ -113,12 +117,12 @@ def _sample_interval(motion: Series) -> float:
 
 def _octave_bands(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
     """Compute the rms accelerations in the octave bands that lie entirely within the spectrum."""
-    width = spectrum.frequency[1] - spectrum.frequency[0]
+    resolution = spectrum.frequency[1] - spectrum.frequency[0]
     bands = []
     for centre_frequency in OCTAVES:
-        low, high = centre_frequency / np.sqrt(2.0), centre_frequency * np.sqrt(2.0)
-        if low >= width and high <= spectrum.frequency[-1]:
-            in_band = (spectrum.frequency >= low) & (spectrum.frequency < high)
-            centre, output = (np.sqrt(width * part[in_band].sum()) for part in (spectrum.centre, spectrum.output))
+        lower_limit, upper_limit = centre_frequency / np.sqrt(2.0), centre_frequency * np.sqrt(2.0)
+        if lower_limit >= resolution and upper_limit <= spectrum.frequency[-1]:
+            in_band = (spectrum.frequency >= lower_limit) & (spectrum.frequency < upper_limit)
+            centre, output = (np.sqrt(resolution * part[in_band].sum()) for part in (spectrum.centre, spectrum.output))
             bands.append(OctaveBand(float(centre_frequency), float(centre), float(output)))
     return tuple(bands)

@@ -54,15 +54,19 @@ def mesh_period(gear: CycloidGear, count: int) -> Array:
 def peak_pressure(lines: ContactLines, force: float, length: float, modulus: float) -> Array:
     """Compute Hertz's peak pressure (n,) [Pa] of each contact line under a force [N] over a face width `length` [m].
 
-    `modulus` E* [Pa] as in `ideal_loads.contact_modulus`. Hertz's strip must be narrow against both bodies: near the
-    junctions of arc and Sigma, where the relative curvature vanishes, it is not, and the pressure vanishes.
+    `modulus` E* [Pa] as in `ideal_loads.contact_modulus`. Near the junctions of arc and Sigma, where the relative
+    curvature vanishes, the pressure tends to 0: Hertz's assumption of a strip that is narrow against both bodies does
+    not hold there.
     """
     curvature = np.maximum(lines.relative_curvature, np.finfo(float).tiny)
     return hertz_line_contact(force, length, curvature, modulus).peak_pressure
 
 
 def _contact_lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLines]:
-    """Return the contact lines of a gear and its ring at one crank angle [rad]: of pins, or of arcs and of Sigma."""
+    """Return the contact lines of a gear and its ring at one crank angle [rad], counter-clockwise.
+
+    The list has one entry for ring pins; for an internal gear it has the lines on arcs, then those on Sigma.
+    """
     arcs = envelope.arc_contacts(gear, crank_angle)
     if kind == "pin":
         return [_collect_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "pin"))]

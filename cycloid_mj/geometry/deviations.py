@@ -62,28 +62,37 @@ class Deviations:
 
 
 def deviations(design: Design) -> Deviations:
-    """Compute the manufacturing errors of a design's parts: those listed or drawn at random, plus those measured.
+    """Compute the manufacturing errors of a design's parts.
 
-    The random ones follow from the design's seed: equal designs have equal errors.
+    Each kind of error is listed in the design, or else drawn from a normal distribution with the design's standard
+    deviation and seed: equal designs have equal errors. Measured errors are added.
 
     Raises
     ------
     DesignError
         A profile is measured, but that of the drawing is undercut.
     """
-    errors, pins, holes = design.errors, design.ring.teeth, design.output.pins
-    pin, radius, hole, cam = errors.pin_position, errors.pin_radius, errors.hole_position, errors.cam_position
+    errors, pin_count, hole_count = design.errors, design.ring.teeth, design.output.pins
+    # standard deviations [m]
+    pin_deviation, radius_deviation, hole_deviation, cam_deviation = (
+        errors.pin_position,
+        errors.pin_radius,
+        errors.hole_position,
+        errors.cam_position,
+    )
     measured_parts = measured_deviations(design)
-    listed_waves = np.stack([_each(design, name, 0.0, pins) for name in ("profile_cos", "profile_sin")], axis=1)
-    waves = np.pad(listed_waves, ((0, max(0, len(measured_parts.waves) - pins)), (0, 0)))
+    listed_waves = np.stack([_each(design, name, 0.0, pin_count) for name in ("profile_cos", "profile_sin")], axis=1)
+    waves = np.pad(listed_waves, ((0, max(0, len(measured_parts.waves) - pin_count)), (0, 0)))
     waves[: len(measured_parts.waves)] += measured_parts.waves
     return Deviations(
-        pin_place=np.stack([_each(design, axis, pin, pins) for axis in ("pin_x", "pin_y")], axis=1)
+        pin_place=np.stack([_each(design, axis, pin_deviation, pin_count) for axis in ("pin_x", "pin_y")], axis=1)
         + measured_parts.pin_place,
-        pin_radius=_each(design, "pin_dr", radius, pins) + measured_parts.pin_radius,
-        hole_place=np.stack([_of_discs(design, axis, hole, holes) for axis in ("hole_x", "hole_y")], axis=2),
+        pin_radius=_each(design, "pin_dr", radius_deviation, pin_count) + measured_parts.pin_radius,
+        hole_place=np.stack(
+            [_of_discs(design, axis, hole_deviation, hole_count) for axis in ("hole_x", "hole_y")], axis=2
+        ),
         disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0] + measured_parts.disc_radius,
-        cam_place=np.stack([_of_discs(design, axis, cam, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1),
+        cam_place=np.stack([_of_discs(design, axis, cam_deviation, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1),
         eccentricity=errors.eccentricity,
         waves=waves,
     )
@@ -92,10 +101,10 @@ def deviations(design: Design) -> Deviations:
 def profile_error(waves: Array, t: Array) -> Array:
     """Compute how far the flanks are set back inwards [m], at parameters t [rad] of the gear's trochoid, in t's shape.
 
-    It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ... with the `waves` (orders, 2), (a_k, b_k)
-    [m]: cycles per turn of the gear, as measuring machines report profile errors. The trochoid is set back along its
-    normals, and the flanks are its parallel, as ground by a wheel of the pin's radius. Statics evaluates it at the foot
-    of the ideal profile, to first order.
+    It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the rows (a_k, b_k) [m] of `waves`
+    (orders, 2). k is in cycles per turn of the gear, as measuring machines report profile errors. The trochoid is set
+    back along its normals, and the flanks are its parallel, as ground by a wheel of the pin's radius. Statics evaluates
+    it at the foot point of the ideal profile, to first order.
     """
     error = np.zeros(np.shape(t))
     for index in np.flatnonzero(np.any(waves != 0.0, axis=1)):

@@ -90,7 +90,8 @@ class Sigma:
     def points(self) -> Array:
         """Points (..., 2) [m] of the flank: c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l).
 
-        They are on the common normal through the pitch point.
+        They are on the common normal through the pitch point. `crank` is `crank_angle_cw`, psi is `normal_angle`; other
+        symbols as in the module.
         """
         N, c, _, rho = self.gear.symbols
         h = ((N - 1) * _K(self.gear) + self._l**2) / (N * self._l)
@@ -146,10 +147,11 @@ class Sigma:
 
 
 def tightest_radius(gear: CycloidGear) -> float:
-    """Compute the smallest concave radius of curvature of the ring [m].
+    """Compute the smallest concave radius of curvature of the ring [m]; symbols as in the module.
 
-    With y = l^2/K, the radius is stationary at the one root above 1 of (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3 (N-1)(N+2)
-    y + (N-1)(N-2); Sigma ends at y = (E + c N)/(E - c N).
+    With y = l^2/K, the radius is stationary at the only root above 1 of (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3
+    (N-1)(N+2) y + (N-1)(N-2). It is the smallest there, or where Sigma ends if that comes first, at y = (E + c N)/(E -
+    c N).
     """
     N, c, E, _ = gear.symbols
     cubic = [(N + 1) * (N + 2), -3 * (N + 1) * (N - 2), -3 * (N - 1) * (N + 2), (N - 1) * (N - 2)]
@@ -215,7 +217,13 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
 def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline:
     """Compute few points of the ring whose chords deviate by at most `chord_error` [m]; all lobes have the same.
 
-    The junctions are among the points, so that each chord spans an arc or a Sigma only.
+    The junctions are among the points, so that each chord spans an arc or a Sigma only. The order is as in
+    `sample_ring`.
+
+    Raises
+    ------
+    DesignError
+        The gear is undercut, or `chord_error` is below 1e-12 m.
     """
     B, alpha, rho = sigma_nodes(gear, chord_error), largest_alpha(gear), gear.pin_radius
     chords = max(1, math.ceil(alpha / (2 * math.acos(max(0.0, 1 - chord_error / rho)))))
@@ -229,12 +237,14 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
 
 
 def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
-    """Compute phases B [rad] from the junction to the middle of the root, whose chords deviate by `chord_error` [m].
+    """Compute phases B (n,) [rad] from the junction to the middle of the root, whose chords deviate equally from Sigma.
+
+    The deviation is at most `chord_error` [m].
 
     Raises
     ------
     DesignError
-        The gear is undercut.
+        The gear is undercut, or `chord_error` is below 1e-12 m.
     """
     require_envelope(gear)
     flank = SmoothArc(
@@ -269,12 +279,18 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
     """Compute the contacts of the gear with Sigma at a counter-clockwise `crank_angle` [rad], in order of lobes.
 
     Solves N/(N-1) B + A(B) + psi_1 = 0 modulo 2 pi, that is `Sigma.crank_angle_cw` = -crank_angle less the lobe's
-    angle, on each stretch of B where that is monotone: one from B0 to 2 pi - B0 if c N / E <= (N-2)/N, else three.
+    angle, on each interval of B where that is monotone: one from B0 to 2 pi - B0 if c N / E <= (N-2)/N, else three.
+    A lobe may have no contact or several.
+
+    Raises
+    ------
+    DesignError
+        The gear is undercut.
     """
     require_envelope(gear)
     zeta = profile.pin_angles(gear)
     contacts = []
-    for low, high in _monotone_stretches(gear):
+    for low, high in _monotone_intervals(gear):
         ends = Sigma(gear, [low, high]).crank_angle_cw
         contact_phase = ends.min() + np.mod(-crank_angle - zeta - ends.min(), 2 * np.pi)
         lobe = np.flatnonzero(contact_phase < ends.max())
@@ -303,10 +319,10 @@ def _K(gear: CycloidGear) -> float:
     return E**2 - (c * N) ** 2
 
 
-def _monotone_stretches(gear: CycloidGear) -> list[tuple[float, float]]:
-    """Return the stretches of B between B0 and 2 pi - B0 in which the crank angle is monotone.
+def _monotone_intervals(gear: CycloidGear) -> list[tuple[float, float]]:
+    """Return the intervals of B [rad] between B0 and 2 pi - B0 in which `Sigma.crank_angle_cw` is monotone.
 
-    They end where l^2 = (N-1) K.
+    There are one or three; they end where l^2 = (N-1) K.
     """
     N, c, E, _ = gear.symbols
     B0 = gear.best_phase
@@ -324,27 +340,30 @@ def _rotate(points: Array, angle: Array) -> Array:
 
 
 def _ring_points(gear: CycloidGear, lobe: Integers, arc_lengths: Array) -> RingOutline:
-    """Compute points of the ring at arc lengths [m], positive clockwise, from the tips of lobes (0 on +y)."""
+    """Compute points of the ring at arc lengths (n,) [m] from the tips of lobes, clockwise positive, up to half a lobe.
+
+    `lobe` (n,) are the indices of the lobes, 0 on +y, clockwise.
+    """
     rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
     distance, side = np.abs(arc_lengths), np.where(arc_lengths < 0, -1.0, 1.0)
     # Lobes are alike: each distance is solved once.
-    unique_distances, row = np.unique(distance, return_inverse=True)
+    unique_distances, unique_index = np.unique(distance, return_inverse=True)
     B = profile.solve_monotone(
         lambda B: Sigma(gear, B).arc_length,
         lambda B: Sigma(gear, B).arc_rate,
         unique_distances - arc_half,
         gear.best_phase,
         np.pi,
-    )[row]
+    )[unique_index]
     alpha = np.minimum(distance / rho, largest_alpha(gear))
     is_on_arc = distance <= arc_half
     flank = Sigma(gear, B)
-    next_points = np.where(is_on_arc[:, np.newaxis], arc_points(gear, alpha), flank.points * [-1, 1])
-    angle = np.where(is_on_arc, -alpha, -flank.normal_angle)
+    half_lobe_points = np.where(is_on_arc[:, np.newaxis], arc_points(gear, alpha), flank.points * [-1, 1])
+    half_lobe_angle = np.where(is_on_arc, -alpha, -flank.normal_angle)
     zeta = 2 * np.pi * lobe / gear.ring_teeth
     return RingOutline(
-        normals=-unit(zeta + side * angle),
-        points=_rotate(next_points * np.stack([side, np.ones_like(side)], axis=1), zeta),
+        normals=-unit(zeta + side * half_lobe_angle),
+        points=_rotate(half_lobe_points * np.stack([side, np.ones_like(side)], axis=1), zeta),
         curvature=np.where(is_on_arc, 1 / rho, -1 / flank.radius),
         part=np.where(is_on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
         arc_length=perimeter(gear) / gear.ring_teeth * lobe + arc_lengths,

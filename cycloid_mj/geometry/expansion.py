@@ -44,49 +44,49 @@ def warm_clearances(design: Design) -> dict[str, float]:
     output c_o + (r + c_o - c) s_disc - b s_output.
     """
     ring, gear, output, clearance = design.ring, design.gear, design.output, design.clearance
-    pin = strain(design, "pin") if ring.kind == "pin" else 0.0
-    disc, crank, carrier = (strain(design, part) for part in ("gear", "shaft", "output"))
-    mesh = getattr(clearance, design.tooth_pair)
-    flank = ring.pin_radius + mesh + design.modification.equidistant
+    pin_strain = strain(design, "pin") if ring.kind == "pin" else 0.0
+    disc_strain, crank_strain, carrier_strain = (strain(design, part) for part in ("gear", "shaft", "output"))
+    mesh_clearance = getattr(clearance, design.tooth_pair)
+    flank_radius = ring.pin_radius + mesh_clearance + design.modification.equidistant
     warm = {
-        design.tooth_pair: mesh + flank * disc - ring.pin_radius * pin,
-        "cam": clearance.cam + (gear.bore_radius + clearance.cam) * disc - gear.bore_radius * crank,
+        design.tooth_pair: mesh_clearance + flank_radius * disc_strain - ring.pin_radius * pin_strain,
+        "cam": clearance.cam + (gear.bore_radius + clearance.cam) * disc_strain - gear.bore_radius * crank_strain,
         "output": clearance.output
-        + (output.hole_radius + clearance.output - gear.eccentricity) * disc
-        - output.pin_radius * carrier,
+        + (output.hole_radius + clearance.output - gear.eccentricity) * disc_strain
+        - output.pin_radius * carrier_strain,
     }
     if ring.has_sockets:
-        warm["pin_socket"] = clearance.pin_socket - ring.pin_radius * pin
+        warm["pin_socket"] = clearance.pin_socket - ring.pin_radius * pin_strain
     return warm
 
 
 def expand(design: Design) -> Design:
     """Return the design as it is at the temperatures of ``[thermal]``: with changed clearances and materials.
 
-    Without temperatures other than 20 °C the design itself is returned.
+    A design at the reference temperature, 20 °C, is returned itself.
 
     Raises
     ------
     DesignError
-        A clearance is lost: the parts jam.
+        A clearance is lost: the parts jam. Or a profile is measured, but that of the drawing is undercut.
     """
     if design.thermal.is_reference:
         return design
     warm = warm_clearances(design)
-    tightest = min(warm, key=warm.__getitem__)
-    if warm[tightest] <= 0.0:
-        raise DesignError(_describe_jam(design, tightest, warm[tightest]))
+    tightest_pair = min(warm, key=warm.__getitem__)
+    if warm[tightest_pair] <= 0.0:
+        raise DesignError(_describe_jam(design, tightest_pair, warm[tightest_pair]))
     ring, gear, output = design.ring, design.gear, design.output
-    disc, crank = strain(design, "gear"), strain(design, "shaft")
-    generating = (ring.pin_circle_radius + design.modification.pin_circle) * (1.0 + disc)
+    disc_strain, crank_strain = strain(design, "gear"), strain(design, "shaft")
+    generating_radius = (ring.pin_circle_radius + design.modification.pin_circle) * (1.0 + disc_strain)
     return design.but(
         clearance=warm,
-        modification={"pin_circle": generating - ring.pin_circle_radius},
-        gear={"eccentricity": gear.eccentricity * (1.0 + disc)},
-        output={"hole_radius": output.hole_radius + gear.eccentricity * disc},
+        modification={"pin_circle": generating_radius - ring.pin_circle_radius},
+        gear={"eccentricity": gear.eccentricity * (1.0 + disc_strain)},
+        output={"hole_radius": output.hole_radius + gear.eccentricity * disc_strain},
         errors={
-            "eccentricity": design.errors.eccentricity + gear.eccentricity * (crank - disc),
-            **_shift_holes(design, output.pin_circle_radius * (disc - strain(design, "output"))),
+            "eccentricity": design.errors.eccentricity + gear.eccentricity * (crank_strain - disc_strain),
+            **_shift_holes(design, output.pin_circle_radius * (disc_strain - strain(design, "output"))),
         },
         thermal={"applied": True},
         **{f"{part}_material": warm_material(design, part).model_dump() for part in PARTS},
@@ -96,7 +96,8 @@ def expand(design: Design) -> Design:
 def warm_material(design: Design, part: str) -> Material:
     """Return the material of a part of `design.PARTS` with modulus and strengths at its temperature.
 
-    Expansion, density and Poisson's ratio remain those at 20 °C, as do all values of an unnamed plastic.
+    They are interpolated linearly between the temperatures of the material's table. Expansion, density and Poisson's
+    ratio remain those at 20 °C, as do all values of a material without a table, such as an unnamed plastic.
     """
     import numpy as np
 
@@ -107,14 +108,17 @@ def warm_material(design: Design, part: str) -> Material:
     modulus, strength = (
         float(np.interp(temperature, curve.temperatures, values)) for values in (curve.modulus, curve.strength)
     )
-    softer = {"youngs_modulus": modulus * material.youngs_modulus}
+    warm_values = {"youngs_modulus": modulus * material.youngs_modulus}
     for name in ("tensile_strength", "yield_strength", "surface_yield", "endurance_pressure"):
-        softer[name] = strength * getattr(material, name)
-    return material.model_copy(update=softer)
+        warm_values[name] = strength * getattr(material, name)
+    return material.model_copy(update=warm_values)
 
 
 def _shift_holes(design: Design, expansion: float) -> Mapping[str, tuple[float, ...]]:
-    """Return the hole positions x and y [m] as in ``[errors]``, with all holes moved outwards by an expansion [m]."""
+    """Return the position errors x and y of the holes [m] as in ``[errors]``, with all holes moved outwards.
+
+    `expansion` [m] is that of the circle of holes relative to that of the output pins; if it is 0, nothing is returned.
+    """
     if expansion == 0.0:
         return {}
     import numpy as np
@@ -143,19 +147,21 @@ def _describe_jam(design: Design, pair: str, clearance: float) -> str:
 def jam_difference(design: Design) -> float:
     """Compute how much warmer than its ring a disc may be until the teeth lose their clearance [K]; inf if never.
 
-    dT = play/(alpha (E - rho)): the flanks at the valleys expand towards the pins, which recede by their play in the
-    sockets. Errors of the parts are not included.
+    It is play/(alpha (E - rho)), with the expansion alpha [1/K] of the disc, the pin circle radius E and the pin radius
+    rho: the flanks at the valleys expand towards the pins, which recede by their play in the sockets. Errors of the
+    parts are not included.
     """
     ring, alpha = design.ring, design.material_of("gear").expansion
     play = getattr(design.clearance, design.tooth_pair) + design.modification.equidistant + design.pin_play
-    closing = alpha * (ring.pin_circle_radius - ring.pin_radius)
-    return play / closing if closing else math.inf
+    closing_rate = alpha * (ring.pin_circle_radius - ring.pin_radius)
+    return play / closing_rate if closing_rate else math.inf
 
 
 def tooth_play(design: Design) -> float:
     """Compute the radial play [m] between disc and ring at the temperatures of ``[thermal]``; negative if they jam.
 
-    At equal temperatures and materials it is the play of `jam_difference`.
+    It includes the play of pins in their sockets. At equal temperatures and materials it is the play of
+    `jam_difference`.
     """
     ring, clearance = design.ring, warm_clearances(design)
     play = clearance[design.tooth_pair] + design.modification.equidistant

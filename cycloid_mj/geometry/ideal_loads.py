@@ -55,9 +55,10 @@ class HertzContact:
 
 
 def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
-    """Share a torque among equally stiff contacts: F_i = -T l_i / sum l^2 [N] (..., n), 0 for those that cannot push.
+    """Share a torque among equally stiff contacts, and return their forces (..., n) [N], 0 for those that cannot push.
 
-    `arms` (..., n) [m] as in `LoadSharing`, `torque` (...) [N m], counter-clockwise on the gear.
+    F_i = -T l_i / sum l^2 with the torque T (...) [N m], counter-clockwise on the gear, and the `arms` l (..., n) [m],
+    as in `LoadSharing`; the sum is over the loaded contacts.
     """
     arms, torque = np.asarray(arms, float), np.asarray(torque, float)[..., np.newaxis]
     relative_force = -torque * arms
@@ -71,9 +72,8 @@ def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
 def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: npt.ArrayLike) -> LoadSharing:
     """Share a torque on the gear among the N pins, and compute the reaction of the eccentric.
 
-    Pins are in the order of `profile.pin_angles`.
-
-    `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...).
+    `torque` [N m] and `crank_angle` [rad], both counter-clockwise, broadcast to the shape (...). The pins are in the
+    order of `profile.pin_angles`; arms and forces have shape (..., N).
     """
     torque, theta = np.broadcast_arrays(torque, crank_angle)
     zeta = profile.pin_angles(gear)
@@ -105,10 +105,18 @@ def ideal_output_forces(
 ) -> Array:
     """Share a torque on the gear among the output pins; return their forces (..., pins) [N] along the eccentric.
 
-    A pin lies in its hole at -c along the eccentric, so all push the same way, with the arm r sin(angle from the
-    eccentric to the hole) about the gear centre. `pins` on `pin_circle_radius` r [m], the first on +y at crank angle 0,
-    clockwise; `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...). The eccentric is
-    ahead of the crank by its `phase` [rad].
+    A pin lies in its hole at -c along the eccentric, so all push in the same direction, with the arm r sin(angle from
+    the eccentric to the hole) about the gear centre.
+
+    Parameters
+    ----------
+    gear, pins, pin_circle_radius
+        The mesh, the number of output pins and the radius r of their circle [m]; the first pin is on +y at crank angle
+        0, the others follow clockwise.
+    torque, crank_angle
+        Torque [N m] and crank angle [rad], counter-clockwise; they broadcast to the shape (...).
+    phase
+        Angle by which the disc's eccentric is ahead of the crank [rad].
     """
     torque, theta = np.broadcast_arrays(torque, crank_angle)
     pin_angle = theta * gear.ring_teeth / gear.lobes + phase
@@ -122,8 +130,16 @@ def cam_force(
 ) -> Array:
     """Compute the force of the cam on the gear (..., 2) [N] that balances ring, output pins and the gear's own forces.
 
-    `ring` as shared at `crank_angle` [rad] (...), `output_forces` [N] (..., pins) of `ideal_output_forces`, and
-    `body_force` [N] (..., 2) on the gear's centre: its weight and, turned round, its mass times acceleration.
+    Parameters
+    ----------
+    ring
+        Loads of the ring at `crank_angle`, with arrays of shape (...), as of `ideal_load_sharing`.
+    output_forces
+        Forces of `ideal_output_forces` [N], shape (..., pins).
+    crank_angle
+        Crank angle [rad], counter-clockwise, shape (...).
+    body_force
+        Force on the gear's centre [N], shape (..., 2): its weight less its mass times its acceleration.
     """
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)
     radial = ring.eccentric_radial + np.asarray(output_forces, float).sum(axis=-1)
@@ -209,24 +225,34 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
     """Compute the secant stiffness [N/m] of a plain bearing: a shaft in a bore of nearly its own radius R.
 
     The bore is an elastic bed as thick as the radius (assumed; Winkler's foundation, Johnson 1985, section 4.3): its
-    pressure is E*/R times its depth. A shaft that is displaced by x = `play` + d is x cos(theta) - play deep up to the
-    angle theta_0 = acos(play/x), so F = E* L [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0], independent
-    of R. The stiffness is F/d, at most pi/2 E* L. `force` F > 0 [N], `length` L [m], `modulus` E* [Pa], `play` [m].
+    pressure is E*/R times its depth. The depth at the angle theta from the load is x cos(theta) - play, for a shaft
+    displaced by x = `play` + d, up to theta_0 = acos(play/x). So the force is F = E* L [x (theta_0 + sin theta_0 cos
+    theta_0) - 2 play sin theta_0], independent of R, and the stiffness F/d is at most pi/2 E* L.
+
+    Parameters
+    ----------
+    force
+        F > 0 [N].
+    length, modulus
+        Length L of the bearing [m], and modulus E* of `contact_modulus` [Pa].
+    play
+        Radial clearance, at least 0 [m].
     """
     from scipy.optimize import brentq
 
     bed = modulus * length
 
-    def surplus(depth: float) -> float:
+    def excess_force(depth: float) -> float:
         x = play + depth
-        end = math.acos(play / x)
-        return bed * (x * (end + math.sin(end) * math.cos(end)) - 2 * play * math.sin(end)) - force
+        half_angle = math.acos(play / x)
+        sine, cosine = math.sin(half_angle), math.cos(half_angle)
+        return bed * (x * (half_angle + sine * cosine) - 2 * play * sine) - force
 
     # The bed is at least as stiff as the last bracket's end: the force grows without bound.
     max_deflection = 2 * force / (math.pi * bed)
-    while surplus(max_deflection) < 0:
+    while excess_force(max_deflection) < 0:
         max_deflection *= 2
-    return float(force / brentq(surplus, max_deflection * 1e-9, max_deflection, xtol=1e-18, rtol=1e-12))
+    return float(force / brentq(excess_force, max_deflection * 1e-9, max_deflection, xtol=1e-18, rtol=1e-12))
 
 
 def _balance_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:

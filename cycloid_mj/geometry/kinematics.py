@@ -93,7 +93,8 @@ def gear_centre_acceleration(
 ) -> Array:
     """Compute the acceleration of the gear's centre (..., 2) [m/s^2] (Hsieh 2014, Eq. 14 corrected).
 
-    c omega_i^2 towards the axis, and c domega_i/dt along the tangent.
+    c omega_i^2 towards the axis, and c domega_i/dt along the tangent. Crank angle [rad], speed omega_i [rad/s] and
+    acceleration [rad/s^2] are counter-clockwise and broadcast to the shape (...).
     """
     centripetal = -(_column(crank_speed) ** 2) * _radial(crank_angle)
     tangential = _column(crank_acceleration) * _tangential(crank_angle)
@@ -108,11 +109,22 @@ def point_path(
     crank_acceleration: npt.ArrayLike = 0.0,
     turning: bool = True,
 ) -> PointPath:
-    """Compute position, velocity and acceleration of a point q = (q_x, q_y) [m] of the gear (Eqs 16, 17, 19 corrected).
+    """Compute the motion of a point of the gear: position, velocity and acceleration (Eqs 16, 17, 19 corrected).
 
-    A gear that is not `turning`, as its carrier is fixed, has all its points on circles of the radius c. The origin is
-    that of Eq. 16, the *initial* gear centre: add (0, c) for positions from the reducer's axis. `crank_angle` [rad],
-    `crank_speed` [rad/s] and `crank_acceleration` [rad/s^2] broadcast to the shape (...).
+    Parameters
+    ----------
+    gear, q
+        The mesh, and the point (q_x, q_y) in the gear's frame [m].
+    crank_angle, crank_speed, crank_acceleration
+        Motion of the crank [rad], [rad/s], [rad/s^2], counter-clockwise; they broadcast to the shape (...).
+    turning
+        Whether the gear rotates. If not, as its carrier is fixed, all its points move on circles of the radius c.
+
+    Returns
+    -------
+    PointPath
+        Vectors of shape (..., 2). The origin is that of Eq. 16, the *initial* gear centre: add (0, c) for positions
+        from the reducer's axis.
     """
     theta, speed, acceleration = np.broadcast_arrays(crank_angle, crank_speed, crank_acceleration)
     if not turning:
@@ -137,10 +149,10 @@ def point_path(
 
 
 def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
-    """Compute position [m] and velocity [m/s] of a point q = (q_x, q_y) [m] of a body, in its frame, each (n, 2).
+    """Compute position [m] and velocity [m/s] of a point of a body, each (n, 2): p + R q and dp/dt + w x R q.
 
-    r = p + R q and v = dp/dt + w x R q of a body at `pose` (x, y [m], turn [rad]) in `motion` (their rates), each (n,
-    3).
+    `q` = (q_x, q_y) [m] is the point in the body's frame. `pose` (n, 3) has x, y [m] and the counter-clockwise rotation
+    [rad] of the body, `motion` (n, 3) their rates [m/s], [rad/s].
     """
     (q_x, q_y), cos, sin = np.asarray(q, float), np.cos(pose[:, 2]), np.sin(pose[:, 2])
     x, y, spin = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
@@ -164,9 +176,9 @@ def point_acceleration(
 ) -> Array:
     """Compute the magnitude of the acceleration (...) [m/s^2] of a point q of the gear (Eq. 20 corrected).
 
-    With r the position by zeta: |r'' (dzeta/dt)^2 + r' d2zeta/dt2|, where |r''|^2 = c^2 (N-1)^4 + q^2 + 2 c (N-1)^2
-    (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and r' . r'' = c N (N-1) (q_x cos N zeta + q_y sin N
-    zeta).
+    With derivatives r', r'' of the position by zeta: |r'' (dzeta/dt)^2 + r' d2zeta/dt2|, where |r''|^2 = c^2 (N-1)^4 +
+    q^2 + 2 c (N-1)^2 (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and r' . r'' = c N (N-1) (q_x cos N
+    zeta + q_y sin N zeta). Parameters as in `point_path`.
     """
     N, c = gear.ring_teeth, gear.eccentricity
     q_x, q_y = np.asarray(q, float)

@@ -28,6 +28,7 @@ class ProfileFitSettings:
     tail: float = 1e-9  # rms of the highest orders that are left out [m]: a tenth of what a machine resolves
     samples_per_lobe: int = 400  # samples of the drawing: by linear interpolation, angles are exact to 1e-6 of a lobe
     steps: int = 30  # Gauss-Newton steps of the alignment; it needs about 5
+    foot_point_steps: int = 4  # Newton steps to a foot point: quadratic convergence from a 400th of a lobe
     step_size: float = 1e-12  # change at which the alignment ends [m]
 
 
@@ -104,9 +105,12 @@ class MeasuredDeviations:
 
 
 def measurement_notes(design: Design) -> tuple[str, ...]:
-    """Describe the measured gear and pins of a design, a sentence each; empty if nothing is measured.
+    """Describe the measured gear and pins of a design, one sentence for each; empty if nothing is measured.
 
-    Errors are those of `measured_profile`.
+    Raises
+    ------
+    DesignError
+        The profile of the drawing is undercut.
     """
     gear, measured_files = measured_profile(design), design.measured
     pins = f"{len(measured_files.pins_radial)} pins" if measured_files.pins_radial else ""
@@ -124,7 +128,13 @@ def part_notes(design: Design) -> tuple[str, ...]:
 
 
 def measured_deviations(design: Design) -> MeasuredDeviations:
-    """Compute the deviations of a design's parts that are measured; 0 for others. Errors as in `measured_profile`."""
+    """Compute the deviations of a design's parts that are measured; 0 for others.
+
+    Raises
+    ------
+    DesignError
+        The gear is measured, but the profile of the drawing is undercut.
+    """
     measured_files, teeth = design.measured, design.ring.teeth
     position, radius = np.zeros((teeth, 2)), np.zeros(teeth)
     if measured_files.pins_radial:
@@ -152,7 +162,13 @@ def measured_profile(design: Design) -> MeasuredProfile | None:
 
 @lru_cache(maxsize=8)
 def _fit_profile(measured_files: Measured, gear: CycloidGear, offset: float) -> MeasuredProfile:
-    """Fit mean and waves to a measured profile whose nominal shape is the parallel of a trochoid at an `offset` [m]."""
+    """Fit mean and waves to a measured profile whose nominal shape is the parallel of a trochoid at an `offset` [m].
+
+    Raises
+    ------
+    DesignError
+        That parallel is undercut.
+    """
     profile.require_no_undercut(gear, offset)
     if measured_files.gear_x:
         points = np.stack([measured_files.gear_x, measured_files.gear_y], axis=1)
@@ -164,9 +180,10 @@ def _fit_profile(measured_files: Measured, gear: CycloidGear, offset: float) -> 
 
 
 def parameters_at(gear: CycloidGear, offset: float, angles: Array) -> Array:
-    """Compute the trochoid parameters t [rad] of the points of an outline at polar angles [rad], clockwise from +y.
+    """Compute the trochoid parameters t (n,) [rad] of an outline at polar angles (n,) [rad], clockwise from +y.
 
-    The polar angle is a monotone function of t; it is inverted by linear interpolation.
+    The outline is the parallel of the trochoid at the `offset` [m]. Its polar angle is a monotone function of t, which
+    is inverted by linear interpolation.
     """
     t = np.linspace(0.0, 2.0 * np.pi, FIT.samples_per_lobe * gear.lobes + 1)
     x, y = profile.outline(gear, t, offset).T
@@ -177,9 +194,13 @@ def parameters_at(gear: CycloidGear, offset: float, angles: Array) -> Array:
 def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array, Alignment]:
     """Align measured points (n, 2) [m] with an outline by least squares, in position and rotation.
 
-    Returns parameters t (n,) [rad] of their foot points, deviations (n,) [m] along the outward normals, and the
-    alignment. The deviations from their mean are minimised by Gauss-Newton steps with new foot points in each. The
-    rotation is at most half a pitch, as lobes are alike.
+    The outline is the parallel of the trochoid at the `offset` [m]. The deviations from their mean are minimised by
+    Gauss-Newton steps, with new foot points in each. The rotation is at most half a pitch, as lobes are identical.
+
+    Returns
+    -------
+    tuple
+        Parameters t (n,) [rad] of the foot points, deviations (n,) [m] along the outward normals, and the alignment.
     """
     from scipy.linalg import lstsq
     from scipy.spatial import cKDTree
@@ -188,17 +209,17 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
     nearest = cKDTree(profile.outline(gear, t, offset))
     centre, rotation = _initial_alignment(gear, points)
     for _ in range(FIT.steps):
-        local = _rotate(points - centre, rotation)
-        foot = _foot_points(gear, offset, local, t[nearest.query(local)[1]])
+        local_points = _rotate(points - centre, rotation)
+        foot = _foot_points(gear, offset, local_points, t[nearest.query(local_points)[1]])
         normals, foot_points = profile.normals(gear, foot), profile.outline(gear, foot, offset)
-        deviation = np.sum((local - foot_points) * normals, axis=1)
+        deviation = np.sum((local_points - foot_points) * normals, axis=1)
         # a counter-clockwise rotation of the points moves them by (-y, x)
-        lever = np.sum(np.stack([-local[:, 1], local[:, 0]], axis=1) * normals, axis=1)
+        rotation_arm = np.sum(np.stack([-local_points[:, 1], local_points[:, 0]], axis=1) * normals, axis=1)
         radius_scale = gear.pin_circle_radius
-        slopes = np.column_stack([-_rotate(normals, -rotation), lever / radius_scale, np.ones(len(points))])
-        step = lstsq(slopes, -deviation)[0]
-        centre, rotation = centre + step[:2], rotation + step[2] / radius_scale
-        if np.abs(step[:3]).max() < FIT.step_size:
+        jacobian = np.column_stack([-_rotate(normals, -rotation), rotation_arm / radius_scale, np.ones(len(points))])
+        correction = lstsq(jacobian, -deviation)[0]
+        centre, rotation = centre + correction[:2], rotation + correction[2] / radius_scale
+        if np.abs(correction[:3]).max() < FIT.step_size:
             break
     return foot, deviation, Alignment(float(centre[0]), float(centre[1]), float(rotation))
 
@@ -206,10 +227,10 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
 def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment | None) -> MeasuredProfile:
     """Fit a mean and waves to outward deviations (n,) [m] at parameters t (n,) [rad], by weighted least squares.
 
-    A point's weight is the length of t that is nearest to it, because contacts pass t evenly. The highest order is at
-    most that which the largest gap between the points determines: less than pi over the gap (Gröchenig 1992,
-    "Reconstruction algorithms in irregular sampling"). Highest orders with an rms below `ProfileFitSettings.tail` are
-    left out.
+    A point's weight is the length of t that is nearest to it, because contacts pass t evenly. The highest order is
+    `max_order`, or less if the largest gap between the points does not determine it: it is below pi over the gap
+    (Gröchenig 1992, "Reconstruction algorithms in irregular sampling"). The highest orders are left out as long as
+    their rms is at most `FIT.tail`. `alignment` is stored in the result.
     """
     from scipy.linalg import lstsq
 
@@ -218,15 +239,15 @@ def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment |
     weights = np.empty(t.size)
     weights[order] = (gaps + np.roll(gaps, 1)) / (4.0 * np.pi)
     orders = np.arange(1, min(max_order, math.ceil(np.pi / gaps.max() * (1.0 - ROUNDING)) - 1) + 1)
-    turns, root = np.outer(t, orders), np.sqrt(weights)
-    basis = np.concatenate([np.ones((t.size, 1)), np.cos(turns), np.sin(turns)], axis=1)
-    solution = lstsq(root[:, np.newaxis] * basis, root * deviation, lapack_driver="gelsy")[0]
+    phases, sqrt_weights = np.outer(t, orders), np.sqrt(weights)
+    basis = np.concatenate([np.ones((t.size, 1)), np.cos(phases), np.sin(phases)], axis=1)
+    solution = lstsq(sqrt_weights[:, np.newaxis] * basis, sqrt_weights * deviation, lapack_driver="gelsy")[0]
     cosines, sines = np.split(solution[1:], 2)
-    tail = np.cumsum((cosines**2 + sines**2)[::-1] / 2.0)[::-1]
-    count = int(np.sum(tail > FIT.tail**2))
-    is_used = np.concatenate([[True], orders <= count, orders <= count])
+    tail_power = np.cumsum((cosines**2 + sines**2)[::-1] / 2.0)[::-1]
+    orders_in_use = int(np.sum(tail_power > FIT.tail**2))
+    is_used = np.concatenate([[True], orders <= orders_in_use, orders <= orders_in_use])
     left_out = math.sqrt(weights @ (deviation - basis[:, is_used] @ solution[is_used]) ** 2)
-    waves = -np.stack([cosines, sines], axis=1)[:count]
+    waves = -np.stack([cosines, sines], axis=1)[:orders_in_use]
     return MeasuredProfile(float(solution[0]), waves, t.size, left_out, alignment)
 
 
@@ -245,8 +266,11 @@ def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
 
 
 def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> Array:
-    """Compute parameters t (n,) [rad] of the foot points of `points` (n, 2) [m] on an outline, by Newton from `t`."""
-    for _ in range(4):  # quadratic, from a 400th of a lobe
+    """Compute parameters (n,) [rad] of the foot points of `points` (n, 2) [m] on the outline at an `offset` [m].
+
+    Newton's method starts from the parameters `t` (n,) [rad], which must be close.
+    """
+    for _ in range(FIT.foot_point_steps):
         offset_vectors = points - profile.outline(gear, t, offset)
         normals, rate = profile.normals(gear, t), profile.arc_rate(gear, t, offset)
         tangents = np.stack([normals[:, 1], -normals[:, 0]], axis=1)

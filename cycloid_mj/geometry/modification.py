@@ -92,20 +92,26 @@ def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
 def sample_rotated_flanks(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:
     """Compute the outline of a gear with rotated flanks as a polygon (n, 2) [m], clockwise from the valley on +y.
 
-    Its chords leave the flanks by at most `chord_error` [m]; every lobe is the same, and the corners are points of it.
+    Its chords deviate from the flanks by at most `chord_error` [m]. All lobes have the same points, which include the
+    corners. `offset` [m] and `rotation` [rad] as in `flank_ends`.
+
+    Raises
+    ------
+    DesignError
+        The profile is undercut, the rotation leaves nothing of the lobes, or `chord_error` is below 1e-12 m.
     """
     profile.require_no_undercut(gear, offset)
-    ends, half_pitch = flank_ends(gear, offset, rotation), np.pi / gear.lobes
+    flank_end, half_pitch = flank_ends(gear, offset, rotation), np.pi / gear.lobes
     flank = SmoothArc(
         points=lambda t: profile.outline(gear, t, offset),
         normal_angle=lambda t: profile.normal_angle(gear, t),
         turning_rate=lambda t: profile.turning_rate(gear, t),
         arc_rate=lambda t: profile.arc_rate(gear, t, offset),
     )
-    low, high = -ends.valley, half_pitch - ends.tip
-    bend = float(np.clip(profile.inflection_phase(gear) / gear.lobes, low, high))
-    concave = profile.sagitta_nodes(flank, low, bend, chord_error)
-    t = np.concatenate([concave[:-1], profile.sagitta_nodes(flank, bend, high, chord_error)])
+    low, high = -flank_end.valley, half_pitch - flank_end.tip
+    inflection = float(np.clip(profile.inflection_phase(gear) / gear.lobes, low, high))
+    concave = profile.sagitta_nodes(flank, low, inflection, chord_error)
+    t = np.concatenate([concave[:-1], profile.sagitta_nodes(flank, inflection, high, chord_error)])
     polar = _Polar(gear, t, offset)
     radius, angle = polar.radius, polar.angle + rotation
     angle[0], angle[-1] = 0.0, half_pitch

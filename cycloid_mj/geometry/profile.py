@@ -154,10 +154,10 @@ def conjugate_alpha(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def conjugate_point(gear: CycloidGear, pin_angle: npt.ArrayLike, crank_angle_cw: npt.ArrayLike) -> ConjugatePoint:
-    """Compute the contact point of a pin and the gear (Hsieh 2014, Eq. 2 with alpha - zeta, Eq. 7).
+    """Compute the contact point of a pin and the gear (Hsieh 2014, Eq. 2 with alpha - zeta, Eq. 7) in both frames [m].
 
-    `pin_angle` zeta and `crank_angle_cw` phi_1 [rad] are both clockwise from +y; a counter-clockwise crank angle theta
-    is phi_1 = -theta.
+    `pin_angle` zeta and `crank_angle_cw` phi_1 [rad] are both clockwise from +y and broadcast; a counter-clockwise
+    crank angle theta is phi_1 = -theta.
     """
     N, c, E, rho = gear.symbols
     zeta, phi = np.asarray(pin_angle, float), np.asarray(crank_angle_cw, float)
@@ -201,7 +201,8 @@ def outline(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) ->
 def curvature(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
     """Compute the signed curvature of the outline [1/m] at t [rad]: positive on the lobes' tips, negative in valleys.
 
-    1/R with R = l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] - offset.
+    1/R with R = l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] - offset, with the symbols of the module; `offset` [m] is by
+    default rho.
     """
     B = phase(gear, t)
     bend = _bend(gear, B)
@@ -235,7 +236,10 @@ def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
 
 
 def complete_elliptic(m: float) -> float:
-    """Compute the complete elliptic integral of the second kind E(m) by arithmetic-geometric means."""
+    """Compute the complete elliptic integral of the second kind E(m), 0 <= m < 1, by arithmetic-geometric means.
+
+    Abramowitz & Stegun, 17.6.3 and 17.6.4.
+    """
     mean, other = 1.0, math.sqrt(1.0 - m)
     weight, energy_loss = 0.5, m / 2.0
     while (half_difference := (mean - other) / 2.0) > 1e-9 * mean:
@@ -347,10 +351,15 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
 
 @lru_cache(maxsize=16)  # what is drawn of a drive shares its profile: disc, counterweight, casing
 def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
-    """Compute few parameters t [rad] of an outline whose chords deviate by at most `chord_error` [m].
+    """Compute few parameters t (n,) [rad] of an outline whose chords deviate by at most `chord_error` [m].
 
-    All lobes have the same. Each half lobe is cut at its inflection, so that a chord spans a purely concave or convex
-    arc. The array is cached and read-only.
+    All lobes have the same. Each half lobe is divided at its inflection, so that a chord spans a purely concave or
+    convex arc. The array is cached and read-only.
+
+    Raises
+    ------
+    DesignError
+        The outline is undercut, or `chord_error` is below 1e-12 m.
     """
     require_no_undercut(gear, offset)
     flank = SmoothArc(
@@ -384,14 +393,15 @@ class SmoothArc:
 
 
 def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -> Array:
-    """Compute parameters from `low` to `high` whose chords deviate about equally from `arc`, at most `chord_error`.
+    """Compute parameters (n,) from `low` to `high` whose chords deviate about equally from `arc`.
 
-    Chords of equal sagitta have equal shares of the integral of sqrt(|curvature|) ds.
+    The deviation is at most `chord_error` [m]. Chords of equal sagitta have equal shares of the integral of
+    sqrt(|curvature|) ds.
 
     Raises
     ------
     DesignError
-        If `chord_error` is below 1e-12 m (there, rounding takes over).
+        `chord_error` is below 1e-12 m (there, rounding takes over).
     """
     if not chord_error >= CURVE.min_chord_error:
         raise DesignError(f"chord_error = {chord_error} m is too small: choose at least {CURVE.min_chord_error} m")
@@ -403,10 +413,10 @@ def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -
     chords = max(1, math.ceil(share[-1] / math.sqrt(8 * chord_error)))
     while True:
         nodes = np.interp(np.linspace(0.0, share[-1], chords + 1), share, grid)
-        worst = float(np.max(_sagittas(arc, nodes)))
-        if worst <= chord_error:
+        largest_sagitta = float(np.max(_sagittas(arc, nodes)))
+        if largest_sagitta <= chord_error:
             return nodes
-        chords = max(chords + 1, math.floor(chords * math.sqrt(worst / chord_error)))
+        chords = max(chords + 1, math.floor(chords * math.sqrt(largest_sagitta / chord_error)))
 
 
 def solve_monotone(
@@ -419,8 +429,9 @@ def solve_monotone(
 ) -> Array:
     """Solve function(x) = target in [low, high], elementwise, by Newton steps kept inside a shrinking bracket.
 
-    `function` must be monotone between `low` and `high`; for a target beyond its range, the nearer end. The last step
-    is within rounding, or at most `rtol` of the bracket.
+    `function` must be monotone between `low` and `high`; for a target beyond its range, the nearer end is returned. The
+    other arguments broadcast to the shape of the result. The last step is within rounding, or at most `rtol` of the
+    bracket; after `CURVE.max_iterations` steps, the last x is returned.
     """
     target, low, high = (np.array(array, float) for array in np.broadcast_arrays(target, low, high))
     tolerance = np.maximum(2 * np.finfo(float).eps * np.maximum(np.abs(low), np.abs(high)), rtol * (high - low))
@@ -431,9 +442,9 @@ def solve_monotone(
         residual, slope = sign * (function(x) - target), sign * derivative(x)
         low, high = np.where(residual <= 0, x, low), np.where(residual >= 0, x, high)
         newton = x - np.divide(residual, slope, out=np.full_like(x, np.inf), where=slope > 0)
-        halving = np.abs(newton - x) <= np.abs(increment) / 2
-        following = np.where((low <= newton) & (newton <= high) & halving, newton, (low + high) / 2)
-        x, increment = following, following - x
+        is_halved = np.abs(newton - x) <= np.abs(increment) / 2
+        next_x = np.where((low <= newton) & (newton <= high) & is_halved, newton, (low + high) / 2)
+        x, increment = next_x, next_x - x
         if np.all(np.abs(increment) <= tolerance):
             break
     return x
@@ -469,6 +480,6 @@ def _sagittas(arc: SmoothArc, nodes: Array) -> Array:
     dx, dy = np.diff(points, axis=0).T
     midpoints = (angles[:-1] + angles[1:]) / 2
     chord_angle = midpoints + np.mod(np.arctan2(-dy, dx) - midpoints + np.pi / 2, np.pi) - np.pi / 2
-    steps = nodes[:-1], nodes[1:]
-    farthest = solve_monotone(arc.normal_angle, arc.turning_rate, chord_angle, *steps, CURVE.sagitta_rtol)
+    intervals = nodes[:-1], nodes[1:]
+    farthest = solve_monotone(arc.normal_angle, arc.turning_rate, chord_angle, *intervals, CURVE.sagitta_rtol)
     return np.abs(np.sum((arc.points(farthest) - points[:-1]) * unit(chord_angle), axis=1))

@@ -79,23 +79,23 @@ class RvKinematics:
 def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
     """Compute by how many tooth pitches the worst of identical planets at equal angles misses its mesh; 0: all mesh.
 
-    Without a ring gear, planet i has to be turned on its crank by the fraction of i (z_s + z_p)/n pitches. All mesh if
-    n divides z_s + z_p.
+    Without a ring gear, planet i has to be rotated on its crank by the fraction of i (z_s + z_p)/n pitches, with z_s
+    teeth of the sun, z_p of a planet, and `count` n of planets. All mesh if n divides z_s + z_p.
     """
-    clocked = [Fraction(planet * (sun_teeth + planet_teeth), count) % 1 for planet in range(count)]
-    return max(min(part, 1 - part) for part in clocked)
+    pitch_fractions = [Fraction(planet * (sun_teeth + planet_teeth), count) % 1 for planet in range(count)]
+    return max(min(fraction, 1 - fraction) for fraction in pitch_fractions)
 
 
 def meshing_planet_teeth(sun_teeth: int, planet_teeth: int, count: int) -> tuple[int, ...]:
-    """Return the planet tooth numbers on either side of `planet_teeth` with which all planets mesh, nearest first.
+    """Return the planet tooth numbers just below and above `planet_teeth` with which all planets mesh, nearest first.
 
-    Of two numbers at the same distance, the larger one comes first.
+    `count` is the number of identical planets. Of two numbers at the same distance, the larger one comes first.
     """
-    near = [
-        next(change for change in range(1, count + 1) if (sun_teeth + planet_teeth + side * change) % count == 0) * side
-        for side in (1, -1)
+    changes = [
+        next(change for change in range(1, count + 1) if (sun_teeth + planet_teeth + sign * change) % count == 0) * sign
+        for sign in (1, -1)
     ]
-    return tuple(planet_teeth + change for change in sorted(near, key=lambda change: (abs(change), -change)))
+    return tuple(planet_teeth + change for change in sorted(changes, key=lambda change: (abs(change), -change)))
 
 
 def disc_clocking(pins: int, lobes: int, discs: int, disc: int) -> Fraction:
@@ -113,14 +113,14 @@ def are_one_part(pins: int, lobes: int, discs: int, cranks: int) -> bool:
 
 
 def flip_clockings(pins: int, lobes: int, cranks: int) -> tuple[Fraction, ...]:
-    """Return the angles from a lobe's axis to bore 1 at which a disc is the other disc, flipped [lobe pitches].
+    """Return the angles from a lobe's axis to bore 1 at which a disc is the other of two discs, flipped [lobe pitches].
 
-    A flip about the axis through bore 1 changes the sign of its distance q from the lobe: q has to solve -q + j lobes/n
-    = q + k/2 (modulo 1) for a step j of the bores.
+    A flip about the axis through bore 1 changes the sign of the distance q of bore 1 from the lobe. With k = pins -
+    lobes and n = `cranks` bores, q has to solve -q + j lobes/n = q + k/2 (modulo 1) for a whole number j.
     """
-    needed = disc_clocking(pins, lobes, 2, 1)
-    doubled = {(Fraction(lobes * step, cranks) - needed) % 1 for step in range(cranks)}
-    return tuple(sorted({(twice / 2 + half) % 1 for twice in doubled for half in (0, Fraction(1, 2))}))
+    required_clocking = disc_clocking(pins, lobes, 2, 1)
+    doubled_angles = {(Fraction(lobes * bore, cranks) - required_clocking) % 1 for bore in range(cranks)}
+    return tuple(sorted({(doubled / 2 + half) % 1 for doubled in doubled_angles for half in (0, Fraction(1, 2))}))
 
 
 def dead_points(cranks: int, discs: int) -> bool:

@@ -85,44 +85,54 @@ class IdealRvLoads:
         return np.linalg.norm(self.cranks, axis=-1)
 
 
-def ideal_rv_loads(stage: RvStage, torque: float, crank: npt.ArrayLike, floating_sun: bool = False) -> IdealRvLoads:
-    """Compute the ideal forces in an RV reducer under a torque on the carrier [N m] at crank angles (m,) [rad].
+def ideal_rv_loads(
+    stage: RvStage, torque: float, crank_angles: npt.ArrayLike, floating_sun: bool = False
+) -> IdealRvLoads:
+    """Compute the ideal forces in an RV reducer under a torque on the carrier [N m] at `crank_angles` (m,) [rad].
 
     The torque on the ring, T (R - 1)/R, is shared equally by the discs, and by the pins of each as
-    `ideal_loads.share_load` does. Equally stiff crank bearings then have the crank forces of least squares that balance
-    the pins on each disc; with a floating sun, the cranks also have equal torques.
+    `ideal_loads.share_load` does. The crank bearings are equally stiff: their forces are those of least squares that
+    balance the pins on each disc. With a floating sun, the cranks also have equal torques.
     """
-    crank = np.ravel(np.asarray(crank, dtype=np.float64))
+    crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     discs, lobes = len(stage.phases), stage.gear.lobes
-    ring = torque * (stage.to_carrier - 1.0) / stage.to_carrier
-    moment = ring / discs * lobes / stage.gear.ring_teeth
-    pins, resultant = [], []
+    ring_torque = torque * (stage.to_carrier - 1.0) / stage.to_carrier
+    disc_torque = ring_torque / discs * lobes / stage.gear.ring_teeth
+    pin_forces, disc_forces = [], []
     for phase in stage.phases:
-        mesh = ideal_load_sharing(stage.gear, moment, crank + phase)
-        radial, forward = profile.unit(-(crank + phase)), -_unit_turned(crank + phase)
+        mesh = ideal_load_sharing(stage.gear, disc_torque, crank_angles + phase)
+        radial, forward = profile.unit(-(crank_angles + phase)), -_unit_turned(crank_angles + phase)
         reaction = mesh.eccentric_radial[:, np.newaxis] * radial + mesh.eccentric_tangential[:, np.newaxis] * forward
-        pins.append(mesh.forces)
-        resultant.append(-reaction)
-    force = np.stack(resultant, axis=1)
-    shared = _crank_forces(stage, crank, force, -moment, floating_sun)
-    torques = stage.gear.eccentricity * _cross(stage.eccentrics(crank)[:, :, np.newaxis], -shared).sum(axis=1)
-    return IdealRvLoads(np.stack(pins, axis=1), force, shared, torques)
+        pin_forces.append(mesh.forces)
+        disc_forces.append(-reaction)
+    disc_force = np.stack(disc_forces, axis=1)
+    crank_forces = _crank_forces(stage, crank_angles, disc_force, -disc_torque, floating_sun)
+    crank_torques = stage.gear.eccentricity * _cross(
+        stage.eccentrics(crank_angles)[:, :, np.newaxis], -crank_forces
+    ).sum(axis=1)
+    return IdealRvLoads(np.stack(pin_forces, axis=1), disc_force, crank_forces, crank_torques)
 
 
-def _crank_forces(stage: RvStage, crank: Array, force: Array, moment: float, floating_sun: bool) -> Array:
-    """Compute least-squares crank forces (m, D, n, 2) [N] that balance a force (m, D, 2) and a moment on each disc."""
-    crank_centres, eccentrics = stage.crank_places(crank), stage.eccentrics(crank)
-    (count, discs, _), cranks = force.shape, stage.cranks
+def _crank_forces(
+    stage: RvStage, crank_angles: Array, disc_force: Array, disc_torque: float, floating_sun: bool
+) -> Array:
+    """Compute least-squares crank forces (m, D, n, 2) [N] that balance a force and a torque on each disc.
+
+    `disc_force` (m, D, 2) [N] and `disc_torque` [N m] act on the centre of a disc. With a floating sun, the cranks also
+    have equal torques.
+    """
+    crank_centres, eccentrics = stage.crank_places(crank_angles), stage.eccentrics(crank_angles)
+    (count, discs, _), cranks = disc_force.shape, stage.cranks
     rows = 3 * discs + (cranks - 1) * floating_sun
     matrix, right_side = np.zeros((count, rows, discs, cranks, 2)), np.zeros((count, rows))
     for disc in range(discs):
         matrix[:, 3 * disc, disc, :, 0] = matrix[:, 3 * disc + 1, disc, :, 1] = 1.0
         matrix[:, 3 * disc + 2, disc] = _quarter_turned(crank_centres) / stage.radius
-        right_side[:, 3 * disc : 3 * disc + 2] = -force[:, disc]
-        right_side[:, 3 * disc + 2] = -moment / stage.radius
-    for row, other in enumerate(range(1, cranks) if floating_sun else (), start=3 * discs):
+        right_side[:, 3 * disc : 3 * disc + 2] = -disc_force[:, disc]
+        right_side[:, 3 * disc + 2] = -disc_torque / stage.radius
+    for row, other_crank in enumerate(range(1, cranks) if floating_sun else (), start=3 * discs):
         matrix[:, row, :, 0] = _quarter_turned(eccentrics)
-        matrix[:, row, :, other] = -_quarter_turned(eccentrics)
+        matrix[:, row, :, other_crank] = -_quarter_turned(eccentrics)
     flat_matrix = matrix.reshape(count, rows, -1)
     return (np.linalg.pinv(flat_matrix) @ right_side[..., np.newaxis]).reshape(count, discs, cranks, 2)
 
@@ -132,37 +142,37 @@ def mean_force(forces: Array) -> float:
     return float(np.mean(np.asarray(forces) ** ROLLER_EXPONENT) ** (1.0 / ROLLER_EXPONENT))
 
 
-def closed_form_stiffness(stage: RvStage, bearing: float, tooth: float) -> float:
+def closed_form_stiffness(stage: RvStage, bearing_stiffness: float, tooth_stiffness: float) -> float:
     """Compute the torsional stiffness [N m/rad] of the carrier against the ring in closed form, sun and ring fixed.
 
-    The compliances of the crank bearings (turn, tangential and radial to the eccentric) and of the teeth add up, each
-    as the square of the force per unit torque over its stiffness.
+    The compliances of the crank bearings (rotation of the discs, tangential and radial to the eccentric) and of the
+    teeth add up, each as the square of the force per unit torque over its stiffness.
 
     Parameters
     ----------
     stage
         The stage.
-    bearing
+    bearing_stiffness
         Stiffness of the bearings of a crank under the force of one disc, needles and taper in series [N/m].
-    tooth
+    tooth_stiffness
         Stiffness of a pin on a disc [N/m].
     """
-    crank = np.linspace(0.0, 2.0 * np.pi / stage.gear.ring_teeth, 16, endpoint=False)
-    discs, bearings = len(stage.phases), len(stage.phases) * stage.cranks
-    turn, orbit = stage.gear.lobes / stage.speed_up, stage.gear.eccentricity * stage.speed_up
-    sharing = ideal_load_sharing(stage.gear, 1.0, crank)
-    squares = np.mean(np.sum(np.where(sharing.forces > 0.0, sharing.arms, 0.0) ** 2, axis=-1))
-    radial = float(np.mean(np.abs(sharing.eccentric_radial))) * turn / discs
+    crank_angles = np.linspace(0.0, 2.0 * np.pi / stage.gear.ring_teeth, 16, endpoint=False)
+    discs, bearing_count = len(stage.phases), len(stage.phases) * stage.cranks
+    disc_torque, orbit_arm = stage.gear.lobes / stage.speed_up, stage.gear.eccentricity * stage.speed_up
+    sharing = ideal_load_sharing(stage.gear, 1.0, crank_angles)
+    squared_arms = np.mean(np.sum(np.where(sharing.forces > 0.0, sharing.arms, 0.0) ** 2, axis=-1))
+    radial_force = float(np.mean(np.abs(sharing.eccentric_radial))) * disc_torque / discs
     compliance = (
-        turn**2 / (bearings * stage.radius**2 * bearing)
-        + 1.0 / (orbit**2 * bearings * bearing)
-        + turn**2 / (discs * tooth * squares)
-        + discs * radial**2 / (stage.cranks * bearing)
+        disc_torque**2 / (bearing_count * stage.radius**2 * bearing_stiffness)
+        + 1.0 / (orbit_arm**2 * bearing_count * bearing_stiffness)
+        + disc_torque**2 / (discs * tooth_stiffness * squared_arms)
+        + discs * radial_force**2 / (stage.cranks * bearing_stiffness)
     )
     return float(1.0 / compliance)
 
 
-def closed_form_error(stage: RvStage, crank: npt.ArrayLike, phase_error: Array, misfit: Array) -> Array:
+def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: Array, misfit: Array) -> Array:
     """Compute the error of the carrier's angle (m,) [rad] in closed form, ring and sun fixed, without clearance.
 
     Yang et al. 2021, equation (30), for any errors: -(epsilon + m_t/e + lobes rho)/(lobes + 1 + z_s/z_p), with the mean
@@ -180,12 +190,12 @@ def closed_form_error(stage: RvStage, crank: npt.ArrayLike, phase_error: Array, 
     misfit
         Displacement of each eccentric from its bore [m], shape (m, D, n, 2).
     """
-    crank = np.ravel(np.asarray(crank, dtype=np.float64))
-    perpendicular = _quarter_turned(stage.eccentrics(crank))
+    crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
+    perpendicular = _quarter_turned(stage.eccentrics(crank_angles))
     tangential = np.einsum("mdnj,mdj->md", misfit, perpendicular) / stage.cranks
-    turn = np.einsum("mdnj,mnj->md", misfit, _quarter_turned(stage.crank_places(crank)))
-    turn /= stage.cranks * stage.radius**2
-    disc_errors = tangential / stage.gear.eccentricity + stage.gear.lobes * turn
+    disc_rotation = np.einsum("mdnj,mnj->md", misfit, _quarter_turned(stage.crank_places(crank_angles)))
+    disc_rotation /= stage.cranks * stage.radius**2
+    disc_errors = tangential / stage.gear.eccentricity + stage.gear.lobes * disc_rotation
     return -(phase_error.mean(axis=1) + disc_errors.mean(axis=1)) / stage.speed_up
 
 

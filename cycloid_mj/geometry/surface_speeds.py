@@ -44,16 +44,17 @@ class SurfaceSpeeds:
 
 
 def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> SurfaceSpeeds:
-    """Compute the surface speeds [m/s] of the disc on pins that do not turn, or on the arcs of an internal gear.
+    """Compute the surface speeds [m/s] of the disc on pins that do not rotate, or on the arcs of an internal gear.
 
     Parameters
     ----------
     gear
         The mesh.
     B
-        Phases of the pins [rad]: angle of the pin from the eccentricity, clockwise as in `profile`.
+        Phases of the pins [rad], any shape, which is that of the result: angle of the pin from the eccentricity,
+        clockwise as in `profile`.
     crank_speed
-        Speed of the crank against the ring [rad/s].
+        Speed of the crank relative to the ring [rad/s].
     """
     N, c, E, rho = gear.symbols
     distance = profile.pitch_distance(gear, B)
@@ -82,10 +83,11 @@ def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_
 
 
 def entrainment_zeros(gear: CycloidGear) -> Array:
-    """Compute the phases B in (0, pi) [rad], in order, at which a pin that does not turn has no entrainment.
+    """Compute the phases B in (0, pi) [rad], in order, at which a pin that does not rotate has no entrainment.
 
-    With v/2 + V = 0 the distance l from the pitch point is a root of l^3 - N rho l^2 + (N - 1) rho (E^2 - c^2 N^2);
-    those in (E - c N, E + c N) have a phase. There may be none.
+    The entrainment is v/2 + V, with the sliding speed v of the disc and the speed V of the contact line (see the
+    module). It vanishes where the distance l from the pitch point is a root of l^3 - N rho l^2 + (N - 1) rho (E^2 - c^2
+    N^2); roots in (E - c N, E + c N) have a phase. There may be none.
     """
     N, c, E, rho = gear.symbols
     constant = gear.lobes * rho * (E**2 - (c * N) ** 2)

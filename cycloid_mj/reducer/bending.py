@@ -18,9 +18,10 @@ AXIAL_GAP = 1e-3
 def pin_flexibility(reducer: "Reducer") -> Array:
     """Compute the flexibility matrix (D, D) [m/N] of an output pin: its deflection at each disc per force on each disc.
 
-    The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that support it, its
-    load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient 6 (1 +
-    nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a roller the core bends.
+    The pin is a round beam. Its root, or both of its ends, is built in at the faces of the plates that support it, and
+    its load acts in the middle of each disc. Shear adds to bending: Timoshenko's beam with Cowper's coefficient 6 (1 +
+    nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a pin with a roller, only the core bends. The
+    matrix is zero for ``structure = "rigid"``.
     """
     design = reducer.design
     planes, gear = np.array(design.gear.disc_planes), design.gear
@@ -33,23 +34,24 @@ def pin_flexibility(reducer: "Reducer") -> Array:
 
 
 def beam_flexibility(material: Material, radius: float, arms: Array, length: float | None = None) -> Array:
-    """Compute the flexibility matrix (n, n) [m/N] of a round cantilever at distances (n,) [m] from its root.
+    """Compute the flexibility matrix (n, n) [m/N] of a round cantilever at distances `arms` (n,) [m] from its root.
 
-    With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
+    With a `length` [m] its far end is built in, too (force method): the reactions there keep deflection and rotation 0.
     """
     bending, shearing = round_beam(material, radius)
 
-    def free(positions: Array, other_positions: Array) -> Array:
+    def cantilever(positions: Array, other_positions: Array) -> Array:
+        """Return the deflections at positions per force at other positions [m/N], without the far support."""
         smaller, larger = np.minimum.outer(positions, other_positions), np.maximum.outer(positions, other_positions)
         return np.asarray(smaller**2 * (3.0 * larger - smaller) / (6.0 * bending) + smaller / shearing)
 
-    flexibility = free(arms, arms)
+    flexibility = cantilever(arms, arms)
     if length is None:
         return flexibility
     end = np.array([length])
-    coupling = np.stack([free(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
+    coupling = np.stack([cantilever(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
     end_rotation = length**2 / (2.0 * bending)
-    end_flexibility = np.array([[free(end, end)[0, 0], end_rotation], [end_rotation, length / bending]])
+    end_flexibility = np.array([[cantilever(end, end)[0, 0], end_rotation], [end_rotation, length / bending]])
     return np.asarray(flexibility - coupling @ np.linalg.solve(end_flexibility, coupling.T))
 
 

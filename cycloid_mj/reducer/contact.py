@@ -104,11 +104,11 @@ class Contact:
     def force(self) -> float:
         """Working force of the pair [N], at which its stiffness is the secant; of the cam, the total force.
 
-        It is the pair's own ``working_force``, or ``contact.working_force`` for all pairs: of a rolling cam, that of
-        the most loaded roller; of a plain cam, N/4 times as much, as by ideal sharing with this force on the most
-        loaded tooth. By default it follows from `Contacts.working_load` T by ideal sharing: 4 T/(N c (N-1)) on the most
-        loaded tooth, 4 T/(n R) on the most loaded of n output pins on the radius R, and the cam's mean force over a
-        turn, which balances both; several discs share T equally.
+        The pair's own ``working_force`` comes first, then ``contact.working_force`` for all pairs: on a rolling cam it
+        acts on the most loaded roller; on a plain cam, N/4 times as much acts, as by ideal sharing with this force on
+        the most loaded tooth. By default the force follows from `Contacts.working_load` T by ideal sharing, equal on
+        all discs: 4 T/(N c (N-1)) on the most loaded tooth of N with the eccentricity c, 4 T/(n R) on the most loaded
+        of n output pins on the radius R, and on the cam the mean over a turn of the force that balances both.
         """
         design = self._reducer.design
         stated_force: float = getattr(design.working_force, self.kind)
@@ -282,7 +282,10 @@ class Contact:
         return self.force * STRIBECK / rollers if self.kind == "cam" else self.force
 
     def _ideal_force(self, torque: float) -> float:
-        """Compute the largest force [N] of the pair on one disc under ideal load sharing of an output torque [N m]."""
+        """Compute the largest force [N] of the pair on one disc under ideal sharing of that disc's output torque [N m].
+
+        Of the cam it is the mean over a turn.
+        """
         reducer, design = self._reducer, self._reducer.design
         gear, output, torque = design.gear, design.output, reducer.share * torque
         if self.kind == "output":
@@ -311,7 +314,10 @@ class Contact:
         return law.stiffness * law.factor(self.relative_curvature)
 
     def _cam_roller_stiffness(self) -> float:
-        """Compute the stiffness [N/m] of a roller (shaft material) on the cam; 0 if the design sets it for all."""
+        """Compute the stiffness [N/m] of a roller on the cam, of the shaft's material, under the force of one line.
+
+        0 if ``contact.stiffness`` sets that of all contacts.
+        """
         design = self._reducer.design
         if design.contact.stiffness:
             return 0.0
@@ -321,7 +327,13 @@ class Contact:
         return float(ideal_loads.line_contact_stiffness(force, face, modulus, depth, 1.0 / depth))
 
     def _compute_curvature_law(self) -> CurvatureLaw:
-        """Compute the stiffness of a line contact of the pair by its curvature, for the property `curvature_law`."""
+        """Compute the stiffness of a line contact of the pair by its curvature, for the property `curvature_law`.
+
+        Raises
+        ------
+        ContactError
+            The working force flattens a pin beyond a line contact.
+        """
         design = self._reducer.design
         if impact := self._reducer.contacts.impact:
             return CurvatureLaw(0.0, 1.0, impact.secant(self.force), 0.0)
@@ -383,9 +395,10 @@ class Contacts:
     def own_load(self) -> float:
         """Output torque [N m] that causes the same contact forces as weight and inertia of the discs.
 
-        A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T
-        presses the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1), or W c N on a
-        ring, for each disc. Its mass is that of a plain disc of its mean radius E - rho.
+        A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam, with the crank speed
+        w. A load torque T presses the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c
+        (N-1), or W c N if the ring is the output, for each disc. The mass m is that of a plain disc of the mean radius
+        E - rho.
         """
         design = self._reducer.design
         gear, ring, output = design.gear, design.ring, design.output
@@ -394,7 +407,7 @@ class Contacts:
         return self._weight_torque(area) * design.reduction
 
     def _weight_torque(self, area: float) -> float:
-        """Compute the torque [N m] on the eccentrics by weight and inertia of discs with a cross-section [m2]."""
+        """Compute the torque [N m] of weight and inertia of discs with a section [m2] on their eccentrics."""
         design = self._reducer.design
         gear = design.gear
         weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)

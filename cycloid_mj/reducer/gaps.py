@@ -99,42 +99,42 @@ def unknowns(reducer: "Reducer") -> int:
     return 3 * len(reducer.phases) + 1
 
 
-def gaps(reducer: "Reducer", crank: float) -> Gaps:
+def gaps(reducer: "Reducer", crank_angle: float) -> Gaps:
     """Compute the gaps of teeth and output pins of all discs at one crank angle [rad].
 
     Those of an internal gear's flanks, 4 or 5 per disc, follow those of its arcs. The cam is not included, because its
     gap is round: see `cam_displacements`.
     """
     discs = range(len(reducer.phases))
-    flanks = [flank_gaps(reducer, crank, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
-    return _concatenate([arc_gaps(reducer, crank), *flanks])
+    flanks = [flank_gaps(reducer, crank_angle, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
+    return _concatenate([arc_gaps(reducer, crank_angle), *flanks])
 
 
-def arc_gaps(reducer: "Reducer", crank: npt.ArrayLike) -> Gaps:
-    """Compute the gaps at crank angles (k,) [rad], or at one, without those of an internal gear's flanks.
+def arc_gaps(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Gaps:
+    """Compute the gaps at crank angles (k,) [rad], or at one (), without an internal gear's flanks.
 
     Pairs and order are the same at every crank angle: the teeth of all discs, then their output pins; with a ring in
     two halves, each disc has those of one half, then those of the other.
     """
-    angles = np.asarray(crank, dtype=np.float64)
+    angles = np.asarray(crank_angle, dtype=np.float64)
     discs = range(len(reducer.phases))
     return _concatenate([mesh_gaps(reducer, angles), *(_output_gaps(reducer, angles, disc) for disc in discs)])
 
 
-def mesh_gaps(reducer: "Reducer", crank: Array) -> Gaps:
+def mesh_gaps(reducer: "Reducer", crank_angle: Array) -> Gaps:
     """Compute the gaps between all discs and the ring at crank angles [rad] (k,), as `arc_gaps` without output pins."""
-    return _concatenate([_arc_gaps(reducer, crank, disc) for disc in range(len(reducer.phases))])
+    return _concatenate([_arc_gaps(reducer, crank_angle, disc) for disc in range(len(reducer.phases))])
 
 
-def _arc_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
-    gear, turned = reducer.tooth_profile, crank[..., np.newaxis] + reducer.phases[disc]
+def _arc_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
+    gear, turned = reducer.tooth_profile, crank_angle[..., np.newaxis] + reducer.phases[disc]
     lines, middle = envelope.arc_contacts(gear, turned), gear_centre(gear, turned)
     return _of_halves(reducer, disc, lines, middle)
 
 
-def flank_gaps(reducer: "Reducer", crank: float, disc: int = 0) -> Gaps:
+def flank_gaps(reducer: "Reducer", crank_angle: float, disc: int = 0) -> Gaps:
     """Compute the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
-    gear, turned = reducer.tooth_profile, crank + reducer.phases[disc]
+    gear, turned = reducer.tooth_profile, crank_angle + reducer.phases[disc]
     lines, middle = envelope.sigma_contacts(gear, turned), gear_centre(gear, turned)
     return _of_halves(reducer, disc, lines, middle)
 
@@ -145,26 +145,35 @@ def _of_halves(reducer: "Reducer", disc: int, lines: envelope.RingContacts, midd
 
 
 def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half_index: int) -> Gaps:
-    """Compute the gaps between a disc and the ring, or a `half_index` of it, with pins in their nominal places.
+    """Compute the gaps (n,) between a disc and the ring, or a half of it, at the contact lines of the ideal mesh.
 
     A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A radius larger by r closes it by r,
     like flanks that are larger by r, and reduces the clearance in the socket. For a disc whose pin circle is larger by
     x, a pin is closer to the centre by x; flanks rotated by a are set back by a times the arm of their normal. The
-    disc's curve is its trochoid, its mate a pin's centre; `centre` [m] is the centre of the ideal disc.
+    disc's curve is its trochoid, its mate a pin's centre.
+
+    Parameters
+    ----------
+    disc, half_index
+        Indices of the disc and of the half of the ring; 0 for an undivided ring.
+    lines
+        Contact lines of the ideal disc, for pins in their nominal positions.
+    centre
+        Centre of the ideal disc [m].
     """
     design = reducer.design
-    gear, errors, change = reducer.tooth_profile, reducer.deviations, design.modification
+    gear, errors, modification = reducer.tooth_profile, reducer.deviations, design.modification
     disc_normal, arm = lines.normals, profile.moment_arm(gear, lines.B)
     radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
     preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * _quarter_turned(radial)
-    shift = errors.pin_place[lines.lobe] + preload_offset - change.pin_circle * radial
+    displacement = errors.pin_place[lines.lobe] + preload_offset - modification.pin_circle * radial
     nominal_gap = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
-    flank_rotation = change.rotation * np.sign(arm)
-    side = _quarter_turned(disc_normal)
-    sliding_arm = np.sum(side * _quarter_turned(lines.points - centre), axis=-1)
-    lever = sliding_arm - gear.pin_radius
-    curvature_before, bend, curvature_after = (
+    flank_rotation = modification.rotation * np.sign(arm)
+    tangent = _quarter_turned(disc_normal)
+    sliding_arm = np.sum(tangent * _quarter_turned(lines.points - centre), axis=-1)
+    centre_arm = sliding_arm - gear.pin_radius
+    curvature_before, middle_curvature, curvature_after = (
         profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP)
     )
     twist = (curvature_after - curvature_before) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
@@ -176,79 +185,81 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
         room=np.broadcast_to(nominal_gap, arm.shape),
         play=np.broadcast_to(play, arm.shape),
         distance=flank_rotation * arm
-        - np.sum(shift * disc_normal, axis=-1)
+        - np.sum(displacement * disc_normal, axis=-1)
         + profile_error(errors.waves, lines.t)
         + worn,
         slope=_by_unknown(reducer, disc, disc_normal, arm, np.zeros(arm.shape)),
-        shift=np.sum(shift * side, axis=-1) - flank_rotation * lever,
-        shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
-        bend=bend,
+        shift=np.sum(displacement * tangent, axis=-1) - flank_rotation * centre_arm,
+        shift_slope=_by_unknown(reducer, disc, -tangent, -centre_arm, np.zeros(arm.shape)),
+        bend=middle_curvature,
         twist=np.asarray(twist),
         phase=gear.lobes * lines.t,
         relative_curvature=lines.relative_curvature,
-        slip_slope=_by_unknown(reducer, disc, side, sliding_arm, np.zeros(arm.shape)),
+        slip_slope=_by_unknown(reducer, disc, tangent, sliding_arm, np.zeros(arm.shape)),
     )
 
 
-def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
-    """Compute the gaps between the holes of a disc and the output pins at crank angles [rad].
+def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
+    """Compute the gaps between the holes of a disc and the n output pins at crank angles (...) [rad], shape (..., n).
 
     Every pin is on the inner side of its hole, and pushes the disc inwards along the eccentric. A hole displaced by d
     in the disc opens its gap by the component of d in this direction. Holes and pins rotate together, so the arm is the
     same about the disc's centre and about the output's.
     """
     gear, errors, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
-    output_angle = crank[..., np.newaxis] / gear.lobes
-    disc_centre = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
+    output_angle = crank_angle[..., np.newaxis] / gear.lobes
+    disc_centre = gear_centre(gear, crank_angle[..., np.newaxis] + reducer.phases[disc])
     push_direction = -disc_centre / gear.eccentricity
     arm_vector = (
         profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + output_angle) * output.pin_circle_radius
     )
-    side, hole = _quarter_turned(push_direction), _rotate(errors.hole_place[disc], -output_angle)
-    arm, lever = (
+    tangent, hole_displacement = _quarter_turned(push_direction), _rotate(errors.hole_place[disc], -output_angle)
+    normal_arm, tangent_arm = (
         np.sum(arm_vector * -_quarter_turned(push_direction), axis=-1),
         np.sum(arm_vector * push_direction, axis=-1),
     )
     nominal_gap = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
-    worn = reducer.worn.of_output(np.arctan2(arm, lever)) if reducer.worn else 0.0
+    worn = reducer.worn.of_output(np.arctan2(normal_arm, tangent_arm)) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(output.pins, "output"),
         owner=np.arange(output.pins),
         disc=np.full(output.pins, disc),
-        room=np.full(arm.shape, nominal_gap),
-        play=np.zeros(arm.shape),
-        distance=np.sum(hole * push_direction, axis=-1) + worn,
-        slope=_by_unknown(reducer, disc, push_direction, arm, -arm),
-        shift=-np.sum(hole * side, axis=-1),
-        shift_slope=_by_unknown(reducer, disc, -side, -lever, lever),
-        bend=np.full(arm.shape, -1.0 / gear.eccentricity),
-        twist=np.zeros(arm.shape),
-        phase=np.zeros(arm.shape),
-        relative_curvature=np.full(arm.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
-        slip_slope=_by_unknown(reducer, disc, side, lever + output.hole_radius, -(lever + output.pin_radius)),
+        room=np.full(normal_arm.shape, nominal_gap),
+        play=np.zeros(normal_arm.shape),
+        distance=np.sum(hole_displacement * push_direction, axis=-1) + worn,
+        slope=_by_unknown(reducer, disc, push_direction, normal_arm, -normal_arm),
+        shift=-np.sum(hole_displacement * tangent, axis=-1),
+        shift_slope=_by_unknown(reducer, disc, -tangent, -tangent_arm, tangent_arm),
+        bend=np.full(normal_arm.shape, -1.0 / gear.eccentricity),
+        twist=np.zeros(normal_arm.shape),
+        phase=np.zeros(normal_arm.shape),
+        relative_curvature=np.full(normal_arm.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
+        slip_slope=_by_unknown(
+            reducer, disc, tangent, tangent_arm + output.hole_radius, -(tangent_arm + output.pin_radius)
+        ),
     )
 
 
-def ideal_motion(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
+def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
     """Compute the ideal displacement of the unknowns per crank rotation (..., 3 D + 1) [m/rad] at crank angles.
 
     Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
     `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
     """
-    gear, angles = reducer.tooth_profile, np.asarray(crank, dtype=np.float64)
+    gear, angles = reducer.tooth_profile, np.asarray(crank_angle, dtype=np.float64)
     motion = np.full((*angles.shape, unknowns(reducer)), -reducer.lever / gear.lobes)
     for disc, phase in enumerate(reducer.phases):
         motion[..., 3 * disc : 3 * disc + 2] = _quarter_turned(gear_centre(gear, angles + phase))
     return motion
 
 
-def cam_displacements(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
+def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
     """Compute the displacement of each cam from its ideal position (..., D, 2) [m] at crank angles (...) [rad].
 
-    The disc's centre is at most the cam's clearance away from there; errors of the crank move both.
+    It results from the errors of the crank. The disc's centre is at most the cam's clearance away from the cam.
     """
     gear, errors = reducer.tooth_profile, reducer.deviations
-    crank_column = np.asarray(crank, dtype=np.float64)[..., np.newaxis]
+    crank_column = np.asarray(crank_angle, dtype=np.float64)[..., np.newaxis]
     angles = crank_column + np.array(reducer.phases)
     return np.asarray(
         errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _rotate(errors.cam_place, crank_column)

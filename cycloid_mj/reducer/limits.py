@@ -61,19 +61,22 @@ class Fit:
     pin_shift: Array
 
 
-def best_fit(reducer: "Reducer", crank: float) -> Fit:
+def best_fit(reducer: "Reducer", crank_angle: float) -> Fit:
     """Return the pose with the largest minimum gap of all pairs at a crank angle [rad]."""
-    mesh_gaps, pose, least, _ = _maximize_min_gap(reducer, crank)
+    mesh_gaps, pose, least, _ = _maximize_min_gap(reducer, crank_angle)
     return _make_fit(reducer, mesh_gaps, pose, least)
 
 
-def pressed_fit(reducer: "Reducer", crank: float, pose: Array) -> Fit:
+def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
     """Return the pose for unknowns of ``gaps`` [m], shape (u,), at a crank angle [rad], without its minimum gap."""
-    return _make_fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank))), pose, math.nan)
+    return _make_fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank_angle))), pose, math.nan)
 
 
 def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
-    """Convert a pose of the unknowns of ``gaps`` (u,) [m] and its minimum gap [m] to positions and rotations."""
+    """Convert a pose of the unknowns of ``gaps`` (u,) [m] to displacements [m] and rotations [rad] of the parts.
+
+    `min_gap` [m] is the smallest gap in this pose, for `Fit.room`.
+    """
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
     rotations, carrier_angle = discs[:, 2] / radius, float(pose[-1]) / radius
@@ -84,30 +87,32 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
     return Fit(min_gap, discs[:, :2], rotations, output, _shift_pins(reducer, mesh_gaps, pose))
 
 
-def find_tightest_pairs(reducer: "Reducer", crank: float) -> tuple[float, dict[str, float]]:
+def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, dict[str, float]]:
     """Compute the minimum gap [m] of `best_fit` at a crank angle [rad], and how the pairs share in limiting it.
 
-    Clearances may be negative here, as in no design file.
+    Clearances may be negative here, unlike in a design file.
 
     Returns
     -------
-    The gap [m], and for each kind of pair, ``cam`` among them, its share in the forces that would press the parts into
-    this pose (dual values of the linear program); the shares add up to 1.
+    tuple
+        The gap [m], and for each kind of pair, ``cam`` among them, its share [1] in the forces that would press the
+        parts into this pose (dual values of the linear program); the shares add up to 1.
     """
-    mesh_gaps, _, min_gap, forces = _maximize_min_gap(reducer, crank)
+    mesh_gaps, _, min_gap, forces = _maximize_min_gap(reducer, crank_angle)
     kinds = np.concatenate([mesh_gaps.kind, np.full(len(forces) - len(mesh_gaps.kind), "cam")])
     return min_gap, {str(kind): float(forces[kinds == kind].sum()) for kind in np.unique(kinds)}
 
 
-def _maximize_min_gap(reducer: "Reducer", crank: float) -> tuple[Gaps, Array, float, Array]:
+def _maximize_min_gap(reducer: "Reducer", crank_angle: float) -> tuple[Gaps, Array, float, Array]:
     """Maximize the minimum gap at a crank angle [rad] by linear programming.
 
-    Returns the gaps, the pose (u,) [m], its minimum gap [m] and the dual values of all limits.
+    Returns the gaps (n,), the pose (u,) [m] in the unknowns of ``gaps``, its minimum gap [m], and the dual values [1]
+    of all limits: of the n gaps, then of the sides of each cam's polygon.
     """
     from scipy.optimize import linprog
 
-    crank = float(reducer.member.against_ring(crank))
-    mesh_gaps, cams = gaps(reducer, crank), cam_displacements(reducer, crank)
+    crank_angle = float(reducer.member.against_ring(crank_angle))
+    mesh_gaps, cams = gaps(reducer, crank_angle), cam_displacements(reducer, crank_angle)
     slope, widths = _linear_limits(reducer, mesh_gaps, cams, FIT.fit_sides)
     count = unknowns(reducer)
     matrix = np.concatenate([-slope, np.ones((len(widths), 1))], axis=1)
@@ -130,20 +135,28 @@ def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple
 def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> Array:
     """Compute the rotations (n, 2) [rad] from the ideal angle at which the output stops, at crank angles (n,) [rad].
 
-    The first is clockwise, the second counter-clockwise. All clearances, errors and modifications are included; `sides`
-    are those of the polygon around a cam's play.
+    The first is clockwise, the second counter-clockwise. All clearances, errors and modifications are included. `sides`
+    is the number of sides of the polygon that represents a cam's play.
 
     Raises
     ------
     RunError
-        The errors leave no room for the disc: it jams.
+        The errors leave no room for the disc, or the halves of a preloaded ring clamp it.
     """
     batches = [cranks[batch_start : batch_start + FIT.batch] for batch_start in range(0, len(cranks), FIT.batch)]
     return np.concatenate([_solve_stops(reducer, batch, sides) for batch in batches])
 
 
 def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
-    """Solve one linear program for the stops (n, 2) [rad] at n crank angles, which are independent of each other."""
+    """Solve one linear program for the stops (n, 2) [rad] at crank angles (n,) [rad], which are independent.
+
+    If it has no solution, each angle is solved alone, to name the one at which the disc jams.
+
+    Raises
+    ------
+    RunError
+        The errors leave no room for the disc, or the halves of a preloaded ring clamp it.
+    """
     from scipy.optimize import linprog
     from scipy.sparse import block_diag, csc_array
 
@@ -156,7 +169,7 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     widths = np.concatenate([widths for _, widths in limits for _ in range(2)])
     objective = np.zeros((len(cranks), 2, count))
     objective[:, :, -1] = 1.0, -1.0
-    # to look for limits that say nothing takes longer than to solve with them
+    # presolving takes longer than solving with the redundant limits
     solution = linprog(objective.ravel(), slope, widths / FIT.scale, bounds=(None, None), options={"presolve": False})
     if solution.x is None:
         if len(cranks) > 1:
@@ -200,9 +213,10 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
 
 
 def _shift_pins(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
-    """Return the displacements of moving pins (mates, 2) [m] out of the way of the discs, in a pose (u,) [m].
+    """Return the displacements of moving pins (mates, 2) [m] that separate them from the discs in a pose (u,) [m].
 
-    They are half-way from the deepest overlap to the far side of the clearance; 0 without an overlap.
+    A pin that overlaps a disc moves along the normal of the deepest overlap, half-way between touching the disc and
+    touching its seat; others stay. Zeros for pins that do not move.
     """
     design = reducer.design
     if not design.ring.has_moving_pins:

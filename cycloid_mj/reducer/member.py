@@ -105,7 +105,7 @@ def member_of(design: Design) -> Member:
 def view_from_ring(design: Design) -> Design:
     """Return the design of the same drive as seen from its ring: the carrier rotates, with its speed and torques.
 
-    Environment and inertia forces in that frame are up to the caller.
+    A design with a fixed ring is returned itself. Environment and inertia forces in that frame are up to the caller.
     """
     if not design.output.turns_ring:
         return design
@@ -121,7 +121,7 @@ def view_from_ring(design: Design) -> Design:
 
 
 def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Convert the columns of a run to the frame of the ring (`view_from_ring`).
+    """Convert the columns of a run to the frame of the ring (`view_from_ring`); unchanged if the ring is fixed.
 
     Angles, positions, speeds and forces are rotated back with the ring; pins are logged in its frame already. The
     torque of the load becomes that on the fixed carrier, which balances crank and ring.
@@ -131,16 +131,22 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
     reducer
         The reducer of the run.
     columns
-        Any columns of a run by name, shape (n,), in SI units.
+        Columns of a run by name, shape (n,), in SI units; ``output_angle`` is required, and the speed of the output
+        counts as 0 if it is missing.
     """
     viewed = dict(columns)
     if not reducer.member.turns_ring:
         return viewed
     angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
-    slower = {"output_angle": 2.0 * angle, "output_speed": 2.0 * speed, "crank_angle": angle, "crank_speed": speed}
+    frame_motions = {
+        "output_angle": 2.0 * angle,
+        "output_speed": 2.0 * speed,
+        "crank_angle": angle,
+        "crank_speed": speed,
+    }
     for gear in reducer.gears:
         x, y, turn, vx, vy, spin = (*names.planar_joints(gear), *names.planar_speeds(gear))
-        slower |= {turn: angle, spin: speed}
+        frame_motions |= {turn: angle, spin: speed}
         _turn_back(viewed, x, y, angle)
         _turn_back(viewed, vx, vy, angle)
         if vx in viewed:
@@ -148,7 +154,7 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
     for name in columns:
         if name.endswith(names.FORCE_X):
             _turn_back(viewed, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
-    viewed |= {name: viewed[name] - frame_motion for name, frame_motion in slower.items() if name in viewed}
+    viewed |= {name: viewed[name] - frame_motion for name, frame_motion in frame_motions.items() if name in viewed}
     if {"load_torque", "crank_torque"} <= viewed.keys():
         viewed["load_torque"] = -(columns["load_torque"] + columns["crank_torque"])
     return viewed

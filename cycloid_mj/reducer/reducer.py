@@ -53,7 +53,8 @@ class Reducer:
     Raises
     ------
     DesignError
-        The design has another layout than `LAYOUT`; `reducer_of` creates the reducer of any layout.
+        The design has another layout than `LAYOUT` (`reducer_of` creates the reducer of any layout), or its parts jam
+        at the temperatures of ``[thermal]``.
     """
 
     LAYOUT: Layout = "central"
@@ -65,7 +66,13 @@ class Reducer:
     """Joint of the driven shaft."""
 
     def __init__(self, design: Design, worn: "WornGaps | None" = None) -> None:
-        """Store a design at its temperatures, with the wear of its surfaces if any; equal designs share their cache."""
+        """Store a design at its temperatures, with the wear of its surfaces if any; equal designs share their cache.
+
+        Raises
+        ------
+        DesignError
+            The design has another layout than `LAYOUT`, or its parts jam at its temperatures.
+        """
         if design.layout != self.LAYOUT:
             raise DesignError(unsupported_layout(design.name, design.layout))
         if not design.thermal.is_reference:
@@ -105,7 +112,7 @@ class Reducer:
 
     @property
     def for_slices(self) -> Self:
-        """Reducer for the simulation with mesh contact, with stiffnesses for its nominal torque or its larger load.
+        """Reducer for the simulation with mesh contact, with stiffnesses for its nominal torque, or its load if larger.
 
         A bed of slices is softer at a small depth by itself, so its stiffness does not follow a small load. Its creep
         speed is that of the design, or `SLICES_CREEP`.

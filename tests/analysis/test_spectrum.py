@@ -70,7 +70,7 @@ def test_the_band_is_stated_and_nothing_is_reported_beyond_it():
     found = tapered_orders(crank, np.cos(36.0 * crank))
     assert found.band == pytest.approx((1.0, SPECTRUM.band * PER_TURN), rel=1e-3)
     assert found.order[-1] <= found.band[1]
-    assert tapered_orders(crank, np.cos(36.0 * crank), most=80.0).band[1] == 80.0
+    assert tapered_orders(crank, np.cos(36.0 * crank), max_order=80.0).band[1] == 80.0
 
 
 def test_a_backward_crank_has_the_same_spectrum():
@@ -115,7 +115,7 @@ def test_periodic_orders_are_exact_up_to_two_samples_in_a_cycle(base, turns):
 
 def test_a_window_of_mesh_periods_does_for_what_repeats_with_the_mesh():
     crank = swept(0.9)
-    found = tapered_orders(crank, 7.0 + np.cos(36.0 * crank + 0.3), most=144.0, base=36.0)
+    found = tapered_orders(crank, 7.0 + np.cos(36.0 * crank + 0.3), max_order=144.0, cycles_per_turn=36.0)
     assert found.cycles == 32
     assert found.band == pytest.approx((3.0 * 36.0 / 32.0, 144.0))
     assert found.amplitude.max() == pytest.approx(1.0, abs=0.002)
