@@ -57,7 +57,11 @@ class DriveCycle:
 
 
 def ramp_and_hold(model: Held, reducer: Reducer) -> DriveCycle:
-    """Return the drive cycle of a design: the crank speed ramps up and holds, the load rises to its constant torque."""
+    """Return the drive cycle of a design: the crank speed ramps up and holds, the load rises to its constant torque.
+
+    The crank starts at the angle 0, at rest, or at full speed if there is no ramp. `model` provides the servo's gains
+    and the inertia that it moves.
+    """
     design = reducer.design
     crank_law = CrankLaw(design.drive.speed, design.drive.ramp)
     return DriveCycle(
@@ -75,10 +79,10 @@ def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
 
 
 def braked_output(model: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> DriveCycle:
-    """Return a drive cycle with constant output speed, for the design's crank speed, and a torque on the crank [N m].
+    """Return a drive cycle with constant output speed, for the design's crank speed, and a torque on the crank.
 
     The servo of the model must be on the output: ``build(design, held="output")``. The crank starts at `angle` [rad],
-    at full speed.
+    at full speed; `torque` is a function of the times (n,) [s], with values [N m].
     """
     design = reducer.design
     speed = design.drive.speed
@@ -92,7 +96,10 @@ def rising(torque: float, rise: float) -> Signal:
 
 
 def initial_state(model: ReducerModel, reducer: Reducer, cycle: DriveCycle | None = None) -> Any:
-    """Return MuJoCo's data with the closed-form positions and speeds at the start of a drive cycle."""
+    """Return MuJoCo's data with the closed-form positions and speeds of all joints at the start of a drive cycle.
+
+    The default is the cycle of the design, `ramp_and_hold`.
+    """
     cycle = cycle or ramp_and_hold(model, reducer)
     data = mujoco.MjData(model.model)
     position, velocity = joint_state(reducer, cycle.angle, cycle.speed)

@@ -36,7 +36,10 @@ JAM = JamSettings()
 
 
 def jamming_power(reducer: Reducer) -> float:
-    """Compute the friction power [W] above which a design jams; infinite if its crank is at rest."""
+    """Compute the friction power [W] above which a design jams; infinite if its crank is at rest.
+
+    It is the power of the larger of two friction torques at the crank, see `JamSettings`.
+    """
     design = reducer.design
     drive = design.drive
     torque = max(

@@ -149,8 +149,9 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
 def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
     """Compute the tangent of the angle by which friction leads the sliding, on teeth, cams and seats of moving pins.
 
-    Bodies that orbit at the eccentricity c with w slide at c w and accelerate by c w^2; on the cam, of radius r, they
-    slide at r w. The tangent is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working
+    `laws` are the contact laws by kind of pair; the result has those of these kinds that have friction. Discs orbit at
+    the eccentricity c with the angular speed w: they slide at c w and accelerate by c w^2; on the cam, of radius r,
+    they slide at r w. The tangent is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working
     force, so under a light load friction could point against the sliding.
     """
     design = reducer.design
@@ -190,7 +191,8 @@ def solver_parameters(
     law
         The contact law.
     inverse_weight
-        Sum of both bodies' translational ``body_invweight0`` [1/kg], MuJoCo's estimate of A in R = (1-d)/d A.
+        Sum of both bodies' translational ``body_invweight0`` [1/kg], MuJoCo's estimate of A in R = (1-d)/d A, with the
+        impedance d.
     impratio
         That of the model.
 
@@ -204,13 +206,12 @@ def solver_parameters(
     MuJoCo allows impedances from 0.0001 to 0.9999. An added mass below 0.0001 of that of the bodies is raised to it;
     `regime` warns if this matters.
     """
-    max_impedance = MAX_IMPEDANCE
     impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), MIN_IMPEDANCE)
-    if not impedance <= max_impedance:
+    if not impedance <= MAX_IMPEDANCE:
         raise ContactError(
             f"a contact with a stiffness of {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at "
             f"this time step, {law.added_mass * inverse_weight:.3g} times the mass of its bodies, but MuJoCo allows at "
-            f"most {max_impedance / (1.0 - max_impedance):.3g} times. Reduce settings.timestep_us, or reduce the "
+            f"most {MAX_IMPEDANCE / (1.0 - MAX_IMPEDANCE):.3g} times. Reduce settings.timestep_us, or reduce the "
             "stiffness of the contact by a smaller gear.face_width_mm"
         )
     regularisation = (1.0 - impedance) / impedance * inverse_weight

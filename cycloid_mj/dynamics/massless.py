@@ -31,7 +31,9 @@ def assumptions(reducer: Reducer, what: str) -> tuple[str, ...]:
 
 
 def require_pin_bodies(reducer: Reducer, unsupported: str) -> None:
-    """Raise an error if a measure (`unsupported`) is not valid for the pins of a design.
+    """Raise an error if a design has massless pins, for which some results are not valid.
+
+    `unsupported` names these results in the message.
 
     Raises
     ------
@@ -48,7 +50,10 @@ def require_pin_bodies(reducer: Reducer, unsupported: str) -> None:
 
 
 def idle_warning(reducer: Reducer) -> tuple[str, ...]:
-    """Return a warning if the load of a run is too small to press massless pins into their seats."""
+    """Return a warning if the load of a run is too small to press massless pins into their seats, else nothing.
+
+    The limit is the torque of weight and inertia of the discs, `Contacts.own_load`.
+    """
     design = reducer.design
     min_load = reducer.contacts.own_load
     if not design.ring.has_massless_pins or abs(design.load.torque) > min_load:

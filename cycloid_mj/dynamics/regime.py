@@ -48,6 +48,9 @@ class RegimeLimits:
 LIMITS = RegimeLimits()
 
 
+ROUNDING = 1e-9
+"""Relative amount by which a setting may miss a limit: messages and design files round it."""
+
 _CREEP_REMEDY = "lower it, or set it to 0 to derive it from the sliding speed"
 """Remedy for friction that is not fully developed."""
 
@@ -85,7 +88,10 @@ def model_warnings(reducer: Reducer, model: Compiled) -> tuple[str, ...]:
 
 
 def static_warnings(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
-    """Return the warnings that apply even if motion is so slow that neither time step nor mass matters."""
+    """Return the warnings that apply even if motion is so slow that neither time step nor mass matters.
+
+    They are about bent output pins, clearances of the `kinds` of pairs, and friction coefficients without effect.
+    """
     has_output_pins = not isinstance(reducer, RvReducer)
     return (
         *(bent_pin_warning(reducer) if has_output_pins else ()),
@@ -108,7 +114,8 @@ def lowest_log_rate(reducer: Reducer) -> float:
 def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
     """Return warnings about too few time steps or samples from tooth to tooth, and about creep, at the design's speed.
 
-    `min_steps` is the number of steps from tooth to tooth that the solver of the run needs.
+    `min_steps` is the number of steps from tooth to tooth that the solver of the run needs. There are none for a crank
+    at rest.
     """
     if not (tooth_rate := tooth_passing_rate(reducer)):
         return ()
@@ -122,7 +129,7 @@ def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_to
 def _step_warning(reducer: Reducer, tooth_rate: float, min_steps: float) -> Iterator[str]:
     """Yield a warning if there are too few time steps per tooth; `tooth_rate` is the tooth passing frequency [Hz]."""
     timestep_s, max_step = timestep(reducer), passing_limit(reducer, min_steps)
-    if timestep_s > max_step * (1.0 + 1e-9):
+    if timestep_s > max_step * (1.0 + ROUNDING):
         yield (
             f"settings.timestep_us = {1e6 * timestep_s:g}: a tooth passes in only "
             f"{1.0 / (tooth_rate * timestep_s):.3g} time steps "
@@ -136,7 +143,7 @@ def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
     """Yield a warning if there are too few log samples per tooth; a log has at most one sample per step."""
     design = reducer.design
     rate, min_rate = min(design.settings.log_rate, 1.0 / timestep(reducer)), LIMITS.min_samples_per_tooth * tooth_rate
-    if rate < min_rate * (1.0 - 1e-9):
+    if rate < min_rate * (1.0 - ROUNDING):
         yield (
             f"settings.log_rate_hz = {design.settings.log_rate:g}: only {rate / tooth_rate:.2g} samples per passing "
             f"tooth ({tooth_rate:.4g} teeth per second), so transmission error, peaks and rms values may be too low; "
@@ -156,21 +163,24 @@ def creep_warning(reducer: Reducer) -> Iterator[str]:
 
 
 def joint_creep_warning(runs: Mapping[str, Reducer]) -> Iterator[str]:
-    """Yield one common warning for all runs in which parts slide too slowly for full friction.
+    """Yield one common warning for all runs in which parts slide too slowly for full friction, if there are any.
 
-    `runs` has their names.
+    `runs` maps the name of each run to its reducer.
     """
-    groups: dict[str, list[str]] = {}
+    names_by_error: dict[str, list[str]] = {}
     for name, reducer in runs.items():
         missing_share, missing_loss = missing_friction(reducer)
         if missing_loss > LIMITS.max_missing_loss:
-            groups.setdefault(f"{missing_share:.0%} and {100.0 * missing_loss:.2g} percentage points", []).append(name)
-    if groups:
-        count = sum(len(names) for names in groups.values())
-        shares = "; ".join(f"{share} ({', '.join(names)})" for share, names in groups.items())
+            names_by_error.setdefault(
+                f"{missing_share:.0%} and {100.0 * missing_loss:.2g} percentage points", []
+            ).append(name)
+    if names_by_error:
+        count = sum(len(names) for names in names_by_error.values())
+        error_texts = "; ".join(f"{error_text} ({', '.join(names)})" for error_text, names in names_by_error.items())
         yield (
             f"contact.creep_speed_mm_s: parts slide too slowly for full friction in {count} of {len(runs)} runs; "
-            f"losses of teeth and output are too low and the efficiency is too high, by about {shares}; {_CREEP_REMEDY}"
+            f"losses of teeth and output are too low and the efficiency is too high, by about {error_texts}; "
+            f"{_CREEP_REMEDY}"
         )
 
 
@@ -182,7 +192,7 @@ def stiffness_ratio(law: ContactParameters, seconds: float) -> float:
 def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
     """Yield a warning for each part whose rolling in its clearance the time step [s] does not resolve."""
     for part, max_step in rolling_limits(reducer).items():
-        if timestep_s > max_step * (1.0 + 1e-9):
+        if timestep_s > max_step * (1.0 + ROUNDING):
             yield (
                 f"settings.timestep_us = {1e6 * timestep_s:g} is too long for the rolling of {part}: speeds and losses "
                 f"are wrong; shorten it to {_below(1e6 * max_step)}, or set it to 0 for the automatic choice"
@@ -190,9 +200,9 @@ def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
 
 
 def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, timestep_s: float) -> Iterator[str]:
-    """Yield a warning if the stiffness of a kind of contact is too high for the time step [s]."""
+    """Yield a warning if the stiffness of a kind of pair is too high for the time step [s], with the contact `law`."""
     max_ratio, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, timestep_s)
-    if ratio > max_ratio * (1.0 + 1e-9):
+    if ratio > max_ratio * (1.0 + ROUNDING):
         max_step = timestep_s * math.sqrt(max_ratio / ratio)
         yield (
             f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too high for a time step of {1e6 * timestep_s:g} us: "
@@ -216,9 +226,9 @@ def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
 def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> float:
     """Estimate the error of the force of sliding teeth, as a share of their working force, in a time step [s].
 
-    The reference of a contact is corrected by its acceleration in the previous step (`reference_correction`), which
-    has rotated by w dt since then. The estimate is mu D c w^2/F w dt, with the friction mu, added mass D and working
-    force F of the tooth contact, the eccentricity c and the crank speed w.
+    The reference acceleration of a contact is corrected by its acceleration in the previous step
+    (`reference_correction`), which has rotated by w dt since then. The estimate is mu D c w^2/F w dt, with the friction
+    coefficient mu, added mass D and working force F of the tooth contact, the eccentricity c and the crank speed w.
     """
     design = reducer.design
     speed, kind = abs(reducer.orbit_speed), design.tooth_pair
@@ -227,14 +237,17 @@ def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> fl
 
 
 def _orbit_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
-    """Yield a warning if the discs' circular orbit is too fast for the time step."""
+    """Yield a warning if the discs' circular orbit is too fast for the time step.
+
+    It applies to models with exact profiles and a moving crank.
+    """
     kind, timestep_s = reducer.design.tooth_pair, float(model.model.opt.timestep)
     if kind not in model.laws or not model.model.nuser_geom or not reducer.design.drive.speed:
         return
     lag, max_step = friction_lag(reducer, model.laws[kind], timestep_s), circling_limit(reducer)
     if lag > LIMITS.max_friction_lag:
         max_step = min(max_step, timestep_s * math.sqrt(LIMITS.max_friction_lag / lag))
-    if timestep_s > max_step * (1.0 + 1e-9):
+    if timestep_s > max_step * (1.0 + ROUNDING):
         yield (
             f"settings.timestep_us = {1e6 * timestep_s:g} is too long for discs that orbit at this crank speed: mean "
             "transmission error and efficiency may be wrong by more than 0.3 %; shorten it to "
@@ -254,7 +267,10 @@ def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
 
 
 def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
-    """Yield a warning for each contact whose added mass MuJoCo's minimum impedance increases noticeably."""
+    """Yield a warning for each kind of pair whose added mass MuJoCo's minimum impedance increases noticeably.
+
+    It applies to models with exact profiles, and is evaluated at the first pair of each kind.
+    """
     model = compiled.model
     pair_by_kind = {pair.kind: pair for pair in reversed(compiled.pairs)} if model.nuser_geom else {}
     for kind, pair in pair_by_kind.items():
@@ -272,10 +288,11 @@ def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
 def bent_pin_warning(reducer: Reducer) -> Iterator[str]:
     """Yield a warning if output pins bend so far under one disc that they press on the back of another disc's holes.
 
-    Runs neglect this contact (docs/decisions/11-bent-output-pins.md). With the flexibility C and the compliance g =
-    C(d, d) + 1/k at a disc, a force F in disc d moves the pin into the back of disc d' by s = F (C(d', d) - g) less
-    twice the clearance. The contact force f there also acts on disc d, which increases the bending: f g' = s + f (C(d',
-    d) - g). The share f/F is an upper limit, because disc d seldom carries the full load.
+    Runs neglect this contact (docs/decisions/11-bent-output-pins.md). C is the flexibility of the pin [m/N], k the
+    stiffness of its contact [N/m], and g = C(d, d) + 1/k the compliance at disc d, g' at d'. A force F in disc d moves
+    the pin into the back of disc d' by s = F (C(d', d) - g) less twice the clearance. The contact force f there also
+    acts on disc d, which increases the bending: f g' = s + f (C(d', d) - g). The share f/F is an upper limit, because
+    disc d seldom carries the full load.
     """
     flexibility, output = reducer.contacts.pin_flexibility, reducer.contacts["output"]
     force, compliances = reducer.design.gear.discs * output.force, flexibility.diagonal() + 1.0 / output.stiffness

@@ -141,7 +141,8 @@ class Schedule:
 def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
     """Return the number of time steps and samples of a design's run: ramp and hold, near the log rate of the design.
 
-    `seconds` is the time step [s] of the model; 0 stands for that of the design.
+    `seconds` is the time step [s] of the model; 0 stands for that of the design. Duration and sample interval are
+    rounded to at least one step.
     """
     design = reducer.design
     seconds = seconds or timestep(reducer)
@@ -177,8 +178,10 @@ def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", he
     ------
     UsageError
         The planar solver supports exact profiles only.
-    CycloidError
-        As `reducer_model`.
+    DesignError
+        A part of the design is not feasible, or does not support this kind of contact.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
     """
     if solver == "mujoco":
         return build(reducer.design, held) if contact == "profile" else reducer_model(reducer, contact)
@@ -191,12 +194,12 @@ def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", he
 
 
 def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerModel:
-    """Build the model of a design for a kind of contact.
+    """Build the MuJoCo model of a design for a kind of contact: exact profiles, or convex meshes.
 
     Raises
     ------
     DesignError
-        A part of the design is not feasible, or cannot be divided into slices.
+        A part of the design is not feasible, or does not support convex meshes.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
@@ -221,7 +224,7 @@ def solver_name(compiled: Model) -> Solver:
 def simulate(
     design: Named,
     compiled: Model | None = None,
-    course: DriveCycle | None = None,
+    cycle: DriveCycle | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Run:
     """Simulate a design in memory.
@@ -232,7 +235,7 @@ def simulate(
         A design, or the name of a preset or of a design file.
     compiled
         Its model, for either solver; by default a new one for MuJoCo.
-    course
+    cycle
         Commands of crank and output; by default the ramp and the hold of the design.
     progress
         Called with the number of finished samples and the total number.
@@ -245,7 +248,9 @@ def simulate(
     Raises
     ------
     RunError
-        The run failed.
+        The run failed; see `blocks`.
+    DesignError, ContactError
+        The model cannot be built; see ``mjcf.build``.
 
     Warns
     -----
@@ -255,22 +260,22 @@ def simulate(
     reducer = reducer_of(resolve(design))
     compiled = compiled or build(reducer.design)
     groups = log_columns(compiled, reducer)
-    samples, run = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
+    samples, finished_blocks = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
     late_texts: tuple[str, ...] = ()
 
     def collect_blocks() -> Iterator[SampleBlock]:
         nonlocal late_texts
-        late_texts = yield from blocks(compiled, reducer, course)
+        late_texts = yield from blocks(compiled, reducer, cycle)
 
     for block in collect_blocks():
-        run.append(block)
-        progress(sum(len(finished_block.time) for finished_block in run), samples)
+        finished_blocks.append(block)
+        progress(sum(len(finished.time) for finished in finished_blocks), samples)
     return Run(
-        time=own(np.concatenate([block.time for block in run])),
-        columns=_join_columns(groups, run),
+        time=own(np.concatenate([block.time for block in finished_blocks])),
+        columns=_join_columns(groups, finished_blocks),
         units={name: unit for group in groups.values() for name, unit in group.items()},
         provenance=provenance(reducer, contact_kind(compiled), compiled.timestep, solver_name(compiled))
-        | warnings_entry((*run_warnings(compiled, reducer, course), *late_texts)),
+        | warnings_entry((*run_warnings(compiled, reducer, cycle), *late_texts)),
         attachments=attachments(compiled, reducer),
         topics={topic: tuple(names) for topic, names in groups.items()},
     )
@@ -288,9 +293,9 @@ def _join_columns(groups: Groups, run: Sequence[SampleBlock]) -> dict[str, Array
 def provenance(
     reducer: Reducer, contact: Contact = "profile", seconds: float = 0.0, solver: Solver = "mujoco"
 ) -> dict[str, str]:
-    """Return the assumptions of a run: solver, contact, time step, working forces of the stiffnesses, versions.
+    """Return the assumptions of a run as texts: solver, contact, time step, measured parts, working forces, versions.
 
-    `seconds` is as in `schedule`.
+    `seconds` is as in `schedule`. Working forces are those at which the stiffnesses of the contacts are secants.
     """
     stiffened_reducer = reducer.for_slices if contact == "mesh" else reducer
     step_rule = STEP_RULES[solver]
@@ -317,18 +322,18 @@ def provenance(
 def run_warnings(compiled: Model, reducer: Reducer, cycle: DriveCycle | None = None) -> tuple[str, ...]:
     """Return the warnings that are known before a run: of the model, of the step at its speed, and of idling.
 
-    `cycle` is the motion of the crank; None is that of the design. Warnings about the speed are omitted if the crank
-    starts from rest, and the one about idling if there is a `cycle`.
+    `cycle` is the motion of the crank; None is that of the design. Warnings that depend on the speed are omitted if the
+    crank starts from rest, and the one about idling if there is a `cycle`.
     """
     is_turning = cycle is None or cycle.speed != 0.0
-    sways = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and is_turning else ()
+    mesh_texts = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and is_turning else ()
     min_steps = STEP_RULES[solver_name(compiled)].min_steps_per_tooth
     pace_texts = (
         pace_warnings(reducer.for_slices if contact_kind(compiled) == "mesh" else reducer, min_steps)
         if is_turning
         else ()
     )
-    return (*sways, *compiled.warnings, *pace_texts, *(idle_warning(reducer) if cycle is None else ()))
+    return (*mesh_texts, *compiled.warnings, *pace_texts, *(idle_warning(reducer) if cycle is None else ()))
 
 
 def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
@@ -337,7 +342,10 @@ def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
 
 
 def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
-    """Return the files attached to a log: the design file, the model and its meshes."""
+    """Return the files attached to a log by name: the design file, the MuJoCo model and its meshes.
+
+    Their contents are created on first access. A planar run has the MuJoCo model of its design, without meshes.
+    """
     assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets
 
     def model() -> bytes:
@@ -350,7 +358,7 @@ def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
 def blocks(
     compiled: Model, reducer: Reducer, cycle: DriveCycle | None = None
 ) -> Generator[SampleBlock, None, tuple[str, ...]]:
-    """Run a model over a course, by default the design's own, and yield its samples block by block.
+    """Run a model over a drive cycle, by default the design's own, and yield its samples block by block.
 
     The generator returns the warnings that are known only at the end of the run, which it has issued as well.
 
@@ -381,15 +389,15 @@ def blocks(
             stack.enter_context(unused.disable_unused(compiled.model))
             stack.enter_context(_no_log_file.kept())
         recorder = _Recorder(compiled, reducer, stepping, plan, has_own_cycle)
-        size = max(RUN.block_samples, samples_per_call)
-        for first_sample in range(0, plan.samples, size):
-            samples = range(first_sample, min(first_sample + size, plan.samples))
+        block_size = max(RUN.block_samples, samples_per_call)
+        for first_sample in range(0, plan.samples, block_size):
+            samples = range(first_sample, min(first_sample + block_size, plan.samples))
             block, problem = _advance_block(plan, cycle, samples, recorder, samples_per_call)
             if len(block.time):
                 yield block
             if problem:
                 raise RunError(problem)
-    late_texts = stepping.late_warnings(recorder.noted, plan)
+    late_texts = stepping.late_warnings(recorder.unconverged_count, plan)
     warn(reducer.design.name, late_texts)
     return late_texts
 
@@ -397,7 +405,11 @@ def blocks(
 def _advance_block(
     plan: Schedule, cycle: DriveCycle, samples: range, recorder: "_Recorder", samples_per_call: int
 ) -> tuple[SampleBlock, str]:
-    """Take the time steps up to some samples; return the samples, and the problem that ended the run, "" for none."""
+    """Take the time steps up to the last of some consecutive samples.
+
+    Return the samples up to the first that fails a check, and the problem that ended the run there, "" for none.
+    `samples_per_call` samples are taken in one call of compiled code.
+    """
     first_step = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(first_step, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
     recorder.steps.command(cycle.commands(time))
@@ -433,7 +445,10 @@ class _Stepping:
     most_iterations: float = math.inf
 
     def late_warnings(self, unconverged_count: int, plan: Schedule) -> tuple[str, ...]:
-        """Return the warnings at the end of a run in which the geometry of some contacts did not converge."""
+        """Return the warnings at the end of a run about time steps whose contact geometry did not converge.
+
+        They apply to the planar solver only; `unconverged_count` is the number of these steps.
+        """
         if self.warning or not unconverged_count:
             return ()
         return (
@@ -444,7 +459,10 @@ class _Stepping:
 
 
 def _mujoco_stepping(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
-    """Return the stepper of a MuJoCo run with its limits: sensors, drags, contact laws and film table of the model."""
+    """Return the stepper of a MuJoCo run, with the conditions that end the run.
+
+    It reads the sensors, drags, contact laws and film table of the model; `data` is the ``MjData`` to advance.
+    """
     index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
     laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
     impacts = [law for law in laws if law]
@@ -467,27 +485,34 @@ def disc_freedoms(model: Any, reducer: Reducer) -> list[int]:
 class _Recorder:
     """Takes samples, checks them, and converts them into tables."""
 
-    def __init__(self, compiled: Model, reducer: Reducer, stepping: _Stepping, plan: Schedule, driven: bool) -> None:
-        """Store the indices of the columns that are checked, and the limits of the checks."""
+    def __init__(
+        self, compiled: Model, reducer: Reducer, stepping: _Stepping, plan: Schedule, has_own_cycle: bool
+    ) -> None:
+        """Store the indices of the columns that are checked, and the limits of the checks.
+
+        Friction is checked for a jam only if the run `has_own_cycle`, that of the design.
+        """
         design = reducer.design
         groups = sensors(reducer)
         names = list(chain.from_iterable(groups.values()))
         self.steps, self._warning = stepping.steps, stepping.warning
-        self.noted = 0
-        self._read, self._first_pin = len(names), len(groups[REDUCER])
+        self.unconverged_count = 0
+        self._sensor_count, self._first_pin = len(names), len(groups[REDUCER])
         self._has_pins = PINS in groups
-        self._kinds = [np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)]
-        self._deepest, self._most_iterations = penetration_limit(reducer), stepping.most_iterations
+        self._pairs_of_kind = [
+            np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)
+        ]
+        self._max_penetration, self._iteration_limit = penetration_limit(reducer), stepping.most_iterations
         self._reducer, self._design = reducer, design
-        self._jamming = jamming_power(reducer) if driven else math.inf
+        self._jamming_power = jamming_power(reducer) if has_own_cycle else math.inf
         orbit_speed = abs(reducer.orbit_speed)
         mesh_period = 2.0 * math.pi / (design.ring.teeth * orbit_speed) if orbit_speed else math.inf
         mesh_samples = min(mesh_period / (plan.stride * plan.timestep), plan.samples)
-        self._lost = np.zeros(max(math.ceil(mesh_samples), 1) - 1)
+        self._friction_history = np.zeros(max(math.ceil(mesh_samples), 1) - 1)
         self._gears = [names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
         first_disc = gears(design.gear.discs)[0]
         self._pose = [names.index(name) for name in planar_joints(first_disc)]
-        self._motion = [names.index(name) for name in planar_speeds(first_disc)]
+        self._speeds = [names.index(name) for name in planar_speeds(first_disc)]
         self._input, self._output = names.index(f"{reducer.INPUT}_angle"), names.index("output_angle")
         bodies = reducer.mechanism.pins if design.ring.has_sockets else ()
         self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
@@ -495,7 +520,7 @@ class _Recorder:
     def advance(self, samples: int) -> tuple[Array, str]:
         """Take the next samples; return their rows up to the first that fails a check, and the problem, "" for none."""
         rows = self.steps.advance(samples)
-        self.noted += int(rows[:, self.steps.solver][:, sample_layout.WARNINGS].sum())
+        self.unconverged_count += int(rows[:, self.steps.solver][:, sample_layout.WARNINGS].sum())
         checks = list(self._checks(rows))
         is_wrong = np.any([is_failed for is_failed, _ in checks], axis=0)
         if not is_wrong.any():
@@ -506,21 +531,26 @@ class _Recorder:
         )
 
     def tables(self, rows: Array) -> dict[str, Array]:
-        """Convert rows of samples to the columns of the log: values by topic, shape (samples, columns) each."""
-        copied_columns, solver, drags = (
+        """Convert rows of samples to the columns of the log, by topic, shape (samples, columns) each.
+
+        Powers are summed over the pairs of each kind, and the motion of the point q is computed from that of the first
+        disc.
+        """
+        sensor_values, solver, drags = (
             rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags)
         )
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
         powers = np.stack(
-            [pairs[:, is_of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for is_of_kind in self._kinds], axis=1
+            [pairs[:, is_of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for is_of_kind in self._pairs_of_kind],
+            axis=1,
         )
-        energies = copied_columns[:, self._read :]
+        energies = sensor_values[:, self._sensor_count :]
         pin_motion = point_motion(
-            (0.0, self._reducer.lever), copied_columns[:, self._pose], copied_columns[:, self._motion]
+            (0.0, self._reducer.lever), sensor_values[:, self._pose], sensor_values[:, self._speeds]
         )
         parts = [
-            copied_columns[:, : self._first_pin],
-            solver[:, :4],
+            sensor_values[:, : self._first_pin],
+            solver[:, : sample_layout.ITERATIONS + 1],
             energies,
             powers.reshape(len(rows), -1),
             drags,
@@ -528,14 +558,19 @@ class _Recorder:
         ]
         tables = {REDUCER: np.concatenate(parts, axis=1)}
         if self._has_pins:
-            tables[PINS] = copied_columns[:, self._first_pin : self._read]
+            tables[PINS] = sensor_values[:, self._first_pin : self._sensor_count]
         return tables | {FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
-        """Yield every check: which samples fail it, and a function that describes the problem of one."""
-        copied_columns = rows[:, self.steps.copied]
-        _, depth, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T
-        is_finite = np.isfinite(copied_columns).all(axis=1) & np.isfinite(acceleration_sum)
+        """Yield every check: the samples (n,) that fail it, and a function that describes the problem of sample i.
+
+        Checked are values that are not finite, warnings of MuJoCo, friction power, penetration, iterations of the
+        solver, moving pins outside their sockets, and discs more than a quarter of a tooth pitch from their kinematic
+        angle.
+        """
+        sensor_values = rows[:, self.steps.copied]
+        _, penetration, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T
+        is_finite = np.isfinite(sensor_values).all(axis=1) & np.isfinite(acceleration_sum)
         divergence = "the simulation diverged (NaN); shorten settings.timestep_us or lower the contact stiffness"
         yield ~is_finite, lambda sample: divergence
         if warning := self._warning:
@@ -545,31 +580,31 @@ class _Recorder:
             pairs[:, :, sample_layout.FRICTION_POWER].sum(axis=1),
             pairs[:, :, sample_layout.NORMAL_POWER].sum(axis=1),
         )
-        mean_friction = moving_means(friction_power, self._lost)
-        self._lost = np.concatenate([self._lost, friction_power])[len(friction_power) :]
-        yield mean_friction > self._jamming, partial(self._jam, "friction dissipates", mean_friction)
+        mean_friction = moving_means(friction_power, self._friction_history)
+        self._friction_history = np.concatenate([self._friction_history, friction_power])[len(friction_power) :]
+        yield mean_friction > self._jamming_power, partial(self._describe_jam, "friction dissipates", mean_friction)
         # parts that wedge store the crank's power in their deflection; too long a time step generates power instead
         wedge_power = friction_power + np.maximum(normal_power, 0.0)
         yield (
-            (wedge_power > self._jamming) & (depth > self._deepest),
-            partial(self._jam, "friction and wedging dissipate", wedge_power),
+            (wedge_power > self._jamming_power) & (penetration > self._max_penetration),
+            partial(self._describe_jam, "friction and wedging dissipate", wedge_power),
         )
         yield (
-            depth > self._deepest,
+            penetration > self._max_penetration,
             lambda sample: (
-                f"a contact penetrates by {depth[sample] * 1e6:.1f} um, more than contact.max_penetration_um = "
-                f"{self._deepest * 1e6:g}; shorten settings.timestep_us or reduce the load"
+                f"a contact penetrates by {penetration[sample] * 1e6:.1f} um, more than contact.max_penetration_um = "
+                f"{self._max_penetration * 1e6:g}; shorten settings.timestep_us or reduce the load"
             ),
         )
         yield (
-            iterations >= self._most_iterations,
+            iterations >= self._iteration_limit,
             lambda sample: (
                 f"the constraint solver did not converge in {iterations[sample]:.0f} iterations; "
                 "shorten settings.timestep_us"
             ),
         )
         if len(self._free_pins):
-            pin_distance = np.linalg.norm(copied_columns[:, self._free_pins], axis=2)
+            pin_distance = np.linalg.norm(sensor_values[:, self._free_pins], axis=2)
             yield (
                 (pin_distance > self._design.ring.pin_radius).any(axis=1),
                 lambda sample: (
@@ -579,14 +614,15 @@ class _Recorder:
                 ),
             )
         member = self._reducer.member
-        ring, _ = member.ring_and_carrier(copied_columns[:, self._output])
-        crank = member.mesh_angle(copied_columns[:, self._input], ring)
+        ring, _ = member.ring_and_carrier(sensor_values[:, self._output])
+        crank = member.mesh_angle(sensor_values[:, self._input], ring)
         for number, gear in enumerate(self._gears, start=1):
-            error = copied_columns[:, gear] - ring + crank / member.lobes
+            error = sensor_values[:, gear] - ring + crank / member.lobes
             disc_name = f"disc {number}" if len(self._gears) > 1 else "the disc"
-            yield (np.abs(error) > 0.25 * 2.0 * math.pi / member.lobes, partial(_describe_skip, disc_name, error))
+            quarter_pitch = 0.25 * 2.0 * math.pi / member.lobes
+            yield (np.abs(error) > quarter_pitch, partial(_describe_skip, disc_name, error))
 
-    def _jam(self, cause: str, power: Array, sample: int) -> str:
+    def _describe_jam(self, cause: str, power: Array, sample: int) -> str:
         """Describe, for an error message, the jam at a sample, whose `cause` dissipates the `power` [W] (samples,)."""
         drive = self._design.drive
         return (

@@ -46,9 +46,9 @@ SETTLING = SettlingSettings()
 def closed_stiffness(reducer: Reducer) -> float:
     """Estimate the torsional stiffness of a drive [N m/rad] with half of the teeth and half of the output pins closed.
 
-    In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and k n R^2/4
-    of n output pins on the radius R, times the number of discs; then the twist of carrier, shaft and housing. Of an RV
-    reducer it is `closed_form_stiffness`.
+    In series are: k sum l^2 of the teeth with the arms l and the stiffness k of tooth and seat in series; k (c (N-1))^2
+    of the cam; and k n R^2/4 of n output pins on the radius R. Each is multiplied by the number of discs. The twist of
+    carrier, shaft and housing is added. The stiffness of an RV reducer is `closed_form_stiffness`.
     """
     design = reducer.design
     if isinstance(reducer, RvReducer):
@@ -110,7 +110,12 @@ def slowness(reducer: Reducer) -> float:
 
 
 def penetration_limit(reducer: Reducer) -> float:
-    """Return the depth [m] of a contact at which a run ends: ``contact.max_penetration``, or a limit by the design."""
+    """Return the depth [m] of a contact at which a run ends: ``contact.max_penetration``, or by default an estimate.
+
+    The estimate is `SETTLING.depth_over_deflection` times the deflection under working forces, but at least
+    `SETTLING.min_depth_limit`; the depth by preload is added, and the result is limited to a share of the
+    eccentricity.
+    """
     design = reducer.design
     if design.contact.max_penetration:
         return design.contact.max_penetration

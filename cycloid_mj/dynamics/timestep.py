@@ -150,7 +150,10 @@ def step_limits(reducer: Reducer, must_follow: bool = False) -> dict[str, float]
 
 
 def max_stiffness_ratio(reducer: Reducer, kind: str, must_follow: bool = False) -> float:
-    """Return the largest K dt^2/m [1] of a kind of pair; `must_follow` as in `step_limits`."""
+    """Return the largest K dt^2/m [1] of a kind of pair, with the stiffness K, time step dt and effective mass m.
+
+    `must_follow` as in `step_limits`.
+    """
     design = reducer.design
     if may_settle(reducer, kind) and not must_follow:
         return SETTINGS.max_settling_ratio
@@ -210,7 +213,8 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     """Compute the mass [kg] that moves on a contact of each kind of pair.
 
     Half of the ring contacts and of the output contacts of each disc carry load at a time. A free pin, or a sleeve,
-    lies between two contacts. The loaded member yields by its rotation: the lever arm of ring forces is at most c N.
+    lies between two contacts. The loaded member yields by its rotation: the lever arm of ring forces is at most c N,
+    with the eccentricity c and the number N of ring teeth.
     """
     design = reducer.design
     gear, output, pin = _masses(reducer.shape)

@@ -92,7 +92,10 @@ def colour(part: str) -> Colour:
 
 
 def axial_extent(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
-    """Compute the centre of surfaces along z, and half their width [m]."""
+    """Return the centre of surfaces along z, and half their width [m].
+
+    They span their disc, or all discs, or the planets if they are teeth of sun or planets.
+    """
     gear = reducer.design.gear
     if isinstance(reducer, RvReducer) and surfaces.role in (Role.SUN, Role.PLANET):
         low, high = axial_layout(reducer).planets
@@ -142,7 +145,12 @@ def _shaft_attributes(reducer: Reducer, joint: str) -> dict[str, Any]:
 
 
 def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
-    """Return the orientation and the user data of a surface's geom i, which the collider reads."""
+    """Return the orientation and the user data of the geom of surface `i` of a group, which the collider reads.
+
+    Teeth have the data of `teeth.user_data`; sockets the cosine and sine of half their arc; planets the numbers of
+    their mesh. Ring pins have their outward direction, for the start of the contact search, or zeros if it varies in a
+    run; massless pins add play, compliance ratio and opening of their seats. Other surfaces have no data.
+    """
     design = reducer.design
     angle = float(surfaces.angle[i])
     if surfaces.role == Role.TEETH:
@@ -160,15 +168,15 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
         return {"userdata": [significant(number) for number in mesh_numbers(reducer.planet_mesh, i)]}
     if surfaces.role != Role.PIN:
         return {}
-    # A pin that its ring carries round, or that is turned from its place, has no home: the collider takes where it is.
+    # A pin that rotates with its ring or is displaced by a preload has no fixed direction: the collider uses its pose.
     body = reducer.mechanism.body(surfaces.bodies[i])
-    has_no_home = reducer.mechanism.turning in (body.name, body.carrier) or design.ring.preload > 0.0
-    home_direction = [0.0, 0.0] if has_no_home else on_grid([np.sin(angle), np.cos(angle)]).tolist()
+    direction_varies = reducer.mechanism.turning in (body.name, body.carrier) or design.ring.preload > 0.0
+    outward_direction = [0.0, 0.0] if direction_varies else on_grid([np.sin(angle), np.cos(angle)]).tolist()
     if not design.ring.has_massless_pins:
-        return {"userdata": home_direction}
+        return {"userdata": outward_direction}
     softness = reducer.contacts[design.tooth_pair].stiffness / reducer.contacts[design.seat_pair].stiffness
     min_cosine = 1.0 + np.cos(surfaces.half_angle)
-    return {"userdata": [*home_direction, *map(significant, (float(surfaces.play[i]), softness, min_cosine))]}
+    return {"userdata": [*outward_direction, *map(significant, (float(surfaces.play[i]), softness, min_cosine))]}
 
 
 def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:

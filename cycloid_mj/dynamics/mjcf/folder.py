@@ -64,16 +64,23 @@ _NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 
 
 def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dict[str, bytes]:
-    """Return every file of a model folder by its path in it; CoACD takes some 10 s.
+    """Return every file of a model folder by its path in it; convex decomposition by CoACD takes about 10 s.
 
     The model differs from that of ``build_mesh``: the crank has a speed servo (``ctrl`` in rad/s, no target to be
-    moved), there are keyframes, and convex pieces behind the teeth collide with other objects (not those of an
-    RV reducer).
+    moved), there are keyframes, and convex pieces behind the teeth collide with other objects (not those of an RV
+    reducer).
+
+    Raises
+    ------
+    DesignError
+        A part of the design is not feasible, or does not support convex meshes; see ``mesh_spec``.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
 
     Warns
     -----
     CycloidWarning
-        Figures of runs of this model may not be those of the design.
+        Results of runs of this model may not be those of the design.
     """
     settings, reducer = settings or ConvexSettings(), reducer.for_slices
     mesh = mesh_spec(reducer, settings)
@@ -82,11 +89,11 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     remainders = [] if is_rv else [decompose(sector, settings) for sector in sectors(reducer, settings)]
     for number, remainder in enumerate(remainders, start=1):
         add_remainder(mesh.spec, reducer, number, remainder)
-    gains = _add_drive(mesh, reducer)
+    servo_gains = _add_drive(mesh, reducer)
     add_sensors(mesh.spec, reducer)
     add_keyframes(mesh.spec, reducer)
     mesh.spec.meshdir = ASSETS
-    compiled = reducer_model(mesh, reducer, gains)
+    compiled = reducer_model(mesh, reducer, servo_gains)
     warn(reducer.design.name, compiled.warnings)
     if reducer.design.has_film:
         warn(reducer.design.name, (FILM_WARNING,))
@@ -159,7 +166,11 @@ def _manifest(
     remainders: list[Rest],
     files: Mapping[str, bytes],
 ) -> str:
-    """Return the manifest of a model folder as JSON: versions, hashes, settings and measured mesh errors."""
+    """Return the manifest of a model folder as JSON: versions, hashes, settings, masses and measured mesh errors.
+
+    `surface_errors` are the errors of the sliced surfaces by name, `remainders` the convex pieces behind them, `files`
+    the other files of the folder.
+    """
     design = reducer.design
     shafts = [names.SUN, *crank_names(reducer)] if isinstance(reducer, RvReducer) else [names.SHAFT]
     moving = [

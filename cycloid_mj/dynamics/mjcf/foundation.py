@@ -13,6 +13,9 @@ from cycloid_mj.parts.convex import Slice
 def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) -> ContactParameters:
     """Compute the contact law of one slice of a surface: k = K w / patch for a width w, at most K.
 
+    `patch` is the effective width of the line contact at the working force; damping, added mass and creep are reduced
+    like the stiffness.
+
     Parameters
     ----------
     law
@@ -46,10 +49,11 @@ def flank_patch(depth: float, curvature: float) -> float:
 
 
 def hole_patch(depth: float, radius: float, play: float) -> float:
-    """Compute the effective width [m] of the contact of a round part in a hole at a penetration [m].
+    """Compute the effective width [m] of the contact of a round part in a hole at a penetration d = `depth` [m].
 
-    Displaced by x = play + d, the part is x cos(theta) - play deep up to the angle theta_0 = acos(play / x); springs of
-    k per width push with the share cos(theta), in all k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0].
+    A part of the radius R [m] with the radial `play` [m], displaced by x = play + d, is x cos(theta) - play deep up to
+    the angle theta_0 = acos(play / x). Springs of k per width push with the share cos(theta), with the total force k R
+    [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0]; divided by k d, this is the width.
     """
     displacement = play + depth
     half_angle = math.acos(play / displacement)

@@ -42,9 +42,9 @@ def add_keyframes(spec: Any, reducer: Reducer) -> None:
 def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
     """Compute positions and velocities of all joints at a crank angle [rad] and speed [rad/s], by joint name.
 
-    Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1); or
-    the gear does not turn, and the ring does, at speed/N. Parts with errors or modified flanks, and the pins among them
-    that move, are where they fit best. `rv_motion` is that of an RV reducer, whose `crank` is the sun.
+    Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output rotate at -speed/(N-1);
+    or the gear does not rotate, and the ring does, at speed/N. If parts have errors or modified flanks, they and moving
+    pins are where they fit best. In an RV reducer, `crank` and `speed` are those of the sun, see `rv_motion`.
     """
     if isinstance(reducer, RvReducer):
         return rv_motion(reducer, crank, speed)
@@ -76,12 +76,15 @@ def _resting_fit(reducer: Reducer, crank: float) -> Fit:
 
 
 def _fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
-    """Compute the displacements of all joints from the ideal mesh in the best fit [m], [rad], by name."""
+    """Compute the displacements of all joints from the ideal mesh in the best fit [m], [rad], by joint name.
+
+    They are seen from the foundation, at a crank angle [rad].
+    """
     fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
     cos, sin = math.cos(angle), math.sin(angle)
     shifts: dict[str, float] = {}
-    for disc, (x, y), turn in zip(reducer.mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
-        shifts |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, turn), strict=True))
+    for disc, (x, y), rotation in zip(reducer.mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
+        shifts |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, rotation), strict=True))
     for pin, shift in zip(reducer.mechanism.pins, fit.pin_shift, strict=False):
         shifts |= dict(zip(pin.joints[:2], shift.tolist(), strict=True))
     return shifts | {names.OUTPUT_JOINT: fit.output_turn}

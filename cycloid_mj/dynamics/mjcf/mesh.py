@@ -94,13 +94,16 @@ class MeshSpec:
 def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> ReducerModel:
     """Build the model of a design for MuJoCo's own collision detection, with convex slices.
 
-    Run it like that of ``build``.
+    Returns
+    -------
+    ReducerModel
+        The compiled model, which runs like that of ``build``.
 
     Raises
     ------
     DesignError
-        A part of the design is not feasible, or cannot be sliced; its pins carry sleeves; or its contacts follow IMPACT
-        or the friction law ``film``.
+        A part of the design is not feasible, or does not support convex meshes (see `mesh_spec`); the design is an RV
+        reducer; or its contacts follow IMPACT or the friction law ``film``.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
@@ -137,6 +140,13 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     """Build an editable mesh model: bodies with visual and collision geoms, without actuators and sensors.
 
     The convex pieces behind the working surfaces are not included. Slices have the stiffness of `Reducer.for_slices`.
+
+    Raises
+    ------
+    DesignError
+        The design has sleeves, massless pins, closed sockets or a ring in two halves, or a part of it is not feasible.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
     """
     reducer = reducer.for_slices
     ring = reducer.design.ring
@@ -150,11 +160,11 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     require_one_ring(reducer, "mesh contact")
     masses = moving_masses(reducer)
     all_laws = laws_of_discs(reducer)
-    laws = [{kind: law for kind, law in of_disc.items() if kind not in SPRINGS} for of_disc in all_laws]
+    laws = [{kind: law for kind, law in disc_laws.items() if kind not in SPRINGS} for disc_laws in all_laws]
     spec = empty_spec(reducer, stock_impratio(reducer, laws))
     spec.nuser_geom = 0
-    for item in (*spec.lights, *spec.cameras):
-        spec.delete(item)
+    for element in (*spec.lights, *spec.cameras):
+        spec.delete(element)
     add_bodies(spec, reducer, masses)
     set_inertia(spec.body(names.HOUSING), masses[names.HOUSING])
     _set_collision_options(spec)
@@ -175,7 +185,11 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
 
 
 def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> None:
-    """Add the convex pieces behind the working surfaces of a part, which collide with other objects only."""
+    """Add the convex pieces behind the working surfaces of a part, which collide with other objects only.
+
+    The pieces of one sector are repeated around the part, on every disc for those of a disc; `number` is that of the
+    remainder in the names of its meshes.
+    """
     sector, phases = remainder.sector, reducer.phases
     bodies = reducer.gears if sector.part == names.GEAR else (sector.part,)
     for index, piece in enumerate(remainder.pieces, start=1):
@@ -185,9 +199,11 @@ def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> 
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
         default.geom.conaffinity = OUTSIDE
         for body, phase in zip(bodies, phases, strict=False):
-            first = phase / reducer.design.lobes if sector.of_teeth else 0.0
+            teeth_rotation = phase / reducer.design.lobes if sector.of_teeth else 0.0
             for copy in range(sector.count):
-                spec.body(body).add_geom(default, quat=clockwise_quaternion(first + 2.0 * np.pi * copy / sector.count))
+                spec.body(body).add_geom(
+                    default, quat=clockwise_quaternion(teeth_rotation + 2.0 * np.pi * copy / sector.count)
+                )
 
 
 def surface_stem(surface: str, member: int) -> str:
@@ -274,7 +290,7 @@ def _add_slices(
     """Add a default class for each slice of a surface on a disc, with its contact physics, and its geoms.
 
     Slices with friction that know their mate collide by explicit pairs, all others by the bits of contype and
-    conaffinity.
+    conaffinity. `laws` are the contact laws by disc, `weights` MuJoCo's inverse weights by body [1/kg].
     """
     design, carriers, discs = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs
     reducer = reducer_of(design)
@@ -325,10 +341,11 @@ def _set_pair_contact(pair: Any, parameters: SolverParameters) -> None:
 
 
 def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
-    """Return contype and conaffinity of a slice, or of the hull that is a convex tip.
+    """Return contype and conaffinity of a slice of a surface, or of the hull that is a convex tip.
 
-    Tips of the gear collide with the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe
-    is a capsule, which is exact and quicker than its hull.
+    `surface` is "teeth", "lobe", "socket", "bore" or "hole"; the `width` [m] of a hull is infinite. Tips of the gear
+    collide with the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe is a capsule,
+    which is exact and quicker than its hull.
     """
     is_hull = not np.isfinite(width)
     if surface == "lobe":

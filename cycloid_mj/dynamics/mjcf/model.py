@@ -138,7 +138,10 @@ def xml(spec: Any) -> str:
 
 
 def empty_spec(reducer: Reducer, impratio: float) -> Any:
-    """Return an editable model with the options of every model of a design, and only a light and a camera in it."""
+    """Return an editable model with the options of every model of a design, and only a light and a camera in it.
+
+    `impratio` is MuJoCo's ratio of frictional to normal impedance, see `law.impratio`.
+    """
     design = reducer.design
     spec = mujoco.MjSpec()
     spec.modelname = f"cycloid_{design.name}"
@@ -193,18 +196,18 @@ def servo_gains(inertia: float) -> tuple[float, float]:
     return significant(inertia * SERVO_BANDWIDTH**2), significant(2.0 * inertia * SERVO_BANDWIDTH)
 
 
-def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
-    """Add the explicit contact pairs with the law of each contact; return the compiled model.
+def _add_pairs(spec: Any, pairs: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
+    """Add the explicit contact pairs of all mating pairs with the law of each; return the compiled model.
 
-    The attributes depend on the weights of the compiled bodies, and are set in both the editable and the compiled
-    model: compiling once more takes as long.
+    `laws` are the contact laws by disc and kind. The attributes of pairs depend on the weights of the compiled bodies;
+    they are set in both the editable and the compiled model, because compiling once more takes as long.
     """
     elements = []
-    for pair in mating:
+    for pair in pairs:
         law = laws[pair.disc][pair.kind]
         elements.append(spec.add_pair(name=pair.name, geomname1=pair.on, geomname2=pair.by, condim=law.condim))
     model = spec.compile()
-    for pair, element in zip(mating, elements, strict=True):
+    for pair, element in zip(pairs, elements, strict=True):
         bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
         parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio)

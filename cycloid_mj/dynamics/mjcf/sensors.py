@@ -78,13 +78,13 @@ def _shaft_sensors(stem: str, joint: str, torque: str, actuator: str) -> Iterato
 def _planar_sensors(body: Body, selected: slice = slice(0, 3)) -> Iterator[_Sensor]:
     """Yield the sensors of a body in the plane along `selected` ones of x, y and rotation, named after the body.
 
-    Of the speeds of a pin there is only its spin.
+    Positions come first, then speeds; pins have only the speed of their rotation.
     """
-    topic, first = (PINS, 2) if body.part == names.PIN else (REDUCER, 0)
+    topic, first_speed = (PINS, 2) if body.part == names.PIN else (REDUCER, 0)
     units, speed_units = ("m", "m", "rad")[selected], ("m/s", "m/s", "rad/s")[selected]
     joints = names.planar_joints(body.name)[selected]
     for joint, unit in zip(joints, units, strict=True):
         yield _Sensor(topic, joint, unit, "position", joint)
     speeds = zip(joints, names.planar_speeds(body.name)[selected], speed_units, strict=True)
-    for joint, column, unit in list(speeds)[first:]:
+    for joint, column, unit in list(speeds)[first_speed:]:
         yield _Sensor(topic, column, unit, "speed", joint)

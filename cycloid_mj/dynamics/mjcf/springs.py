@@ -24,7 +24,10 @@ I.1.4), and the damping, explicit too, takes a part of this."""
 
 
 def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParameters]) -> None:
-    """Add the springs of all crank bearings and planet meshes to an editable model, with the laws of both kinds.
+    """Add the springs of all crank bearings and planet meshes of an RV reducer to an editable model.
+
+    `laws` are the contact laws by kind of pair. Springs are slack within the clearance or backlash; a preloaded
+    bearing, whose needles carry on both sides, is twice as stiff.
 
     Raises
     ------
