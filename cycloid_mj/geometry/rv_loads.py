@@ -183,7 +183,7 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
     ----------
     stage
         The stage.
-    crank
+    crank_angles
         Crank angles [rad], shape (m,).
     phase_error
         Error of the angle of each crank [rad], shape (m, n).
