@@ -98,7 +98,7 @@ def test_scaling_uses_steps_that_resolve_the_pins_equally(monkeypatch) -> None:
     assert [row["exponent"] for row in list(table.values())[1:]] == [[pytest.approx(1.1)]] * 3
 
 
-def test_a_ratio_to_exudyn_is_to_each_published_cost(monkeypatch) -> None:
+def test_the_ratio_to_exudyn_is_stated_for_each_published_cost(monkeypatch) -> None:
     def cost(design, compiled):
         assert costs.schedule(Reducer(design)).steps == costs.WARM + 20_000
         assert costs.schedule(Reducer(design)).stride * 100 == costs.WARM

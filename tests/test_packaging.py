@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 
-def test_mujoco_is_bounded_from_below_alone_by_the_oldest_that_is_known_to_work():
+def test_the_requirement_on_mujoco_is_the_oldest_tested_version():
     (requirement,) = [one for one in PROJECT["dependencies"] if one.startswith("mujoco")]
     assert KNOWN[0].startswith(requirement.removeprefix("mujoco>="))
 

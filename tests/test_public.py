@@ -41,7 +41,7 @@ def test_the_import_alone_loads_nothing_heavy() -> None:
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_functions_stay_functions_after_every_module_is_imported() -> None:
+def test_no_module_hides_a_public_function_of_its_name() -> None:
     """A submodule of the same name would hide them."""
     code = "import cycloid_mj as cm, cycloid_mj.cli.app; assert all(callable(getattr(cm, n)) for n in names)"
     names = [
@@ -174,7 +174,7 @@ def test_a_result_is_drawn_by_one_call() -> None:
         TABLE.plot()
 
 
-def test_a_run_and_a_measurement_are_drawn_and_describe_themselves_in_a_line() -> None:
+def test_a_run_and_a_measurement_have_a_figure_and_a_short_repr() -> None:
     still = cm.load("pin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.002, "load.torque_nm": 5.0, "load.rise_s": 0.001})
     run = cm.simulate(still)
     assert run.plot("fig6_gear_speed").axes
@@ -201,7 +201,7 @@ def test_a_run_and_a_measurement_are_drawn_and_describe_themselves_in_a_line() -
     assert backlash.plot().axes[0].get_title("left") == "play"
 
 
-def test_a_measured_loop_is_drawn_and_describes_itself_in_a_line() -> None:
+def test_a_measured_loop_has_a_figure_and_a_short_repr() -> None:
     loop = cm.read_loop(str(Path(__file__).parent / "data" / "bench" / "play_loop.csv"))
     assert repr(loop).startswith(f"<MeasuredLoop: {loop.name}, {len(loop.torque)} points, ")
     assert loop.plot().axes[0].get_ylabel() == "deflection [deg]"
@@ -209,7 +209,7 @@ def test_a_measured_loop_is_drawn_and_describes_itself_in_a_line() -> None:
     assert loop._repr_html_().count("<tr>") <= 61
 
 
-def test_a_design_and_its_checks_describe_themselves_have_a_frame_and_are_drawn() -> None:
+def test_a_design_and_its_checks_have_a_repr_a_frame_and_a_figure() -> None:
     design = cm.load("pin", {"clearance.cam_um": 98.0})
     checks = cm.check(design)
     warned = [check.name for check in checks if not check.passed]
@@ -225,14 +225,14 @@ def test_a_design_and_its_checks_describe_themselves_have_a_frame_and_are_drawn(
     assert design.plot().axes
 
 
-def test_files_of_parts_describe_themselves_have_a_frame_and_their_clearances_are_drawn() -> None:
+def test_files_of_parts_have_a_repr_a_frame_and_a_figure_of_clearances() -> None:
     files = cm.export(cm.load("pin"), "stl")
     assert repr(files).startswith("<Export: ")
     assert files.frame.columns["bytes"].tolist() == [len(content) for content in files.files.values()]
     assert files.plot().axes[0].patches
 
 
-def test_a_prediction_and_a_spectrum_describe_themselves_and_are_drawn() -> None:
+def test_a_prediction_and_a_spectrum_have_a_repr_and_a_figure() -> None:
     loop = cm.read_loop(Path(__file__).parent / "data" / "bench" / "play_loop.csv")
     found = cm.predict_loops(cm.Reducer(cm.load("pin")), [loop])
     assert (
@@ -308,7 +308,7 @@ def test_designs_are_compared_and_drawn() -> None:
     assert comparison.plot("compare_tooth_force").axes
 
 
-def test_the_protocol_of_a_design_is_drawn_and_describes_itself_in_a_line() -> None:
+def test_the_protocol_of_a_design_has_a_figure_and_a_short_repr() -> None:
     protocol = cm.protocol("pin", 20.0, angles=1)
     assert re.match(r"<Protocol: pin, rated torque 20 N m; lost motion [01]\.\d+ arcmin, ", repr(protocol))
     assert protocol.frame.rows > 5
@@ -326,7 +326,7 @@ def test_a_callable_package_shows_its_parameters() -> None:
     assert list(inspect.signature(cm.report).parameters) == ["runs", "q", "settle"]
 
 
-def test_a_curve_and_a_table_show_in_a_line_and_as_a_frame() -> None:
+def test_a_curve_and_a_table_have_a_short_repr_and_a_frame() -> None:
     curve = cm.Curve("play", "model", np.arange(300.0), np.arange(300.0), "crank angle [deg]", "turn [arcmin]")
     assert repr(curve) == "<Curve: play: model, 300 points; crank angle [deg], turn [arcmin]>"
     assert curve.frame["turn [arcmin]"][-1] == 299.0

@@ -20,7 +20,7 @@ def test_the_first_two_commands_install_and_run() -> None:
 
 
 @pytest.mark.parametrize("code", [block for language, block in BLOCKS if language == "python"])
-def test_python_blocks_print_figures_that_mean_something(code: str, tmp_path, monkeypatch, capsys) -> None:
+def test_python_blocks_print_plausible_figures(code: str, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     exec(compile(code, "README.md", "exec"), {})
     first, second = capsys.readouterr().out.splitlines()

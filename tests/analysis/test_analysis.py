@@ -161,7 +161,7 @@ def test_q_path_is_the_distance_of_two_points():
     assert analyze(turned, q=(-3e-3, 4e-3)).q_path.max_error_um == near(1e6 * 2 * 5e-3 * math.sin(0.5e-3), rel=1e-8)
 
 
-def test_rms_and_maximum_of_the_q_path_differ_as_they_must():
+def test_rms_and_maximum_of_the_q_path_differ_as_expected():
     design = designed()
     found = analyze(ideal(design, gear_x=2e-6 * wave(design, 1)), settle=0.0)
     assert found.q_path.rms_error_um == near(2 / math.sqrt(2), abs=1e-7)
@@ -177,7 +177,7 @@ def test_q_speed_is_the_size_of_the_velocity_error():
     assert shifted.q_speed_magnitude.max_error_mm_s < shifted.q_speed.max_error_mm_s
 
 
-def test_a_turned_velocity_of_the_right_size_is_an_error_of_velocity_only():
+def test_a_rotated_velocity_is_an_error_of_velocity_only():
     run = ideal(designed())
     centre, turn = run["gear_vx"] + 1j * run["gear_vy"], np.exp(0.01j)
     turned = {"gear_vx": ((turn - 1) * centre).real, "gear_vy": ((turn - 1) * centre).imag}

@@ -113,7 +113,7 @@ def test_periodic_orders_are_exact_up_to_two_samples_in_a_cycle(base, turns):
     assert found.rms(found.order > 0.0) == pytest.approx(np.sqrt(2.0 + 0.125), rel=1e-9)
 
 
-def test_a_window_of_mesh_periods_does_for_what_repeats_with_the_mesh():
+def test_a_window_of_mesh_periods_suffices_for_mesh_periodic_values():
     crank = swept(0.9)
     found = tapered_orders(crank, 7.0 + np.cos(36.0 * crank + 0.3), max_order=144.0, cycles_per_turn=36.0)
     assert found.cycles == 32
@@ -122,7 +122,7 @@ def test_a_window_of_mesh_periods_does_for_what_repeats_with_the_mesh():
     assert found.order[np.argmax(found.amplitude)] == pytest.approx(36.0)
 
 
-def test_periodic_orders_refuse_what_they_would_misread():
+def test_periodic_orders_refuse_unsuitable_samples():
     even = 2.0 * np.pi * np.arange(100) / 100
     for crank in (even[:90], even + 1e-3 * np.sin(even), 2.0 * np.pi * np.arange(107) / 106.5):
         with pytest.raises(UsageError, match="needs equally spaced crank angles over full cycles"):
@@ -150,7 +150,7 @@ def test_thinning_keeps_the_band_and_removes_aliases(every, share):
 
 
 @pytest.mark.parametrize("every", [5, 10])
-def test_thinning_makes_good_what_means_between_samples_lose(every):
+def test_thinning_corrects_the_attenuation_of_means(every):
     times = np.arange(4000.0)
     omega = 2.0 * np.pi * 0.39 / every
     means = np.diff(np.sin(omega * times)) / omega

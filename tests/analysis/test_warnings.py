@@ -133,7 +133,7 @@ def test_validate_reports_its_progress(monkeypatch, capsys) -> None:
     assert "warning" not in shown
 
 
-def test_a_command_without_a_run_has_what_its_checks_warn_of(capsys) -> None:
+def test_a_command_without_a_run_has_the_warnings_of_its_checks(capsys) -> None:
     found, _ = command(capsys, "design", "check", "pin")
     failed = [check["name"] for check in found["checks"] if not check["passed"]]
     assert [text.partition(":")[0] for text in found["warnings"]] == failed != []

@@ -412,7 +412,7 @@ def test_two_thousand_idle_connections_do_not_freeze_the_page(server: Running) -
             client.close()
 
 
-def test_slow_bodies_are_ended_and_do_not_freeze_the_page(small: Running) -> None:
+def test_slow_requests_are_ended_and_do_not_freeze_the_page(small: Running) -> None:
     head = f"POST /ask/draw HTTP/1.1\r\nHost: localhost\r\nCookie: cycloid_mj_{small.port}={TOKEN}\r\n".encode()
     head += b"Content-Type: application/json\r\nContent-Length: 1000\r\n\r\n"
     with ExitStack() as stack:

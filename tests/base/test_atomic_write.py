@@ -61,7 +61,7 @@ def test_the_target_of_a_link_is_replaced(tmp_path):
     assert contents(tmp_path / "there") == {"file": b"new"}
 
 
-def test_file_of_a_killed_process_of_the_same_number_is_not_in_the_way(tmp_path, monkeypatch):
+def test_a_leftover_file_of_a_killed_process_does_not_prevent_writing(tmp_path, monkeypatch):
     monkeypatch.setattr("os.getpid", lambda: 7)
     for _ in range(2):
         # never ended, as in a process that was killed

@@ -63,7 +63,7 @@ def kept(folder: Path) -> list[Path]:
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_damaged_file_is_passed_over_said_once_and_replaced(damage, kernels, tmp_path):
+def test_a_damaged_cache_file_is_skipped_reported_once_and_replaced(damage, kernels, tmp_path):
     assert kernels() == ((0, 0), [])
     assert kernels() == ((1, 1), [])
     files = kept(tmp_path)
@@ -84,7 +84,7 @@ def test_only_what_is_damaged_is_compiled_anew(kernels, tmp_path):
     assert (hits, len(said)) == ((0, 1), 1)
 
 
-def test_file_that_numba_cannot_rebuild_is_passed_over(kernels, tmp_path):
+def test_a_cache_file_that_numba_cannot_rebuild_is_skipped(kernels, tmp_path):
     """The pickle of other data, and an index of types that are gone."""
     for suffix, content in ((".nbc", pickle.dumps(("nonsense",))), (".nbi", pickle.dumps(__version__) + GONE)):
         kernels()
@@ -132,7 +132,7 @@ def test_nothing_is_cached_without_a_home_or_a_writable_folder(tmp_path, monkeyp
     assert compile_cache.cache_folder.__wrapped__() is None
 
 
-def test_a_full_disk_is_reported_once_and_the_code_runs(kernels, tmp_path):
+def test_a_full_disk_is_reported_once_and_does_not_stop_the_run(kernels, tmp_path):
     limit, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, most))
     try:
@@ -146,7 +146,7 @@ def test_a_full_disk_is_reported_once_and_the_code_runs(kernels, tmp_path):
     assert kept(tmp_path) == []
 
 
-def test_folder_in_the_place_of_a_file_is_passed_over(kernels, tmp_path):
+def test_a_folder_with_the_name_of_a_cache_file_is_skipped(kernels, tmp_path):
     kernels()
     for path in kept(tmp_path):
         path.unlink()

@@ -109,7 +109,7 @@ if __name__ == "__main__":
 
 
 @pytest.mark.slow
-def test_a_worker_that_ends_amid_its_work_is_replaced_where_warnings_are_errors(tmp_path: Path) -> None:
+def test_a_worker_that_ends_early_is_replaced_even_if_warnings_are_errors(tmp_path: Path) -> None:
     (tmp_path / "grow.py").write_text(GROW)
     paths = os.pathsep.join([str(tmp_path), str(Path(cycloid_mj.__file__).parents[1])])
     environment = os.environ | {"PYTHONPATH": paths}

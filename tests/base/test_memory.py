@@ -16,7 +16,7 @@ def as_before():
 
 
 @pytest.mark.usefixtures("as_before")
-def test_first_look_waits_for_more_objects_than_those_after_it():
+def test_the_first_collection_of_cycles_waits_for_more_objects():
     look_rarely()
     first, *older = gc.get_threshold()
     gc.collect(0)

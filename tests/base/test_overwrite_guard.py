@@ -193,7 +193,7 @@ READ = [
 
 
 @pytest.mark.parametrize("words", READ)
-def test_a_log_is_never_replaced_by_what_is_made_from_it(words: str, here: Path) -> None:
+def test_a_log_is_never_replaced_by_files_made_from_it(words: str, here: Path) -> None:
     (here / "d").mkdir()
     os.link("run.mcap", "hard.mcap")
     for name in ("soft.mcap", "soft.csv", "soft.html"):

@@ -96,7 +96,7 @@ def test_select_by_slice_and_by_the_same_mask(rows):
     assert by_slice.note == "stopped"
 
 
-def test_select_refuses_what_is_no_choice_of_samples():
+def test_select_refuses_invalid_choices_of_samples():
     run = make_run()
     with pytest.raises(LogError, match=r"mask of type bool and shape \(7,\)"):
         run.select(np.ones(6, dtype=bool))
@@ -141,7 +141,7 @@ def test_refuses_what_does_not_fit(changes, message):
         make_run(**changes)
 
 
-def test_a_run_describes_itself_in_a_line_however_many_samples_it_has() -> None:
+def test_the_repr_of_a_run_is_one_line_for_any_number_of_samples() -> None:
     time = np.arange(100_000) * 1e-4
     columns = {f"column_{n}": np.zeros(time.size) for n in range(50)}
     run = Run(time, columns, dict.fromkeys(columns, "1"), attachments={"a<b>.toml": b"x" * 10_000}, complete=False)
@@ -154,7 +154,7 @@ def test_a_run_describes_itself_in_a_line_however_many_samples_it_has() -> None:
     assert len(html) < 500
 
 
-def test_a_run_without_samples_describes_itself() -> None:
+def test_a_run_without_samples_has_a_repr() -> None:
     assert repr(Run(np.zeros(0), {}, {})) == "Run(samples 0, columns 0, time none, attachments none, complete yes)"
 
 

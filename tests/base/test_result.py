@@ -25,7 +25,7 @@ def test_a_condition_is_named_by_its_test(condition: Condition, words: str, told
     assert condition.as_json() == told
 
 
-def test_a_claim_reaches_a_program_with_both_numbers_and_the_word_of_its_verdict() -> None:
+def test_a_claim_in_json_has_both_numbers_and_its_verdict() -> None:
     ours = Value("5 um", 5.0, "um", (4.0, 6.0))
     claim = Claim(
         key="sway",

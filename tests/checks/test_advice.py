@@ -153,7 +153,7 @@ def test_torque_and_speed_of_the_preset_are_stated_before_the_warnings() -> None
     assert "default" not in told("design", "check", "pin")[1]
 
 
-def test_few_lobes_are_warned_of_and_the_advice_resolves_them() -> None:
+def test_few_lobes_have_a_warning_whose_advice_works() -> None:
     """5:1 with K1 = 0.24: a mean pressure angle of 77.5 deg; with the advice 70.0 deg and no warning is left."""
     design = load(CASES / "44-few-lobes.toml")
     checks = {one.name: one for one in check_design(design).warnings}

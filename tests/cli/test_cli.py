@@ -319,7 +319,7 @@ def test_ctrl_c_while_samples_are_written_cuts_none_in_two(here, two_samples, mo
     assert len(read("runs/pin.mcap")) == 2
 
 
-def test_unbroken_holds_ctrl_c_back_and_puts_the_old_handler_back():
+def test_defer_signals_delays_ctrl_c_and_restores_the_old_handler():
     before, seen = signal.getsignal(signal.SIGINT), []
 
     def work():
@@ -408,7 +408,7 @@ def test_progress_on_a_terminal_is_a_bar_that_vanishes(width, monkeypatch):
 # --- analyze and plot -------------------------------------------------------------------------------------------------
 
 
-def test_analyze_finds_in_the_log_what_simulate_told(run):
+def test_analyze_prints_the_results_of_simulate(run):
     found, log = run
     code, out, err = told("analyze", str(log), "--json")
     assert code == 0
@@ -490,7 +490,7 @@ def test_profile_writes_the_outline_with_every_digit(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_file_is_named_by_out_too_and_written_without_a_word(tmp_path):
+def test_out_also_names_a_file_which_is_written_silently(tmp_path):
     file = tmp_path / "gear.csv"
     assert told("design", "profile", "--design", "pin", "--out", str(file), "--quiet") == (0, "", "")
     assert file.read_text().startswith("x_mm,y_mm")
@@ -955,7 +955,7 @@ def test_plot_into_a_file_is_reported(run, tmp_path):
     assert str(file) in message
 
 
-def test_a_fault_of_the_program_is_not_taken_for_a_mistake_of_the_user(monkeypatch):
+def test_a_program_error_is_not_reported_as_a_user_error(monkeypatch):
     def faulty(*words):
         raise ZeroDivisionError
 
@@ -977,7 +977,7 @@ run()
     assert done.stderr == ""
 
 
-def test_a_short_command_does_not_look_for_circles_of_objects() -> None:
+def test_a_short_command_collects_no_reference_cycles() -> None:
     script = """
 import atexit, gc, sys
 whole = []

@@ -41,7 +41,7 @@ def prose(page: str) -> list[str]:
 @pytest.mark.parametrize(
     ("chain", "width"), [*((chain, 60) for chain in PAGES), (("simulate",), 200), (("simulate",), 20)]
 )
-def test_help_fills_the_terminal_and_is_never_wider_than_reads_well(chain, width, monkeypatch, capsys):
+def test_help_fills_the_terminal_up_to_a_readable_width(chain, width, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", str(width))
     assert main([*chain, "--help"]) == 0
     page, err = capsys.readouterr()
@@ -122,7 +122,7 @@ def test_a_command_is_where_the_list_says(name: str) -> None:
     assert alone.help_epilogue.startswith("Examples:")
 
 
-def test_help_in_a_very_wide_terminal_is_as_wide_as_reads_well():
+def test_help_in_a_very_wide_terminal_has_a_readable_width():
     fcntl, pty, termios = map(pytest.importorskip, ("fcntl", "pty", "termios"))
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 200, 0, 0))

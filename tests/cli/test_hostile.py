@@ -99,7 +99,7 @@ def test_chunk_beyond_the_limit_is_refused_unread(tmp_path):
         b"\x0f" + bytes(10**6),
     ],
 )
-def test_chunk_of_nothing_is_given_up_at_its_first_record(content, tmp_path):
+def test_an_empty_chunk_is_refused_at_its_first_record(content, tmp_path):
     path = tmp_path / "zeros.mcap"
     bombed(path, chunk_record(zstandard.compress(content), len(content), zlib.crc32(content)))
     with pytest.raises(LogError, match="there is no valid schema, channel or message at its byte 0"):
@@ -121,7 +121,7 @@ def test_chunk_of_countless_empty_messages_is_refused_by_counting(compression, t
     tracemalloc.stop()
 
 
-def test_a_long_constant_message_is_no_reason_to_refuse_a_chunk(tmp_path):
+def test_a_chunk_with_a_long_constant_message_is_accepted(tmp_path):
     """A chunk that inflates a thousand times is read, as long as it has few messages."""
     long = b"\x05" + (22 + 5_000_000).to_bytes(8, "little") + bytes(22 + 5_000_000)
     content = long + long
@@ -277,7 +277,7 @@ def test_long_messages_are_cut_short(capsys):
     assert len(err) < MESSAGE.message + 100
 
 
-def test_of_many_wrong_values_the_first_are_named_and_the_others_counted():
+def test_the_first_of_many_wrong_values_are_named_and_the_others_counted():
     with pytest.raises(DesignError) as caught:
         loads("[errors]\npin_x_um = [" + '"a", ' * 20_000 + "]")
     message = str(caught.value)
@@ -288,7 +288,7 @@ def test_of_many_wrong_values_the_first_are_named_and_the_others_counted():
     assert len(message) < 1000
 
 
-def test_list_for_more_parts_than_there_can_be_is_not_made():
+def test_a_list_for_more_parts_than_allowed_is_refused():
     with pytest.raises(DesignError, match=r"ring\.teeth = 10000000 is not allowed: it must be from 4 to 400"):
         loads("[ring]\nteeth = 10_000_000\n[errors]\npin_x_um = {1 = 2.0}\n")
 

@@ -113,7 +113,7 @@ def test_two_logs_of_several_discs_are_compared(log: str, call: Callable[..., st
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["twodisc", "printed"])
-def test_vibration_knows_whether_there_is_a_counterweight(name: str, call: Callable[..., str]) -> None:
+def test_vibration_depends_on_the_counterweight(name: str, call: Callable[..., str]) -> None:
     found = json.loads(call(("measure", "vibration", "--design", "{name}", "--quick", "--json"), name=name))
     balanced = [key for key, one in found["quantities"].items() if "counterweight" in one["name"]]
     assert bool(balanced) == (name == "printed")

@@ -133,7 +133,7 @@ def test_json_has_a_run_for_each_design_and_load(compared):
 
 
 @pytest.mark.slow
-def test_every_run_has_the_same_settings_and_nothing_else_differs(compared):
+def test_all_runs_have_the_same_settings(compared):
     found, _ = compared
     designs = [design_of(run["findings"]["log"]) for run in found["runs"]]
     assert all(conditions(Reducer(design)) == found["conditions"] for design in designs)
@@ -509,7 +509,7 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
 
 
 @pytest.mark.parametrize("names", [("printed", "pin"), ("pin", "printed"), ("printed", "nonpin")], ids=" ".join)
-def test_designs_that_settle_apart_and_have_other_tables_are_compared(names: tuple[str, str]) -> None:
+def test_designs_with_other_settling_times_and_tables_are_compared(names: tuple[str, str]) -> None:
     """The slowest decides the hold of all, whichever is named first, and a key that one lacks is a difference."""
     first = load_design(names[0], DEFAULTS, ())
     cases = list_cases([load_design(name, (), ()) for name in names], first, 5.0, "planar")

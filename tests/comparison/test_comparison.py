@@ -247,7 +247,7 @@ def with_hold(trial: Trial, hold: float) -> Trial:
 
 
 @pytest.mark.parametrize("teeth", [36, STARTS, 5])
-def test_starts_differ_by_gravity_turned_and_nothing_else(teeth):
+def test_starts_differ_only_in_the_direction_of_gravity(teeth):
     design = override(PRESETS["pin"], [f"ring.teeth={teeth}"])
     found = independent_starts(Reducer(design))
     assert len(found) == STARTS

@@ -67,7 +67,7 @@ def test_but_refuses_what_the_file_refuses(changes, words):
     assert words in str(raised.value)
 
 
-def test_a_design_describes_itself_in_a_line():
+def test_the_repr_of_a_design_is_one_line():
     assert repr(PIN) == (
         "Design(name 'pin', ratio 35:1, ring 36 teeth, free pins, E 40.75 mm, eccentricity 1 mm, speed 1640 rpm, "
         "nominal torque 36.68 N m, load 0 N m)"

@@ -53,7 +53,7 @@ def test_the_creep_speed_that_is_chosen_hides_no_loss(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("model", [None, build])
-def test_with_wide_play_and_hardly_a_load_a_slow_run_loses_what_statics_does(model: type | None) -> None:
+def test_a_slow_run_with_wide_play_and_little_load_has_the_losses_of_statics(model: type | None) -> None:
     """Over 8.25 crank turns, after which teeth and output pins are as they were; 17 points too much at 20 mm/s."""
     design = slow("fixed-n34-d2-carrier-120um", 0.03, 100.0)
     exact = sheet_part(Reducer(design), "losses")["efficiency"].value

@@ -51,7 +51,7 @@ def test_moments_do_not_depend_on_where_a_polygon_begins() -> None:
 
 
 @pytest.mark.parametrize("design", [PRESETS["pin"], PRESETS["nonpin"], *map(unlike, UNLIKE)], ids=lambda one: one.name)
-def test_derived_numbers_have_as_many_digits_as_they_mean(design: Design) -> None:
+def test_derived_numbers_have_only_significant_digits(design: Design) -> None:
     for name, solid in parts(Reducer(design)).items():
         made = mass_properties(solid)
         assert made.mass == float(f"{made.mass:.12g}"), name
@@ -77,7 +77,7 @@ def test_parts_are_drawn_once_for_all_loads_but_not_for_another_shape() -> None:
     assert parts(Reducer(PRESETS["pin"]))
 
 
-def test_a_last_bit_of_a_mass_does_not_reach_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rounding_of_a_mass_does_not_change_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
     """What another machine or another number of threads would give: sums that differ by some last bits."""
     expected = xml(build(PRESETS["nonpin"]).spec)
     from cycloid_mj.parts import inertia

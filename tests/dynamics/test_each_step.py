@@ -84,7 +84,7 @@ def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(
 
 
 @pytest.mark.slow
-def test_a_log_contains_what_came_between_its_samples() -> None:
+def test_a_log_contains_peaks_between_its_samples() -> None:
     design = short("nonpin")
     whole, thinned = simulate(sampled(design, 1)), simulate(sampled(design, STRIDE))
     between = 0

@@ -39,7 +39,7 @@ def test_pins_that_wedge_a_cam_on_rollers_are_a_jam() -> None:
         simulate(override(PRESETS["pin"], [*SHORT, *sliding, "load.torque_nm=36"]))
 
 
-def test_contacts_that_a_long_step_makes_deep_are_no_jam() -> None:
+def test_deep_contacts_of_a_long_step_are_no_jam() -> None:
     long = ["settings.timestep_us=20", "settings.log_rate_hz=50000", "load.torque_nm=36"]
     with pytest.warns(Warning, match="too long"), pytest.raises(RunError, match=r"settings\.timestep_us") as failed:
         simulate(override(PRESETS["pin"], [*SHORT, *long]))

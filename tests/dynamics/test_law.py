@@ -165,7 +165,7 @@ def test_an_impossible_impedance_is_refused() -> None:
 
 @pytest.mark.parametrize("name", ["pin", "nonpin"])
 @pytest.mark.parametrize("torque", [1.0, 36.68])
-def test_friction_is_centred_in_the_step_or_more_and_leads_its_sliding_by_little(name: str, torque: float) -> None:
+def test_friction_leads_its_sliding_by_little(name: str, torque: float) -> None:
     design = PRESETS[name].but(load={"torque": torque})
     laws, ratio, step = contact_laws(Reducer(design)), build(design).model.opt.impratio, steps.timestep(Reducer(design))
     rubbing = [law for law in laws.values() if law.friction]

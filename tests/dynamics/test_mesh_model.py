@@ -368,7 +368,7 @@ def test_a_mesh_run_agrees_with_profile_contact(kind: str, load: float) -> None:
 
 
 @pytest.mark.slow
-def test_slices_sway_an_idle_gear_several_times_as_much_as_profiles_and_a_run_is_reported() -> None:
+def test_slices_move_an_idle_gear_more_than_profiles_and_the_run_reports_it() -> None:
     """The rms of the gear's speed without load: 18.2 mrad/s by mesh and 1.79 by profile, 10.1 times, over 8 ms."""
     design = changed("nonpin", "drive.ramp_s=0", "drive.hold_s=0.008", "settings.timestep_us=5")
     rms = {}

@@ -159,9 +159,7 @@ def test_a_log_keeps_the_warning_of_contact_geometry(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("layout", ["free", "sleeved"])
-def test_moving_pins_settle_without_load_where_followed_ones_would_ring(
-    layout: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_unloaded_moving_pins_settle_without_ringing(layout: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Idle, at the step that MuJoCo takes then, twice that which follows pins; a start among others, as in its play."""
     preset, *changes = LAYOUTS[layout]
     design = override(PRESETS[preset], ["drive.ramp_s=0", "drive.hold_s=0.08", *changes])
@@ -180,7 +178,7 @@ def test_moving_pins_settle_without_load_where_followed_ones_would_ring(
     assert hardest(build(design)) > 2.0 * witness
 
 
-def test_accelerations_of_moving_pins_are_mujocos_where_the_step_follows_them_and_lower_where_it_does_not() -> None:
+def test_accelerations_of_moving_pins_equal_mujocos_if_the_step_resolves_them() -> None:
     design = override(design_of("free", periods=18.0), ["settings.log_rate_hz=20000.0"])
 
     def level(model: Model) -> float:
@@ -318,7 +316,7 @@ def test_many_light_pins_that_rattle_settle() -> None:
     assert rounds.mean() < 12.0
 
 
-def test_a_run_at_high_friction_agrees_and_one_whose_friction_leads_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_at_high_friction_agrees_unless_friction_leads(monkeypatch: pytest.MonkeyPatch) -> None:
     design = override(witness.high_friction(), [f"drive.hold_s={SETTLED + MESH!r}"])
     assert all(row.verdict == "pass" for row in witness.comparison_rows("short", Reducer(design)))
     monkeypatch.setattr("cycloid_mj.dynamics.mjcf.model.impratio", lambda *_: 2e5)

@@ -149,7 +149,7 @@ def test_the_step_of_the_model_is_judged() -> None:
 
 
 @pytest.mark.slow
-def test_simulate_states_before_the_run_and_the_log_keeps_it(
+def test_simulate_prints_warnings_before_the_run_and_logs_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     flags = ["--ramp-s", "0", "--hold-s", "0.0005", "--out", str(tmp_path), "--set", "friction.cam=0.01"]
@@ -175,7 +175,7 @@ def test_a_remedy_lies_well_within_the_limit() -> None:
 
 @pytest.mark.parametrize("name", ["pin", "light", "printed"])
 @pytest.mark.parametrize("share", cases([0.0, 0.1, 1.0, 3.0], 0.0, 1.0))
-def test_a_chosen_step_is_never_warned_of_and_twice_as_long_a_pins_step_is(name: str, share: float) -> None:
+def test_the_automatic_step_has_no_warning_and_twice_the_step_of_a_pin_has(name: str, share: float) -> None:
     design = unlike(name) if name in UNLIKE else PRESETS[name]
     design = override(design, [f"load.torque_nm={share * design.rated_torque!r}", "settings.timestep_us=0"])
     step = timestep(Reducer(design))
@@ -259,7 +259,7 @@ def test_a_slow_bench_is_judged_by_what_counts_at_rest() -> None:
     assert set(found) < set(model_warnings(Reducer(design), build(design)))
 
 
-def test_no_friction_at_all_is_no_sliding_friction_given() -> None:
+def test_zero_friction_means_no_sliding_friction() -> None:
     assert told("pin", *(f"friction.{kind}=0" for kind in ("cam", "output", "pin_gear", "pin_socket"))) == ()
 
 

@@ -38,7 +38,7 @@ def test_the_papers_designs_have_the_papers_times_and_depths(name: str) -> None:
     assert penetration_limit(Reducer(design)) == SETTLING.min_depth_limit == 50e-6
 
 
-def test_a_soft_and_heavy_drive_swings_as_its_estimate_says() -> None:
+def test_a_soft_and_heavy_drive_oscillates_at_the_estimated_frequency() -> None:
     """Its output, let go of under a locked crank, by zero crossings about where it comes to rest."""
     level = SOFT.but(
         ring={"pins": "fixed"},

@@ -94,7 +94,7 @@ def test_meshes_of_unlike_discs_carry_their_own_teeth() -> None:
     # chords leave the profile by 0.4 um to either side, which counts beside discs that differ by 0.7 um
     [pytest.param((), 0.05, id="alike"), pytest.param(UNLIKE, 0.06, id="unlike", marks=pytest.mark.slow)],
 )
-def test_meshes_of_two_discs_meet_their_own_mates_and_press_as_profiles_do(
+def test_meshes_of_two_discs_touch_their_mates_with_the_forces_of_profiles(
     errors: tuple[str, ...], agreement: float
 ) -> None:
     """No cap of a cam reaches the next disc's bore; forces of every disc agree with those of profile contact."""
@@ -157,7 +157,7 @@ def test_figures_over_time_state_which_disc_they_are_of(run: Run) -> None:
     assert figures(series(run).of_disc(1))["fig6_gear_speed"].get_suptitle().endswith("gear 2 of 2")
 
 
-def test_half_a_turn_later_the_second_disc_does_what_the_first_does(run: Run) -> None:
+def test_the_second_disc_repeats_the_first_half_a_turn_later(run: Run) -> None:
     """Its forces are those of the first, half a turn round: 30 ring teeth and 4 output pins are even numbers."""
     design, half = design_of(run), np.pi
     settled = run.select(run.time > 0.02)
@@ -266,7 +266,7 @@ def test_a_slow_run_shares_the_load_as_statics_does(changes: tuple[str, ...]) ->
     np.testing.assert_allclose(turn, found.output_turn - wind_up(Reducer(design)) * 116.0, atol=1e-3 * turn.mean())
 
 
-def test_pins_that_discs_bend_for_each_other_are_warned_of() -> None:
+def test_output_pins_bent_by_several_discs_have_a_warning() -> None:
     slender = ["output.support=cantilever", "output.rollers=true"]
     (told,) = build(override(PRESETS["twodisc"], [*slender, "load.torque_nm=116"])).warnings
     assert "output pins bend: when disc 2 carries" in told

@@ -57,7 +57,7 @@ def test_islands_are_used_only_if_unloaded_pins_can_be_omitted(design: Design, l
 
 
 @pytest.mark.parametrize("name", ["pin", "few", "large"])
-def test_both_solvers_find_the_same_forces_with_islands_and_without(name: str) -> None:
+def test_both_solvers_compute_the_same_forces_with_and_without_islands(name: str) -> None:
     """From one state: a run between flanks is chaotic, and two that differ by a rounding part ways."""
     design = PRESETS["pin"] if name == "pin" else unlike(name)
     load = design.drive.torque * design.lobes

@@ -91,7 +91,7 @@ def test_the_same_seed_has_the_same_points_wherever_they_are_evaluated(monkeypat
 
 
 @pytest.mark.slow
-def test_whole_numbers_are_tried_one_by_one_and_holes_follow() -> None:
+def test_integers_are_varied_one_by_one_and_holes_follow() -> None:
     """The fewest teeth have the largest lobes; the ratio changes, and the torque on the output stays."""
     vary = {"ring.teeth": "33:38", "gear.eccentricity_mm": (0.3, 1.0), "output.pins": [6, 8]}
     found = optimize(PIN, vary, **{**CONVEX, "limits": ["short_width>=0.5"]}, evaluations=400)

@@ -29,7 +29,7 @@ def test_pins_and_arcs_have_the_same_lines_and_sigma_adds_its_own():
 
 
 @pytest.mark.parametrize("gear", [PAPER, OTHER])
-def test_lines_lie_on_the_part_and_the_tooth_that_they_name(gear):
+def test_contact_lines_lie_on_their_part_and_tooth(gear):
     """Counter-clockwise of a lobe's middle is Sigma(1), clockwise Sigma(2), beyond the arc's ends on both sides."""
     lines = contact_lines(gear, "nonpin", mesh_period(gear, 40))
     angle = np.arctan2(lines.points[:, 0], lines.points[:, 1]) - 2 * np.pi * lines.tooth / gear.ring_teeth

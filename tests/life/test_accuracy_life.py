@@ -35,7 +35,7 @@ def test_depth_is_k_times_pressure_times_distance() -> None:
     assert worn_depth(np.array([10e6 * 1e3]), 1e-18, 0.0) == pytest.approx([1e-8], rel=1e-12)
 
 
-def test_run_in_begins_at_its_factor_and_adds_its_depth() -> None:
+def test_running_in_starts_at_its_factor_and_adds_its_depth() -> None:
     dose, coefficient, run_in = np.linspace(0.0, 5e12, 51), 1e-18, 0.5e-6
     depth, rate = worn_depth(dose, coefficient, run_in), wear_rate(dose, coefficient, run_in)
     assert rate[0] == pytest.approx(RUN_IN.factor * coefficient)

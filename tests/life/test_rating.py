@@ -285,7 +285,7 @@ def test_loads_are_counted_by_the_crank_against_gear_and_ring() -> None:
         assert f"{on_pins} on each tooth of the ring" in note
 
 
-def test_harder_steel_than_the_curve_has_is_not_credited() -> None:
+def test_steel_harder_than_the_fatigue_curve_gets_no_credit() -> None:
     assert pitting_pressure(3.45e6 * 200) == pytest.approx(644e6)
     assert pitting_pressure(2241e6) == AGMA_2001.max_pressure
 

@@ -36,7 +36,7 @@ def test_flank_is_divided_as_long_as_it_is() -> None:
     assert lengths == pytest.approx(PIN.lobes * arcs, rel=1e-4)
 
 
-def test_densest_place_of_an_even_surface_is_its_mean() -> None:
+def test_the_largest_density_of_an_even_power_is_its_mean() -> None:
     angle = np.linspace(0.0, 2.0 * math.pi, 10 * SECTORS, endpoint=False)[:, np.newaxis] + 1e-6
     power = np.full_like(angle, 3.0)
     assert life_loading._largest_density(power, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)

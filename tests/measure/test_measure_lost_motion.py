@@ -84,7 +84,7 @@ def test_backlash_of_a_loop_is_that_of_rigid_contacts(ideal_loop: HysteresisLoop
     assert ideal_loop.backlash == pytest.approx(high - low, rel=0.005)
 
 
-def test_friction_makes_hysteresis_and_its_work_is_the_area():
+def test_friction_causes_hysteresis_whose_area_is_its_work():
     rated = FIXED.design.rated_torque
     period = hysteresis.quasi_static_period(FIXED, rated)
     loop = hysteresis.run_loop(FIXED, CRANK, rated, period)

@@ -11,7 +11,7 @@ from cycloid_mj.reducer import Reducer
 TURN = np.linspace(0.0, 2.0 * np.pi, 721)
 
 
-def test_a_closed_form_states_exactly_what_the_samples_leave_out():
+def test_a_closed_form_gives_the_error_of_the_samples():
     shape = 3.0 + np.cos(TURN)
     sampled = shape[[0, 90]]
     known = ClosedForm(sampled, shape)
@@ -52,7 +52,7 @@ def test_the_error_of_a_mean_covers_what_sampling_leaves_out_of_ripples_most_of_
 
 
 @pytest.mark.slow
-def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error():
+def test_backlash_at_two_angles_agrees_with_a_turn_within_its_error():
     """The closed form stands for the simulation here: it differs from it by less than its scatter."""
     design = unlike("few")
     cranks = bench.crank_angles(Reducer(design), 2)

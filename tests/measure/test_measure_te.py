@@ -168,7 +168,7 @@ def test_the_measure_has_both_directions_both_loads_and_errors() -> None:
     assert len(found.runs) == len(told["orders"]["cases"]) == 8
 
 
-def test_a_crank_that_stands_still_is_refused() -> None:
+def test_te_and_vibration_refuse_a_crank_at_rest() -> None:
     for measure in (te, vibration):
         with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
             measure(fixed("drive.speed_rpm=0.0"))

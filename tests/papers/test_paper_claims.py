@@ -105,7 +105,7 @@ def test_an_order_counts_where_the_starts_do_not_overlap():
         (0, {"friction": 1, "damping": -1}, ("not determined", ())),
     ],
 )
-def test_an_order_depends_only_on_what_turns_it_round(found, varied, verdict):
+def test_an_order_depends_only_on_the_changes_that_reverse_it(found, varied, verdict):
     assert order_verdict(found, varied) == verdict
 
 
@@ -462,7 +462,7 @@ def at_degrees(run, pair, degrees, force=3.0):
     return with_force(run, pair, values, values)
 
 
-def test_the_shafts_peaks_depend_on_what_brings_them_in_any_start(idle):
+def test_the_peaks_of_the_shaft_depend_on_their_cause_in_any_start(idle):
     starts, rated = idle
     peaks_at = [at_degrees(run, "cam", (75.0, 255.0)) for run in starts["pin"]]
     elsewhere = [at_degrees(run, "cam", (135.0, 225.0)) for run in starts["pin"]]

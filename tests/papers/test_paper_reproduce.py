@@ -60,7 +60,7 @@ def test_values_implied_by_the_ring_are_equal():
 
 
 @pytest.mark.parametrize("which", [QUICK, FULL])
-def test_no_run_differs_between_the_designs_but_in_the_ring(which):
+def test_runs_of_both_designs_differ_in_the_ring_only(which):
     pin, nonpin = plan.designs()
     pairs = list(zip(main_runs(which)[::2], main_runs(which)[1::2], strict=True))
     pairs += list(zip(idle_runs(which, pin), idle_runs(which, nonpin), strict=True))
@@ -76,7 +76,7 @@ def test_no_run_differs_between_the_designs_but_in_the_ring(which):
     assert "friction.tooth" in differences([PRESETS["pin"], spoiled])
 
 
-def test_the_third_rated_design_is_as_loose_and_as_soft_as_the_pin_design():
+def test_the_third_rated_design_has_the_play_and_stiffness_of_the_pin_design():
     pin, nonpin, third = rated_runs(QUICK)
     assert third.ring.kind == "nonpin"
     assert set(differences([nonpin, third])) == {"clearance.tooth_um", "stiffness.tooth_n_m"}

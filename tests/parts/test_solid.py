@@ -93,7 +93,7 @@ def test_vertices_lie_on_the_circle_and_chords_keep_their_error(chord_error: flo
 
 
 @pytest.mark.parametrize("chord_error", [1e-5, 1e-6, 1e-7])
-def test_area_of_a_circle_falls_short_by_four_thirds_of_the_relative_chord_error(chord_error: float) -> None:
+def test_the_area_of_a_polygonal_circle_is_low_by_four_thirds_of_its_chord_error(chord_error: float) -> None:
     loss = 1 - area_moments(circle(0.02, chord_error)).area / (math.pi * 0.02**2)
     sagitta = 1 - math.cos(math.pi / len(circle(0.02, chord_error)))
     assert loss == pytest.approx(4 / 3 * sagitta, rel=0.01)  # the next term is of relative order s/r <= 5e-4
@@ -108,7 +108,7 @@ def test_area_moments_of_a_triangle_are_exact() -> None:
     np.testing.assert_allclose(area_moments(triangle[::-1]), -expected, rtol=1e-15)
 
 
-def test_a_crossing_outline_is_refused_as_testing_every_pair_of_edges_says() -> None:
+def test_a_crossing_outline_is_refused_like_in_a_test_of_all_edge_pairs() -> None:
     rng = np.random.default_rng(7)
     found = 0
     for _ in range(200):

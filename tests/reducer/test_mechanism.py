@@ -78,7 +78,7 @@ def test_errors_and_modification_displace_the_gaps(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["pin", "printed", "large", "few", "teeth21"])
-def test_to_first_order_a_gap_is_what_parts_as_made_leave_in_their_places(name: str) -> None:
+def test_gaps_of_parts_with_errors_are_exact_to_first_order(name: str) -> None:
     design = override(design_of(name), [*ERRORS, *MODIFIED[:2], *WAVES])
     teeth, output = exact(design, CRANK, np.zeros(4))
     widths = np.concatenate([teeth, output])

@@ -62,7 +62,7 @@ def rotated(vectors, angle):
 
 
 @pytest.mark.parametrize("pins", ["free", "fixed", "massless"])
-def test_with_the_output_turns_its_carrier_with_the_discs_or_the_ring_with_its_pins(pins: str) -> None:
+def test_the_bodies_of_the_output_turn_with_the_carrier_or_the_ring(pins: str) -> None:
     design = PRESETS["twodisc"].but(ring={"pins": pins})
     solids = {name: mass_properties(solid) for name, solid in body_solids(Reducer(design)).items()}
     about = {name: one.inertia[2, 2] for name, one in solids.items()}

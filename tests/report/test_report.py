@@ -175,7 +175,7 @@ def test_curves_are_those_of_the_series(pin, text):
     assert run["spans"]["turn"] == [pin.time[turn][0], pin.time[turn][-1]]
 
 
-def test_mechanism_carries_the_gaps_and_forces_of_the_scene(pin, nonpin, both):
+def test_the_mechanism_has_the_gaps_and_forces_of_the_scene(pin, nonpin, both):
     for run, data in zip((pin, nonpin), Page(both).data["runs"], strict=True):
         design = series(run).design
         frames, shape = data["mechanism"]["frames"], data["mechanism"]

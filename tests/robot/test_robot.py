@@ -81,7 +81,7 @@ def told(files: Path) -> dict:
     return json.loads((files / "reducer.json").read_text())
 
 
-def test_a_joint_is_drawn_and_describes_itself_in_a_line(few: ReducedJoint) -> None:
+def test_a_joint_has_a_figure_and_a_short_repr(few: ReducedJoint) -> None:
     assert repr(few).startswith(f"<ReducedJoint: {few.name}, ")
     assert few.frame.rows == len(few.quantities)
     (line,) = few.plot().axes[0].lines

@@ -356,7 +356,7 @@ def test_a_shorter_length_limit_that_a_drive_meets_finds_a_drive() -> None:
 
 
 @pytest.mark.slow
-def test_the_lightest_drive_is_lighter_than_the_coordinate_search_had_it() -> None:
+def test_the_lightest_drive_is_lighter_than_by_coordinate_search() -> None:
     """It wrote a drive of 6.77 kg with covers; `optimize` found one of 4.74 kg."""
     found, *_ = solve(Requirement(29, 0.09, 40.0, speed=2000.0 * RPM, discs=2))
     assert found

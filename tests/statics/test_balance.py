@@ -59,7 +59,7 @@ def test_wide_play_jams_nothing(play: float, torque: float) -> None:
         assert sheet_part(Reducer(wide(play)), part, torque)
 
 
-def test_two_discs_of_wide_play_carry_what_an_independent_integration_finds() -> None:
+def test_two_discs_with_wide_play_match_an_independent_integration() -> None:
     """Rigid, 11.6 N m: an efficiency of 0.8362, 211.3 N on a cam and 206.4 arcsec behind, in the mean."""
     design = override(wide(10.0), ["structure=rigid", "load.torque_nm=11.6"])
     found = loads(Reducer(design), springs_of(Reducer(design)), 11.6)
@@ -69,7 +69,7 @@ def test_two_discs_of_wide_play_carry_what_an_independent_integration_finds() ->
 
 
 @pytest.mark.parametrize("share_of_rated", [0.03, -1.0])
-def test_losses_under_high_friction_hold_no_wedged_balance(share_of_rated: float) -> None:
+def test_losses_under_high_friction_exclude_wedged_balances(share_of_rated: float) -> None:
     """A search of its own at each crank angle ends in wedged parts at some, which lose a thousand times as much."""
     frictions = [f"friction.{kind}=0.5" for kind in ("pin_gear", "cam", "output")]
     reducer = Reducer(override(PRESETS["printed"], frictions))

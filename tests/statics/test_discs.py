@@ -329,7 +329,7 @@ def test_the_crank_bends_at_its_cams_as_handbooks_have_it() -> None:
     assert 0.0 < found[0, 1] < np.sqrt(between.prod())
 
 
-def test_samples_of_two_discs_are_the_statics_of_designs_made_so() -> None:
+def test_the_statics_of_two_disc_samples_equal_those_of_designs_with_their_errors() -> None:
     errors = ["errors.hole_position_um=0.8", "errors.disc_size_um=0.5", "errors.cam_position_um=0.5"]
     design = override(NOT_IDEAL, [*errors, "errors.pin_position_um=0.5", "structure=springs"])
     cranks = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)

@@ -84,7 +84,7 @@ def test_coulomb_is_unchanged() -> None:
     assert efficiency(Reducer(design)) == pytest.approx(88.05, abs=0.005)
 
 
-def test_free_pins_beat_fixed_ones_by_three_points_or_more() -> None:
+def test_free_pins_are_at_least_three_points_more_efficient_than_fixed_pins() -> None:
     free, fixed = (film_spread.efficiency_spread(lubricated(f"ring.pins={pins}"), LOAD) for pins in ("free", "fixed"))
     assert 76.0 < free.low < free.value < free.high < 93.0
     assert fixed.value < free.value - 3.0

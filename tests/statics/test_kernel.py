@@ -103,7 +103,7 @@ def test_no_contact_that_is_closed_is_passed_over(name: str) -> None:
         assert state(apart, 0, rest, rest).energy == pytest.approx(0.5 * stored, rel=1e-12)
 
 
-def test_no_contact_that_is_hardly_closed_passes_for_open() -> None:
+def test_a_barely_closed_contact_is_not_counted_as_open() -> None:
     """Gaps that are drawn at random about the place where parts touch, with the curves displaced along each other."""
     contacts = springs("pin", "structure=rigid")._replace(cam_clearance=np.inf)
     rest, shape = np.zeros(contacts.slope.shape[2]), contacts.distance.shape
@@ -499,7 +499,7 @@ def test_earlier_searches_do_not_limit_a_slow_search() -> None:
     assert found.work < still.size + 255
 
 
-def test_a_tooth_that_rests_where_its_foot_point_begins_to_be_looked_for_is_searched_again() -> None:
+def test_a_tooth_that_rests_at_the_limit_of_the_foot_point_search_is_solved_again() -> None:
     """At this torque its force is too small on one side of the step of its width and too large beyond it."""
     design = PRESETS["pin"].but(clearance=dict.fromkeys(PRESETS["pin"].pair_kinds, 4e-6))
     found = springs_of(Reducer(design), [3.37], friction=False)

@@ -97,7 +97,7 @@ def test_a_larger_free_pin_closes_its_gap_and_its_socket() -> None:
 
 
 @pytest.mark.parametrize("name", DESIGNS)
-def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
+def test_under_a_tiny_load_the_output_turns_by_its_backlash(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH])
     springs = statics.springs_of(Reducer(design), turn_evenly(Reducer(design), 7))
     small = 1e-5 * design.rated_torque
@@ -113,7 +113,7 @@ def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
 
 
 @pytest.mark.parametrize("name", DESIGNS)
-def test_output_pins_bear_the_whole_load(name):
+def test_output_pins_carry_the_whole_torque(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH])
     springs, found = carried(design)
     pins = range(springs.teeth, springs.contacts.disc.size)

@@ -49,7 +49,7 @@ def varied(design: Design, count: int, seed: int = 3) -> Samples:
 
 @pytest.mark.parametrize("name", ["pin", "nonpin", "large", "printed"])
 @pytest.mark.parametrize("friction", [False, True])
-def test_a_sample_is_the_statics_of_a_design_made_so(name: str, friction: bool) -> None:
+def test_the_statics_of_a_sample_equal_those_of_a_design_with_its_errors(name: str, friction: bool) -> None:
     design = unlike(name) if name in UNLIKE else PRESETS[name]
     design = override(design, ERRORS if design.ring.kind == "pin" else ERRORS[2:])
     made, torque, angles = varied(design, 3), 0.7 * design.rated_torque, 24
@@ -124,7 +124,7 @@ def test_touching_parts_are_followed_in_few_steps() -> None:
     assert work[1] < 3.0
 
 
-def test_two_discs_that_touch_have_twice_the_steps_before_a_search_from_afar() -> None:
+def test_two_touching_discs_have_twice_the_steps_before_a_global_search() -> None:
     """More contacts change from angle to angle: with the steps of one disc it takes 6.6 systems an angle, not 5.3."""
     reducer = Reducer(PRESETS["twodisc"])
     crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)

@@ -177,7 +177,7 @@ def test_a_jam_a_crank_at_rest_or_a_negative_torque_is_one_error() -> None:
         sheet(Reducer(FIXED), -3.0)
 
 
-def test_a_tooth_whose_foot_point_begins_to_be_looked_for_is_balanced() -> None:
+def test_a_tooth_at_the_limit_of_the_foot_point_search_is_balanced() -> None:
     """At 46 N m and one crank angle a tooth goes from one way of reckoning its width to the other."""
     capacity = [
         sheet_part(Reducer(override(unlike("teeth21"), [f"clearance.cam_um={cam}"])), "loads")[

@@ -27,7 +27,7 @@ def test_the_seats_of_the_measured_drive_are_read_off_its_file() -> None:
     assert told.material.modulus == (490e6, 3600e6)
 
 
-def test_a_pin_in_deep_seats_is_a_beam_between_hetenyis_half_infinite_ones() -> None:
+def test_a_pin_in_deep_seats_matches_hetenyis_half_infinite_beams() -> None:
     """Hetenyi 1946, Beams on Elastic Foundation: the end of a long beam gives 2 b/k, 2 b^2/k and 4 b^3/k."""
     thin = PRINTED.but(
         housing_material={"youngs_modulus": 1e8}, output_material={"youngs_modulus": 2e12}, output={"core_radius": 5e-4}
@@ -95,7 +95,7 @@ def test_the_compliance_of_a_crank_is_that_of_seats_and_post() -> None:
     )
 
 
-def test_another_modulus_is_that_of_all_printed_parts_and_of_no_steel() -> None:
+def test_another_modulus_applies_to_all_printed_parts_but_not_to_steel() -> None:
     other = with_modulus(PRINTED, 1e9).design
     assert {part: other.material_of(part).youngs_modulus == 1e9 for part in ("gear", "housing", "output", "shaft")} == {
         "gear": True,

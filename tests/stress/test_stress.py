@@ -126,7 +126,7 @@ def resultant(loads, design):
 # Where a force acts
 
 
-def test_line_of_action_meets_the_circle_on_the_side_that_the_force_presses_on():
+def test_the_line_of_action_meets_the_circle_on_the_loaded_side():
     rng = np.random.default_rng(1)
     centre, angle, slip = rng.normal(size=(50, 2)), rng.uniform(0, 2 * np.pi, 50), rng.uniform(-0.3, 0.3, 50)
     normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -138,7 +138,7 @@ def test_line_of_action_meets_the_circle_on_the_side_that_the_force_presses_on()
     assert np.abs(action.on_disc(centre, 0.7) - place).max() > 1.0
 
 
-def test_an_action_keeps_its_line_when_seen_from_another_frame():
+def test_the_line_of_action_is_the_same_in_another_frame():
     force, place = np.array([[3.0, -1.0]]), np.array([[0.2, 0.5]])
     origin, angle = np.array([[0.4, -0.3]]), np.array([0.7])
     seen = Action(force, cross(place, force)).seen_from(origin, angle)

@@ -412,7 +412,7 @@ def test_a_grid_keeps_no_reference_to_a_released_basis() -> None:
     assert left - before < 0.02 * (held - before)
 
 
-def test_without_the_fast_solver_or_with_one_of_other_names_superlu_solves(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_superlu_solves_without_the_fast_solver(monkeypatch: pytest.MonkeyPatch) -> None:
     lower, loads = sparse.csc_matrix([[4.0, 0.0], [1.0, 3.0]]), np.array([1.0, 2.0])
     for module in (None, SimpleNamespace()):
         monkeypatch.setitem(sys.modules, "rslab", module)
