@@ -373,9 +373,19 @@ def single_pin(diameter: float, length: float) -> Dowel | None:
     stock_pins = pins(diameter, length)
     if not stock_pins or stock_pins[1] == 1:
         return stock_pins[0] if stock_pins else None
+    return pin_gauge(diameter, length)
+
+
+def pin_gauge(diameter: float, length: float) -> Dowel | None:
+    """Find the pin gauge of a diameter that fills a length [m] in one piece, to be cut; None if there is none.
+
+    It has its nominal diameter within 1 um. A dowel (m6) is 2 to 12 um thicker, and jams in a bore of a few
+    micrometres of clearance.
+    """
     size = round(diameter / MM, 6)
-    if _LONG_GAUGES.includes(size) and length <= _LONG_GAUGES.length * MM:
-        return Dowel(f"{GAUGES} - {size:.2f} x {_LONG_GAUGES.length}", diameter, _LONG_GAUGES.length * MM)
+    for gauges in (_GAUGES, _LONG_GAUGES):
+        if gauges.includes(size) and length <= gauges.length * MM:
+            return Dowel(f"{GAUGES} - {size:.2f} x {gauges.length}", diameter, gauges.length * MM)
     return None
 
 

@@ -13,6 +13,7 @@ from designs import cases
 from cycloid_mj.design import PRESETS, stock
 from cycloid_mj.parts.export import BillLine, bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
+from cycloid_mj.parts.export.bearings import output_pin
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode
 from cycloid_mj.sizing.requirement import Requirement
@@ -139,8 +140,18 @@ def test_free_pins_are_rollers_and_cut_if_too_long() -> None:
     short = next(line for line in bill(Reducer(design.but(gear={"face_width": 20e-3}))) if line.item == "pin")
     assert (short.size, short.fit) == ("diameter 5 x length 19.8 mm", "0/-2 um, free in its socket")
     fixed = next(line for line in bill(Reducer(design.but(ring={"pins": "fixed"}))) if line.item == "pin")
-    assert fixed.designation.startswith("ISO 8734")
-    assert fixed.fit.startswith("m6 in H7, glued")
+    assert fixed.designation.startswith("ISO 3096")
+    assert fixed.fit.startswith("0/-2 um, glued")
+
+
+def test_pins_on_which_a_disc_slides_are_not_dowels() -> None:
+    """A dowel of 12 mm is 7 to 18 um too thick (m6) for a clearance of 2 um; the core of a roller may be a dowel."""
+    sliding = next(line for line in bill(Reducer(PRESETS["twodisc"])) if line.item == "output_pin")
+    assert (sliding.designation, sliding.fit) == ("DIN 2269 - 12.00 x 70", "js5 in R7, cut to 52 mm")
+    core = next(line for line in bill(Reducer(PRESETS["pin"])) if line.item == "output_pin")
+    assert core.designation.startswith("ISO 8734")
+    odd = {"pin_radius": 6.0025e-3, "hole_radius": 6.0025e-3 + PRESETS["twodisc"].gear.eccentricity}
+    assert output_pin(Reducer(PRESETS["twodisc"].but(output=odd))) is None, "no gauge of 12.005 mm"
 
 
 @pytest.mark.parametrize("size", [0.72, 2.0, 4.08, 5.0, 8.0])
@@ -155,7 +166,7 @@ def test_free_pins_fill_the_ring_with_axial_play(size: float, width: float) -> N
 
 @pytest.mark.parametrize("width", [20e-3, 60e-3])
 def test_each_bought_pin_of_a_wide_drive_is_listed_and_drawn_once(width: float) -> None:
-    """The longest dowel of 5 mm has 50 mm: a ring pin of 60 mm is two in line; an output pin bends: one gauge."""
+    """The longest roller of 5 mm has 49.8 mm: a ring pin of 60 mm is two in line; an output pin bends: one gauge."""
     design = PRESETS["pin"].but(ring={"pins": "fixed", "pin_radius": 2.5e-3}, gear={"face_width": width})
     reducer = Reducer(design)
     sizes = casing(reducer)
@@ -171,5 +182,6 @@ def test_each_bought_pin_of_a_wide_drive_is_listed_and_drawn_once(width: float) 
     in_line = counts["pin"] // design.ring.teeth
     assert in_line == -(-width // 50e-3)
     assert len(ends) == in_line
-    assert (ends[0][0], ends[-1][1]) == (-0.5 * width, 0.5 * width)
+    assert ends[0][0] == -ends[-1][1]
+    assert width - 2.0 * ends[-1][1] < 0.5e-3, "a needle roller is shorter by its axial play"
     assert all(low[1] == high[0] for low, high in pairwise(ends))

@@ -134,6 +134,16 @@ def test_grease_and_adhesive_are_listed():
     assert 0.0 < float(adhesive.size.removesuffix(" cm3")) < 0.1 * volume
 
 
+def test_sealant_closes_the_faces_of_a_metal_ring():
+    """0.1 mm on both faces of the ring, 2 x pi (50^2 - 42.2^2) mm2 of the preset pin; none in a plastic."""
+    lines = {line.item: line for line in consumables(PIN, casing(PIN))}
+    wall, outer = PIN.design.ring_root_radius, PIN.design.housing.outer_radius
+    assert 1e9 * 1e-4 * 2.0 * np.pi * (outer**2 - wall**2) == pytest.approx(
+        1e3 * float(lines["sealant"].size.removesuffix(" cm3")), rel=0.05
+    )
+    assert "sealant" not in {line.item for line in consumables(PRINTED, casing(PRINTED))}
+
+
 def test_rules_report_a_motor_that_turns_with_the_ring():
     assert list(describe_violations(PIN, casing(PIN))) == []
     turning = Reducer(PRESETS["pin"].but(output={"member": "ring"}))

@@ -22,8 +22,9 @@ DOWEL_FIT, PIN_FIT = "m6 in H7", "m6 in N7"
 GAUGE_FIT = "js5 in R7"
 """Fit of a pin gauge that carries load by its press fit, as tight as `PIN_FIT`; its +-2 um are within js5."""
 
-RETAINED_FIT, FREE_FIT = "m6 in H7, glued: its socket is open", "0/-2 um, free in its socket"
-"""Fits of ring pins in half-open sockets: a tighter fit would push them out; a free pin rolls (ISO 3096, grade G2)."""
+RETAINED_FIT, FREE_FIT = "glued: its socket is open", "free in its socket"
+"""Seats of ring pins in half-open sockets: a press fit would push them out; free pins roll. Neither is a dowel, which
+is thicker than its nominal size by more than the teeth have clearance."""
 
 ROLLER_FIT = "E8/m6"
 """Fit of a roller that turns on a dowel: 8 to 34 um of play on 5 mm; F8/m6 may be tight."""
@@ -70,9 +71,10 @@ def roller_bore(reducer: Reducer) -> float:
 
 
 def free_pin(reducer: Reducer) -> stock.Roller | None:
-    """Return the roller in stock for the ring pins that move in sockets between the covers; None if none has its size.
+    """Return the roller in stock for the ring pins in sockets between the covers; None if none has its size.
 
-    Dowels are for press fits: 2 to 6 um thicker than their nominal size on the radius, they would jam in a socket.
+    Dowels are for press fits: 2 to 6 um thicker than their nominal size on the radius, they would jam in a socket, or
+    on the disc.
     """
     design = reducer.design
     return stock.free_pin(2.0 * design.ring.pin_radius, 2.0 * ring_end(reducer), axial_play(reducer))
@@ -101,9 +103,25 @@ def output_pin_length(reducer: Reducer) -> float:
     return high - low
 
 
+def output_pin(reducer: Reducer) -> stock.Dowel | None:
+    """Return the pin in stock for the output pins; None if none has their size.
+
+    Under a roller it is a dowel. A pin on which a disc slides is a pin gauge, or a dowel if the clearance of the disc's
+    holes is at least twice what a dowel is too thick.
+    """
+    output, length = reducer.design.output, output_pin_length(reducer)
+    diameter = 2.0 * output.root_radius
+    dowel = stock.single_pin(diameter, length)
+    if output.rollers:
+        return dowel
+    gauge = stock.pin_gauge(diameter, length)
+    return gauge or (dowel if reducer.design.clearance.output >= fits.limits("m6", diameter)[1] else None)
+
+
 def output_pin_fit(reducer: Reducer) -> str:
     """Return the fit of the output pins in the discs of the output."""
-    return press_fit(2.0 * reducer.design.output.root_radius, output_pin_length(reducer))
+    pin = output_pin(reducer)
+    return GAUGE_FIT if pin and pin.designation.startswith(stock.GAUGES) else PIN_FIT
 
 
 def sleeve_pin_length(reducer: Reducer) -> float:
@@ -116,12 +134,6 @@ def sleeve_pin_fit(reducer: Reducer) -> str:
     return press_fit(2.0 * sleeve_core_radius(reducer), sleeve_pin_length(reducer))
 
 
-def fixed_pin(reducer: Reducer) -> tuple[stock.Dowel, int] | None:
-    """Return the pins in stock for a fixed ring pin through all discs, and their number in line; None if none fits."""
-    design = reducer.design
-    return stock.pins(2.0 * design.ring.pin_radius, design.gear.stack_width)
-
-
 def pin_pieces(reducer: Reducer) -> tuple[int, float]:
     """Return how many pieces in line replace each ring pin or sleeve in a drive, and the length of a piece [m].
 
@@ -130,9 +142,6 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
     ring, width = reducer.design.ring, reducer.design.gear.stack_width
     if ring.has_sleeves or is_printed(reducer, names.PIN):
         return 1, width
-    fixed = None if ring.has_sockets else fixed_pin(reducer)
-    if fixed:
-        return fixed[1], width / fixed[1]
     free = free_pin(reducer)
     return (free.count, free.used_length) if free else (1, width)
 

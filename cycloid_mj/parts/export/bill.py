@@ -25,8 +25,9 @@ from cycloid_mj.parts.export.bearings import (
     ROLLER_FIT,
     SHAFT_BEARINGS,
     bearing_fit,
-    fixed_pin,
     free_pin,
+    output_pin,
+    output_pin_fit,
     output_pin_length,
     pin_pieces,
     press_fit,
@@ -49,6 +50,7 @@ from cycloid_mj.parts.export.casing import (
 from cycloid_mj.parts.export.casing_parts import bored_shaft
 from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
+    is_plastic,
     is_printed,
 )
 from cycloid_mj.parts.export.crank_joints import cam_key
@@ -63,16 +65,16 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class ConsumableSettings:
-    """Amounts of grease and adhesive.
+    """Amounts of grease, adhesive and sealant.
 
     Attributes
     ----------
     grease_fill
         Share of the free space that is filled with grease (SKF, Rolling bearings, 2018: 30 to 50 %).
     adhesive_film
-        Thickness of the adhesive in a joint, with what is wiped off [m] (assumed: gaps of H7/g6 take half of it).
+        Thickness of adhesive or sealant in a joint, with what is wiped off [m] (assumed: gaps of H7/g6 take half).
     density
-        Density of grease and adhesive [kg/m3] (0.9 and 1.1, SKF and Loctite data sheets).
+        Density of grease, adhesive and sealant [kg/m3] (0.9 to 1.1, SKF and Loctite data sheets).
     """
 
     grease_fill: float = 1.0 / 3.0
@@ -132,7 +134,10 @@ def bill(
 
 
 def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
-    """Yield the grease (a third of the free space) and the adhesive that a drive needs, with their volumes."""
+    """Yield the grease (a third of the free space), adhesive and sealant that a drive needs, with their volumes.
+
+    Sealant is for the metal faces of ring and covers; in plastics, grease stays without it.
+    """
     parts, placements = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     inner_placements = [
         placement
@@ -159,6 +164,10 @@ def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
     if glued_places:
         volume = CONSUMABLES.adhesive_film * area
         yield _consumable("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(glued_places))
+    if not is_plastic(reducer):
+        faces = 2.0 * math.pi * (reducer.design.housing.outer_radius**2 - wall**2)
+        volume = CONSUMABLES.adhesive_film * faces
+        yield _consumable("sealant", volume, "anaerobic flange sealant", "gap up to 0.25 mm", "both faces of the ring")
 
 
 def describe_consumable(line: BillLine) -> str:
@@ -269,16 +278,12 @@ def _round_bar_lines(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLin
             core = sleeve_core_radius(reducer)
             cut_to = sleeve_pin_length(reducer) if sizes else gear.stack_width
             yield _pressed_pin_line(PRESSED_PIN, ring.teeth, core, cut_to, material)
-        elif ring.has_sockets:
-            yield _free_pin_line(reducer, material)
-        elif fixed_pin(reducer) or not free_pin(reducer):
-            yield _fixed_pin_line(reducer, material)
         else:
-            line = _free_pin_line(reducer, material)
-            yield replace(line, fit=line.fit.replace(FREE_FIT.rpartition(", ")[2], "glued: its socket is open"))
+            yield _ring_pin_line(reducer, material)
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
-        yield _pressed_pin_line(OUTPUT_PIN, output.pins, output.root_radius, length, design.material_of(names.OUTPUT))
+        size, material = (output.root_radius, length), design.material_of(names.OUTPUT)
+        yield _pin_line(OUTPUT_PIN, output.pins, output_pin(reducer), size, material, output_pin_fit(reducer))
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
         yield _shaft_line(reducer, sizes)
 
@@ -306,13 +311,6 @@ def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
     return f", bored {_mm(2.0 * radius)} x {_mm(end - start)} mm"
 
 
-def _fixed_pin_line(reducer: Reducer, material: Material) -> BillLine:
-    """Return the line of fixed ring pins: pins in stock, several in line where none is long enough."""
-    ring, (in_line, length) = reducer.design.ring, pin_pieces(reducer)
-    pin = fixed_pin(reducer)
-    return _pin_line(names.PIN, ring.teeth * in_line, pin and pin[0], (ring.pin_radius, length), material, RETAINED_FIT)
-
-
 def _pressed_pin_line(item: str, count: int, radius: float, length: float, material: Material) -> BillLine:
     """Return the line of pins that bend in their seats, each in one piece of a radius and length [m]."""
     diameter = 2.0 * radius
@@ -334,15 +332,16 @@ def _pin_line(
     )
 
 
-def _free_pin_line(reducer: Reducer, material: Material) -> BillLine:
-    """Return the line of ring pins that move in their sockets: needle rollers, pin gauges, or ground to size."""
+def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
+    """Return the line of ring pins, free or glued in their sockets: needle rollers, pin gauges, or ground to size."""
     ring, roller = reducer.design.ring, free_pin(reducer)
+    seat = FREE_FIT if ring.has_sockets else RETAINED_FIT
     diameter = (("diameter", ring.pin_radius),)
     if not roller:
         line = _round_line(names.PIN, ring.teeth, diameter, reducer.design.gear.stack_width, material)
-        return replace(line, fit=f"ground {FREE_FIT}")
+        return replace(line, fit=f"ground 0/-2 um, {seat}")
     line = _round_line(names.PIN, ring.teeth * roller.count, diameter, roller.length, material, roller.cut)
-    fit = f"{roller.tolerance}, free in its socket" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
+    fit = f"{roller.tolerance}, {seat}" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
     return replace(line, designation=roller.designation, fit=fit)
 
 

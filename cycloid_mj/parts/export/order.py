@@ -2,6 +2,7 @@
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
@@ -68,7 +69,8 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
     has_plastic = is_plastic(reducer)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
     return (
-        "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth.",
+        "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth"
+        f"{'' if has_plastic else '; put sealant on both faces of the ring before a cover goes on'}.",
         "Set the threaded inserts with a hot iron." if has_plastic else "Check that each screw enters its thread.",
         _describe_output_pins(reducer),
         f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside"
@@ -142,9 +144,7 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
     design = reducer.design
     if design.gear.discs == 1:
         rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
-        bearing_step = (
-            f"Press the {CAM_BEARING} into the {names.GEAR}" if design.gear.bearing == "rolling" else "Oil its bore"
-        )
+        bearing_step = _describe_cam_bearing(reducer)
         second_disc_step = (
             f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
         )
@@ -155,6 +155,15 @@ def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
         f"{first_step}. Put each cam with its bearing into its gear, then push them on the shaft from its output "
         f"end{retaining_note}: gear 1, a {names.SPACER}, gear 2{' and so on' if design.gear.discs > 2 else ''}."
     )
+
+
+def _describe_cam_bearing(reducer: Reducer) -> str:
+    """Describe how the bearing of a single disc is mounted: pressed in, as rollers in the bore, or none."""
+    if reducer.design.gear.bearing != "rolling":
+        return "Oil its bore"
+    if cam_bearing(reducer):
+        return f"Press the {CAM_BEARING} into the {names.GEAR}"
+    return f"Line the bore of the {names.GEAR} with the rollers of its {CAM_BEARING}, in grease that keeps them there"
 
 
 def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
