@@ -558,15 +558,28 @@ def side_by_side(bearings: Iterable[StockBearing], width: float) -> tuple[StockB
     return max(fitting, key=lambda pair: (round(pair[1] * pair[0].width, 9), -pair[1]), default=None)
 
 
-def bearings_outside(outside: float) -> tuple[StockBearing, ...]:
-    """List the bearings with an outside diameter [m]: needle bearings, or where there are none ball bearings."""
+def bearings_outside(outside: float, *, ringed: bool = False) -> tuple[StockBearing, ...]:
+    """List the bearings with an outside diameter [m]: needle bearings, or where there are none ball bearings.
+
+    `ringed` ones have an inner ring, for a crank that is too soft for needles: all ball bearings.
+    """
+    if ringed:
+        return _alike((*ball_bearings(), *thin_ball_bearings()), outside, "outside")
     return _alike(needle_bearings(), outside, "outside") or _alike(ball_bearings(), outside, "outside")
 
 
-def bearings_on(bore: float, width: float) -> tuple[StockBearing, ...]:
-    """List the bearings for a shaft that have a width [m]: needle bearings, then ball bearings."""
-    bearings = (*_alike(needle_bearings(), bore, "bore"), *_alike(ball_bearings(), bore, "bore"))
-    return _alike(bearings, width, "width")
+def has_inner_ring(bearing: StockBearing) -> bool:
+    """Return whether a bearing has an inner ring; the needles of others roll on the shaft."""
+    return bearing not in needle_bearings()
+
+
+def bearings_on(bore: float, width: float, *, ringed: bool = False) -> tuple[StockBearing, ...]:
+    """List the bearings for a shaft that have a width [m]: needle bearings, then ball bearings.
+
+    `ringed` ones have an inner ring: all ball bearings.
+    """
+    bearings = (*ball_bearings(), *thin_ball_bearings()) if ringed else (*needle_bearings(), *ball_bearings())
+    return _alike(_alike(bearings, bore, "bore"), width, "width")
 
 
 def _alike(bearings: Iterable[StockBearing], size: float, name: str) -> tuple[StockBearing, ...]:

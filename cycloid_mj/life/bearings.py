@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design.lubricants import lubricant
-from cycloid_mj.design.stock import StockBearing, ball_bearings
+from cycloid_mj.design.stock import StockBearing, has_inner_ring
 from cycloid_mj.life import rolling
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import CAM, FAR, NEAR, Body, Loading, relative_speed
@@ -282,7 +282,7 @@ def _choose_ratings(
         dynamic, static = rolling.side_by_side(bearing.dynamic, count), count * bearing.static
         source = f"of the manufacturer's catalogue: {f'{count} x ' if count > 1 else ''}{bearing.designation}"
         sources = f"C {source}", f"C0 {source}"
-        exponent = rolling.BALL_EXPONENT if bearing in ball_bearings() else exponent
+        exponent = rolling.BALL_EXPONENT if has_inner_ring(bearing) else exponent
     else:
         plain = row.dynamic / rolling.ISO_281.roller_steel
         dynamic, static = row.dynamic, row.static

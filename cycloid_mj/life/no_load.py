@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.design import Design
 from cycloid_mj.design.lubricants import lubricant, walther
-from cycloid_mj.design.stock import ball_bearings
+from cycloid_mj.design.stock import has_inner_ring
 from cycloid_mj.life.bearings import Bearing, bearings_of
 from cycloid_mj.life.loading import relative_speed
 from cycloid_mj.lubrication.bearings import idle_torque
@@ -105,14 +105,15 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
             if stock_bearing
             else 2.0 * (design.gear.bore_radius - 2.0 * reducer.contacts.roller_radius)
         )
-        ball = stock_bearing is not None and stock_bearing[0] in ball_bearings()
+        ball = stock_bearing is not None and has_inner_ring(stock_bearing[0])
         return "ball" if ball else "needle", design.gear.discs, 0.5 * bore + design.gear.bore_radius
     if bearing.key == "output_rollers":
         return "needle", design.output.pins * design.gear.discs, design.output.root_radius + design.output.pin_radius
     if bearing.key.startswith("output"):
         hub = casing(reducer).hub
         return "ball", 1, 0.5 * (hub.bore + hub.outside)
-    ball = shaft_bearing(reducer) in ball_bearings()
+    on_shaft = shaft_bearing(reducer)
+    ball = on_shaft is not None and has_inner_ring(on_shaft)
     return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))
 
 

@@ -1,7 +1,16 @@
 """Choice of the rolling bearing in stock for the cams; outside `parts.export`, which takes 50 ms to import."""
 
+from cycloid_mj.base import names
 from cycloid_mj.design import stock
 from cycloid_mj.reducer import Reducer
+
+MAX_RINGED = 2
+"""Largest number of bearings with inner rings side by side on a soft cam, which does not load more evenly (assumed)."""
+
+
+def needs_rings(reducer: Reducer) -> bool:
+    """Return whether the bearings of the crank need inner rings: needles would wear a crank of plastic."""
+    return reducer.design.material_of(names.SHAFT).is_plastic
 
 
 def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
@@ -11,7 +20,8 @@ def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
     flush = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)
     wide_enough = [
         bearing
-        for bearing in stock.bearings_outside(2.0 * gear.bore_radius)
+        for bearing in stock.bearings_outside(2.0 * gear.bore_radius, ringed=needs_rings(reducer))
         if bearing.bore > flush or (gear.discs == 1 and bearing.bore == flush)
     ]
-    return stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
+    chosen = stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
+    return (chosen[0], min(chosen[1], MAX_RINGED)) if chosen and needs_rings(reducer) else chosen

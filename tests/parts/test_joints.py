@@ -8,12 +8,15 @@ from designs import cases, design_file
 
 from cycloid_mj.design import PRESETS, fits, load, stock
 from cycloid_mj.parts import mesh
-from cycloid_mj.parts.export import bill, casing, place_parts
+from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.export import bill, casing, place_parts, shaft_bearing
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.crank_joints import cam_key
+from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
 from cycloid_mj.parts.export.keyway import KeywayContour
+from cycloid_mj.parts.export.running import running_gaps
 from cycloid_mj.reducer import Reducer
 
 DESIGNS = cases(("printed", "pin", "twodisc"), "printed", "twodisc")
@@ -146,6 +149,24 @@ def test_tapped_holes_are_drilled_to_their_core(name):
 def test_every_thread_in_a_plastic_has_an_insert(name):
     _, _, joints = zoo(name)
     assert all(thread.insert for joint in joints for thread in joint.threads)
+
+
+def test_bearings_of_a_printed_crank_have_inner_rings():
+    """Needles would wear the plastic: its bearings are ball bearings, at most two on the cam, also if needles fit."""
+    steel = PRESETS["printed"].but(gear={"bore_radius": 12e-3}, shaft={"bearing_width": 6e-3})
+    printed = Reducer(steel.but(shaft_material={"name": "PETG"}))
+    assert cam_bearing(Reducer(steel))[0].designation == "HK1812"
+    assert [(bearing.designation, count) for bearing, count in [cam_bearing(printed)]] == [("61802", 2)]
+    assert shaft_bearing(printed).designation == "61901"
+    sizes = casing(printed)
+    assert all(gap.keeps(sizes.play) for gap in running_gaps(printed, sizes))
+    assert blockages(printed, sizes) == ()
+    (joint,) = [one for one in drive_joints(printed, sizes) if one.name == "cam bearings in the discs"]
+    assert joint.fit == "H7"
+    lines = {line.item: line for line in bill(printed, 0.0, sizes)}
+    assert (lines["shaft"].material, lines["shaft"].made_or_bought) == ("PETG", "made")
+    assert lines["cam_bearing"].fit == lines["shaft_bearing"].fit == "H7 outside, light press fit on the printed crank"
+    assert cam_bearing(Reducer(PRESETS["printed"].but(shaft_material={"name": "PETG"}))) is None, "none of 21 mm fits"
 
 
 def test_fits_follow_the_kind_of_load():

@@ -79,6 +79,16 @@ def test_the_counterweight_stays_off_the_ring_of_its_bearing_that_is_at_rest(nam
     assert collar.outline.radius < 0.5 * (reducer.design.shaft.radius + sizes.seat)
 
 
+def test_the_crank_floats_between_its_bearings_by_the_axial_play():
+    """Its rings leave 0.1 mm between ball bearings on both sides of the discs, so that they are not preloaded."""
+    reducer = reducer_of("twodisc")
+    sizes = casing(reducer)
+    parts = assembly_parts(reducer, sizes)
+    (near,), (far,) = parts["crank_ring_1"].stretches, parts["crank_ring_2"].stretches
+    assert near.z0 == pytest.approx(sizes.near[1])
+    assert sizes.far[0] - far.z1 == pytest.approx(sizes.play)
+
+
 def test_the_flange_covers_open_bearings_with_a_gap():
     """It clamps the inner ring, and covers the outer ring of an angular contact bearing at a distance."""
     reducer = Reducer(PRESETS["pin"].but(output={"main_bearings": "angular_contact"}))

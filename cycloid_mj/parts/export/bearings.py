@@ -5,7 +5,7 @@ import math
 from cycloid_mj.base import names
 from cycloid_mj.design import fits, stock
 from cycloid_mj.parts import lay_out_parts, sleeve_core_radius
-from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.cam_bearing import cam_bearing, needs_rings
 from cycloid_mj.parts.export.casing import (
     bearing_width_of,
 )
@@ -44,7 +44,8 @@ SHAFT_BEARINGS = 2
 
 def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
     """Return the bearing in stock for both seats of the shaft; None if none has its size."""
-    return next(iter(stock.bearings_on(2.0 * reducer.design.shaft.radius, bearing_width_of(reducer))), None)
+    diameter, width = 2.0 * reducer.design.shaft.radius, bearing_width_of(reducer)
+    return next(iter(stock.bearings_on(diameter, width, ringed=needs_rings(reducer))), None)
 
 
 def cam_seat(reducer: Reducer) -> float:
@@ -162,6 +163,11 @@ def hub_bearing_fit(bearing: stock.StockBearing) -> str:
     return ANGULAR_HUB_FIT if bearing.contact_angle else HUB_BEARING_FIT
 
 
+def cam_bearing_fit(reducer: Reducer, bearing: stock.StockBearing) -> str:
+    """Return the zone of the bore of a disc for the bearing of its cam."""
+    return "H7" if stock.has_inner_ring(bearing) else cup_fit(reducer, names.GEAR)
+
+
 def cup_fit(reducer: Reducer, part: str) -> str:
     """Return the zone of the bore for a drawn cup in a part of the mechanism (ISO 3245): tighter in a plastic."""
     return "R6" if reducer.design.material_of(part).is_plastic else "N6"
@@ -172,8 +178,10 @@ def bearing_fit(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str
 
     Needles run on the crank itself; the inner ring of a ball bearing turns with it against the load.
     """
-    if bearing not in stock.ball_bearings():
+    if not stock.has_inner_ring(bearing):
         return f"{cup_fit(reducer, part)} outside, h5 under the needles"
+    if needs_rings(reducer):
+        return "H7 outside, light press fit on the printed crank"
     return f"H7 outside, {'j5' if bearing.bore <= LIGHT_BORE else 'k5'} on the crank"
 
 

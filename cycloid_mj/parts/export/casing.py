@@ -18,6 +18,7 @@ from cycloid_mj.design import Material, stock
 from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_stretches, sleeve_core_radius
+from cycloid_mj.parts.cam_bearing import needs_rings
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
     axial_play,
@@ -391,7 +392,7 @@ def _cover_radius(screws: Screws, radius: float, wall: float) -> float:
 def seat_radius(reducer: Reducer, width: float) -> float:
     """Return the radius of the seats of the shaft bearings [m]: of a bearing in stock, or as the rollers are rated."""
     radius = reducer.design.shaft.radius
-    stocked = stock.bearings_on(2.0 * radius, width)
+    stocked = stock.bearings_on(2.0 * radius, width, ringed=needs_rings(reducer))
     return 0.5 * stocked[0].outside if stocked else RULES.bearing_ratio * radius
 
 

@@ -15,8 +15,8 @@ from cycloid_mj.parts.export.bearings import (
     FREE_FIT,
     RETAINED_FIT,
     ROLLER_FIT,
+    cam_bearing_fit,
     cam_radius,
-    cup_fit,
     output_pin_fit,
     pin_pieces,
     sleeve_pin_depth,
@@ -123,7 +123,7 @@ def _cam_bearing_joint(reducer: Reducer) -> Iterator[Joint]:
     if gear.bearing != "rolling":
         return
     kind = JointKind.PRESSED if stock_bearing else JointKind.BEARING
-    fit = cup_fit(reducer, names.GEAR) if stock_bearing else "H6, rollers in the bore of the disc"
+    fit = cam_bearing_fit(reducer, stock_bearing[0]) if stock_bearing else "H6, rollers in the bore of the disc"
     seats = gear.discs, 2.0 * gear.bore_radius, gear.face_width
     yield Joint("cam bearings in the discs", kind, (CAM_BEARING, *reducer.gears), (), (), fit, *seats)
 

@@ -1,6 +1,7 @@
 """Rings on the crank of an assembled drive: they keep its bearings off cams and counterweight, and locate it axially.
 
-A ring touches the inner ring of a bearing only, or stands back from a drawn cup, whose whole face is at rest. On a
+The ring next to the motor touches the inner ring of its bearing, or stands back from a drawn cup, whose whole face is
+at rest. The far ring stands back by the axial play, so that the length of the drive does not preload the bearings. On a
 crank in one piece the rings are its collars; on the plain shaft of several discs they are separate parts.
 """
 
@@ -69,4 +70,4 @@ def _crank_rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
     if radius >= thinnest:
         yield CrankRing(names.numbered_name(CRANK_RING, 1), radius, sizes.near[1] + retreat, ring_end)
     if sizes.far and max_radius >= thinnest:
-        yield CrankRing(names.numbered_name(CRANK_RING, 2), max_radius, cams[-1].z1, sizes.far[0] - retreat)
+        yield CrankRing(names.numbered_name(CRANK_RING, 2), max_radius, cams[-1].z1, sizes.far[0] - sizes.play)
