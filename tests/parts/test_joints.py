@@ -16,6 +16,7 @@ from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
 from cycloid_mj.parts.export.keyway import KeywayContour
+from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.parts.export.running import running_gaps
 from cycloid_mj.reducer import Reducer
 
@@ -149,6 +150,28 @@ def test_tapped_holes_are_drilled_to_their_core(name):
 def test_every_thread_in_a_plastic_has_an_insert(name):
     _, _, joints = zoo(name)
     assert all(thread.insert for joint in joints for thread in joint.threads)
+
+
+def test_dowels_centre_the_covers_around_a_ring_that_is_too_thin_for_them():
+    """The screws pass outside of the ring, whose wall is 1.85 mm thick: the dowels are in line with the screws."""
+    design = PRESETS["pin"].but(
+        gear={"eccentricity": 0.8e-3},
+        output={"hole_radius": PRESETS["pin"].output.pin_radius + 0.8e-3},
+        ring={"pin_radius": 3e-3},
+        housing={"outer_radius": 45.6e-3, "support": "rim"},
+    )
+    reducer = Reducer(design)
+    sizes = casing(reducer)
+    assert sizes.screws.outside
+    (joint,) = [one for one in drive_joints(reducer, sizes) if one.kind is JointKind.DOWELLED]
+    assert joint.parts == ("motor_cover", "output_cover")
+    ((below, (centres, radius, low, high)), (above, upper)) = joint.holes
+    assert (below, above) == joint.parts
+    assert high == pytest.approx(upper[2])
+    assert high - low == pytest.approx(upper[3] - upper[2]) == pytest.approx(0.5 * sizes.dowel.length)
+    assert np.hypot(*centres.T) == pytest.approx(np.full(2, sizes.screws.circle))
+    assert np.linalg.norm(centres[:, None] - sizes.screws.centres(), axis=2).min() > radius + sizes.screws.hole + 1e-3
+    assert list(describe_violations(reducer, sizes)) == []
 
 
 def test_bearings_of_a_printed_crank_have_inner_rings():

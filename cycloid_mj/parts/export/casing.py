@@ -130,6 +130,11 @@ class Casing:
         return (first, first + width), (first + width + self.spacing, self.top)
 
     @property
+    def has_outer_dowels(self) -> bool:
+        """True if the dowels are outside of the ring, between both covers."""
+        return self.screws.outside and self.dowel is not None and self.dowel_circle == self.screws.circle
+
+    @property
     def load_centres(self) -> tuple[float, float]:
         """Positions at which both bearings of the output carry radial forces [m]: their middles, or further apart.
 

@@ -104,19 +104,27 @@ def _screws_of_length(
     return Screws(bolt, length, circle, angles, outside=not through)
 
 
+def _thickest_dowel(max_diameter: float, max_length: float) -> stock.Dowel | None:
+    """Return the thickest dowel in stock up to a diameter and a length [m]; None without one."""
+    sizes = [size for size in reversed(stock.dowel_diameters()) if size <= max_diameter]
+    pins = [stock_pins[0] for size in sizes if (stock_pins := stock.pins(size, 2.0 * size))]
+    return next((candidate for candidate in pins if candidate.length <= max_length), None)
+
+
 def choose_dowels(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel | None, tuple[float, ...], float]:
     """Choose two dowels for each face between covers and ring, with their angles [rad] and circle radius [m].
 
     They are opposite each other between the screws. If the screws pass outside of the ring, they are in the wall of the
-    ring and keep it from turning. None if no dowel in stock fits.
+    ring and keep it from turning; if it is too thin, they are in line with the screws, and centre the covers on each
+    other. None if no dowel in stock fits.
     """
     design = reducer.design
-    max_diameter = (
-        design.housing.outer_radius - design.ring_root_radius - 2.0 * wall if screws.outside else screws.bolt.thread
-    )
-    sizes = [size for size in reversed(stock.dowel_diameters()) if size <= min(screws.bolt.thread, max_diameter)]
-    pins = [stock_pins[0] for size in sizes if (stock_pins := stock.pins(size, 2.0 * size))]
-    pin = next((candidate for candidate in pins if candidate.length <= design.gear.stack_width - wall), None)
+    thread, ring_wall = screws.bolt.thread, design.housing.outer_radius - design.ring_root_radius - 2.0 * wall
+    pin = _thickest_dowel(min(thread, ring_wall) if screws.outside else thread, design.gear.stack_width - wall)
+    if not pin and screws.outside:
+        pin = _thickest_dowel(thread, 2.0 * thread)
+        half_pitch = math.pi / len(screws.angles)
+        return pin, (half_pitch, half_pitch + math.pi), screws.circle
     if not pin:
         return None, (), 0.0
     if screws.outside or design.housing.support == "bolts":

@@ -294,13 +294,15 @@ def _load_thread_joint(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _dowel_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the dowelled joint of each face at which a cover and the ring meet; none if no dowel fits."""
+    """Yield the dowelled joints of covers and ring, one for each face, or that of both covers; none without dowels."""
     dowel = sizes.dowel
     if dowel is None:
         return
     ring_half_width, centres = sizes.end, dowel_centres(sizes)
     radius, depth = 0.5 * dowel.diameter, 0.5 * dowel.length
-    faces = (-ring_half_width, MOTOR_COVER, names.HOUSING), (ring_half_width, names.HOUSING, OUTPUT_COVER)
+    faces: tuple[tuple[float, str, str], ...] = ((ring_half_width, MOTOR_COVER, OUTPUT_COVER),)
+    if not sizes.has_outer_dowels:
+        faces = (-ring_half_width, MOTOR_COVER, names.HOUSING), (ring_half_width, names.HOUSING, OUTPUT_COVER)
     for index, (face, below, above) in enumerate(faces):
         bought_part = BoughtPart(
             DOWEL,

@@ -78,7 +78,8 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
         f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
         f"{', with washers' if has_plastic else ''}): it clamps them{_describe_preload(sizes)}.",
-        f"Lay the {names.HOUSING} on it{dowels.rstrip(',')}{_describe_ring_pins(reducer)}.",
+        f"Lay the {names.HOUSING} on it{'' if sizes.has_outer_dowels else dowels.rstrip(',')}"
+        f"{_describe_ring_pins(reducer)}.",
         _describe_discs(reducer, sizes),
         _describe_crank(reducer, sizes),
         f"{_describe_motor_cover(sizes)}{'the' if sizes.far else 'both'} {SHAFT_BEARING} into the {MOTOR_COVER}, "

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.export.casing import (
+    OUTPUT_COVER,
     Casing,
 )
 from cycloid_mj.parts.export.casing_rules import (
@@ -20,9 +21,9 @@ from cycloid_mj.reducer import Reducer
 def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
     """Yield a sentence with the remedy for each rule that the joints of a drive violate.
 
-    Parts that move against each other are apart by the axial play; each part can pass those that are there before; a
-    ring is keyed to its covers, threads in a plastic have an insert, pressed and turning parts a fit; and a motor is
-    not bolted to a cover that turns.
+    Parts that move against each other are apart by the axial play; each part can pass those that are there before;
+    covers are centred by dowels, a plastic ring is keyed to them; threads in a plastic have an insert, pressed and
+    turning parts a fit; and a motor is not bolted to a cover that turns.
     """
     for gap in running_gaps(reducer, sizes):
         if not gap.keeps(sizes.play):
@@ -34,7 +35,9 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
         yield f"{blockage.part} cannot pass {blockage.other} to its place: please report this design"
     joints = drive_joints(reducer, sizes)
     dowelled_parts = {part for joint in joints if joint.kind is JointKind.DOWELLED for part in joint.parts}
-    if sizes.screws.outside and names.HOUSING not in dowelled_parts:
+    if OUTPUT_COVER not in dowelled_parts:
+        yield "no dowel fits in the covers, which only the play of the screws centres: enlarge the housing"
+    elif is_plastic(reducer) and names.HOUSING not in dowelled_parts:
         yield "no dowel fits in the wall of the ring, which only friction keeps from turning: enlarge the housing"
     for joint in joints:
         if joint.diameter and not joint.fit:
