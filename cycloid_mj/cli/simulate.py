@@ -116,8 +116,7 @@ def simulate(
     The crank is accelerated linearly from rest and then kept at its speed. For this hold phase, the results are
     compared with theory: disc speed, path and speed of the centre of hole 1, transmission error; contacts, pin 1,
     torques and losses are added. The MCAP log is written during the run, with the design, the model and every sample;
-    the page of `cycloid-mj report` is written next to it, unless --json is set. An RV reducer is driven by its sun; it
-    has no page.
+    the page of `cycloid-mj report` is written next to it, unless --json is set. An RV reducer is driven by its sun.
 
     A failed run (not a number, a MuJoCo warning, excessive penetration, a jumped tooth) ends with an error and exit
     code 1, a stopped run (Ctrl-C, SIGTERM, SIGHUP) with 128 plus the number of the signal; the log contains the
@@ -127,10 +126,9 @@ def simulate(
     design = design_options.resolve(values)
     design_options.warn_of_inherited_motor(design)
     require_runnable(design, solver)
-    has_page = not delivery.json and design.layout == "central"
-    if design.layout != "central" and (delivery.html is not None or contact == "mesh"):
-        flag = "--contact mesh" if contact == "mesh" else "--html"
-        raise UsageError(f'{flag} is not supported for layout = "{design.layout}": omit this flag')
+    has_page = not delivery.json
+    if design.layout != "central" and contact == "mesh":
+        raise UsageError(f'--contact mesh is not supported for layout = "{design.layout}": omit this flag')
     force = delivery.force
     folder = claim_folder(delivery.out or RUNS, "the log", (), force)
     page = claim_page(delivery, design.name, folder)
@@ -400,8 +398,7 @@ def _log_opener(
     groups = {topic: list(units.items()) for topic, units in log_columns(compiled, reducer).items()}
     entries = provenance | warnings_entry(run_warnings(compiled, reducer))
     files = attachments(compiled, reducer)
-    has_scene = viewable and not isinstance(reducer, RvReducer)
-    scene = Scene(reducer.design, frame_rate(reducer)) if has_scene else None
+    scene = Scene(reducer.design, frame_rate(reducer)) if viewable else None
     if not viewable:
         files = {DESIGN_FILE: files[DESIGN_FILE]}
     return lambda path: LogWriter(path, groups, entries, files, force=force, viewer=scene)

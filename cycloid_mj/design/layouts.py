@@ -16,6 +16,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "export",
         "figures",
         "rate",
+        "report",
         "simulate",
         "statics",
         "tolerance",

@@ -9,6 +9,7 @@ import numpy as np
 from cycloid_mj.analysis import FIGURES, SIGNALS, Series, SignalFigure
 from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.base.array import Array
+from cycloid_mj.reducer import RvReducer
 from cycloid_mj.report.encode import decimate, encode_array
 from cycloid_mj.report.mechanism import mechanism
 from cycloid_mj.report.reviewed import Reviewed
@@ -97,7 +98,7 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
         "curves": {key: encode_array(values[:, column]) for column, key in enumerate(signals)},
         "paths": {path: _path_json(path, motion) for path in paths},
         "spans": {"hold": _ends(evaluated_times), "turn": _ends(one_turn), "all": _ends(motion.time)},
-        "mechanism": mechanism(motion.reducer, item.shown),
+        "mechanism": None if isinstance(motion.reducer, RvReducer) else mechanism(motion.reducer, item.shown),
         "spectrum": spectrum_data(item),
     }
 

@@ -32,6 +32,7 @@ def environment() -> Environment:
 def page(reviewed: Sequence[Reviewed]) -> str:
     """Return the report of one or more runs as one HTML page."""
     data = page_data(reviewed)
+    mechanisms = [run["mechanism"] for run in data["runs"]]
     spectra = {item.name: run["spectrum"] for item, run in zip(reviewed, data["runs"], strict=True)}
     return (
         environment()
@@ -45,8 +46,9 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             warnings=[(item.name, line) for item in reviewed for line in item.findings.warnings],
             unmet=list(_unmet(reviewed)),
             numbers=_main_figures,
-            magnified=min(run["mechanism"]["usual"] for run in data["runs"]),
-            widest=[1e3 * run["mechanism"]["widest"] for run in data["runs"]],
+            animated=any(mechanisms),
+            magnified=min((shown["usual"] for shown in mechanisms if shown), default=1),
+            widest=[1e3 * shown["widest"] if shown else None for shown in mechanisms],
             tables=tables,
             figures=figures(reviewed),
             bands=[spectrum["band"] for spectrum in spectra.values() if spectrum],

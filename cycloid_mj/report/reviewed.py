@@ -10,7 +10,6 @@ import numpy.typing as npt
 from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.base.array import Integers
 from cycloid_mj.base.record import Run
-from cycloid_mj.reducer import Reducer
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of the runs (Okabe and Ito)."""
@@ -38,13 +37,8 @@ def frames(motion: Series) -> Integers:
 
 
 def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> list[Reviewed]:
-    """Evaluate runs, by the names of their logs; `q`, `settle` and errors as in `analysis.series`.
-
-    Raises also DesignError for a run of an RV reducer.
-    """
+    """Evaluate runs, by the names of their logs; `q`, `settle` and errors as in `analysis.series`."""
     motions = [series(run, q, settle) for run in runs.values()]
-    for motion in motions:
-        Reducer(motion.design)  # refuses a layout that the page cannot show
     names = _names(list(runs), [motion.design.name for motion in motions])
     shown = [motion.run.select(np.isin(np.arange(len(motion.run)), frames(motion))) for motion in motions]
     each = zip(runs, motions, map(judge, motions, runs), names, PALETTE, shown, strict=False)

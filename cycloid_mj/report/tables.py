@@ -4,6 +4,8 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+
 from cycloid_mj.analysis import GROUPS, RETURNED, FigureRow, groups
 from cycloid_mj.base.result import Table
 from cycloid_mj.checks import Checks
@@ -112,13 +114,13 @@ def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
     kinds = design.pair_kinds
     yield "clearances", _by_pair({kind: MICROMETRE.from_si(getattr(design.clearance, kind)) for kind in kinds}) + " µm"
     yield "friction coefficients", _by_pair({kind: design.friction_of(kind) for kind in kinds})
-    yield "crank speed", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
+    yield f"{item.motion.reducer.INPUT} speed", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
     yield "load", f"{load.torque:g} N m" if load.torque else "none"
     x, y = item.findings.q_path.q_mm
     disc_text = f" of {item.motion.gear_words}" if design.gear.discs > 1 else ""
     yield "point q of the disc", f"({x:.6g}, {y:.6g}) mm{disc_text}"
     span = float(run.time[-1] - run.time[0])
-    turns = abs(DEGREE.from_si(float(run["crank_angle"][-1] - run["crank_angle"][0]))) / 360
+    turns = abs(DEGREE.from_si(float(np.ptp(item.motion.crank_angle[[0, -1]])))) / 360
     yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"
     steps = f", {item.findings.steps:,} steps" if item.findings.steps else ""
     yield "time step", f"{MICROSECOND.from_si(item.findings.timestep_s):g} µs{steps}"

@@ -22,9 +22,10 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.names import pin
+from cycloid_mj.base.names import CRANK, pin
 from cycloid_mj.design import Design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
+from cycloid_mj.reducer.rv_bodies import crank_names
 from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, ContactForces, arrow_heights, reference_force, shown_forces
 from cycloid_mj.scene.glb import MEDIA_TYPE, encode_glb
 from cycloid_mj.scene.pose import poses, ring_places
@@ -61,7 +62,7 @@ def frame_rate(reducer: Reducer) -> float:
     A run of many turns has `FrameSettings.max_frames` of them, which bounds the size of its log.
     """
     design = reducer.design
-    by_angle = FRAME.frames_per_turn * abs(design.drive.speed) / (2.0 * math.pi)
+    by_angle = FRAME.frames_per_turn * abs(reducer.orbit_speed) / (2.0 * math.pi)
     max_rate = FRAME.max_frames / (design.drive.ramp + design.drive.hold)
     return min(max(design.settings.scene_rate, min(by_angle, max_rate)), FRAME.max_rate)
 
@@ -96,7 +97,7 @@ class Scene:
     @cached_property
     def reducer(self) -> Reducer:
         """The reducer of the design."""
-        return Reducer(self.design)
+        return reducer_of(self.design)
 
     @property
     def schemas(self) -> dict[str, tuple[str, bytes]]:
@@ -109,6 +110,9 @@ class Scene:
         message = SceneUpdate()
         files = {name: encode_glb(pieces) for name, pieces in shapes(self.reducer).items()}
         pin_file = files.pop("pin", b"")
+        if isinstance(self.reducer, RvReducer):
+            crank_file = files.pop(CRANK)
+            files |= dict.fromkeys(crank_names(self.reducer), crank_file)
         if pin_file:
             files |= {pin(number): pin_file for number, _ in enumerate(ring_places(self.reducer), start=1)}
         for part, data in files.items():
@@ -122,6 +126,8 @@ class Scene:
     def frames(self, time: Array, columns: Mapping[str, Array]) -> Iterator[Message]:
         """Yield the messages of frames at k times: transforms of the parts, and arrows of the contact forces.
 
+        An RV reducer has no arrows.
+
         Parameters
         ----------
         time
@@ -133,6 +139,10 @@ class Scene:
         pose = np.stack(list(poses_by_part.values()), axis=1)
         rows = np.flatnonzero(np.isfinite(pose.sum(axis=(1, 2)))).tolist()
         stamps = np.rint(1e9 * time).astype(np.int64).tolist()
+        if isinstance(self.reducer, RvReducer):
+            for row in rows:
+                yield FRAMES, stamps[row], self._transforms(list(poses_by_part), pose[row], stamps[row])
+            return
         forces = shown_forces(self.reducer, columns)
         arrows = self._arrows(forces)
         rows_by_kind = {

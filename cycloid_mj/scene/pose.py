@@ -7,16 +7,30 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import LogError
-from cycloid_mj.base.names import FORCE_X, FORCE_Y, HOUSING, OUTPUT, SHAFT, column, gears, of_disc, pin, planar_joints
+from cycloid_mj.base.names import (
+    FORCE_X,
+    FORCE_Y,
+    HOUSING,
+    OUTPUT,
+    SHAFT,
+    SUN,
+    column,
+    gears,
+    of_disc,
+    pin,
+    planar_joints,
+)
 from cycloid_mj.base.record import usable
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer.rv_bodies import crank_joint, crank_names
 
 
 def pose_columns(reducer: Reducer) -> tuple[str, ...]:
     """Return the names of the columns that poses require."""
     planar = (name for gear in gears(reducer.design.gear.discs) for name in planar_joints(gear))
-    return ("crank_angle", *planar, "output_angle")
+    cranks = map(crank_joint, crank_names(reducer)) if isinstance(reducer, RvReducer) else ()
+    return (f"{reducer.INPUT}_angle", *planar, *cranks, "output_angle")
 
 
 def ring_places(reducer: Reducer) -> Array:
@@ -33,7 +47,8 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
     """Compute the planar poses of all parts at n times by name: x [m], y [m] and angle [rad], shape (n, 3).
 
     Parts are housing, shaft, gear (of several discs gear_1, gear_2, ...), output and, where the ring has pins, pin_1
-    ... pin_N. Positions are those of gears' and pins' centres and of the reducer axis; angles are counter-clockwise.
+    ... pin_N. Instead of the shaft, an RV reducer has sun, and crank_1 ... crank_n with their planets. Positions are
+    those of the centres of gears, pins, sun and cranks, and of the reducer axis; angles are counter-clockwise.
 
     Parameters
     ----------
@@ -53,17 +68,32 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
             f"the log lacks the columns {', '.join(missing)}, which determine the positions of the parts: run "
             "`cycloid-mj simulate` again to write a complete log"
         )
-    zeros = np.zeros_like(columns["crank_angle"])
+    zeros = np.zeros_like(columns["output_angle"])
     ring, carrier = reducer.member.ring_and_carrier(columns["output_angle"])
     poses_by_part = {
         HOUSING: _pose(zeros, zeros, ring),
-        SHAFT: _pose(zeros, zeros, columns["crank_angle"]),
+        **(
+            _crank_poses(reducer, columns, carrier)
+            if isinstance(reducer, RvReducer)
+            else {SHAFT: _pose(zeros, zeros, columns["crank_angle"])}
+        ),
         **{gear: _pose(*(columns[name] for name in planar_joints(gear))) for gear in gears(design.gear.discs)},
         OUTPUT: _pose(zeros, zeros, carrier),
     }
     if design.ring.kind == "pin":
         pin_poses = _pin_poses(reducer, columns, ring)
         poses_by_part |= {pin(number): pose for number, pose in enumerate(pin_poses, start=1)}
+    return poses_by_part
+
+
+def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier: Array) -> dict[str, Array]:
+    """Compute the poses of sun and cranks by name, shape (n, 3) each, in a carrier at angles (n,) [rad]."""
+    zeros = np.zeros_like(carrier)
+    x, y, angle = (columns.get(name, zeros) for name in planar_joints(SUN))
+    poses_by_part = {SUN: _pose(x, y, angle)}
+    for crank in crank_names(reducer):
+        place = rotate(np.broadcast_to(reducer.mechanism.body(crank).place, (carrier.size, 2)), carrier)
+        poses_by_part[crank] = _pose(place[:, 0], place[:, 1], carrier + columns[crank_joint(crank)])
     return poses_by_part
 
 
@@ -87,7 +117,7 @@ def _force_on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int,
     """Return the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
     discs = reducer.design.gear.discs
     pairs = [column(of_disc(pin(number), disc, discs), axis) for disc in range(discs)]
-    return np.sum([columns.get(pair, np.zeros_like(columns["crank_angle"])) for pair in pairs], axis=0)
+    return np.sum([columns.get(pair, np.zeros_like(columns["output_angle"])) for pair in pairs], axis=0)
 
 
 def _pressed_displacements(reducer: Reducer, force: Array) -> Array:

@@ -9,7 +9,8 @@ from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, family, gears
 from cycloid_mj.parts import Mesh, Solid, attached_parts, mesh, parts
 from cycloid_mj.parts.parts import COLOURS as SOLID
 from cycloid_mj.parts.parts import Colour, tint
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.rv import rv_body_parts
+from cycloid_mj.reducer import Reducer, RvReducer
 
 CHORD_ERROR = 1e-5
 """Chord error of the meshes [m]."""
@@ -32,12 +33,14 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
 
     Parts are housing, shaft, gears, pin (if the ring has pins) and output. The output disc is a transparent piece of
     its own: the mechanism is seen from its side, where x points right and y up. A built-up crank is the shaft with its
-    cams and spacers, the output has its rollers; several discs are in their planes.
+    cams and spacers, the output has its rollers; several discs are in their planes. Instead of the shaft, an RV reducer
+    has sun and crank, the latter with its planet.
     """
-    solids, attached_by_body = (
-        parts(reducer, CHORD_ERROR),
-        {body: attached_parts(reducer, body) for body in (SHAFT, OUTPUT)},
-    )
+    if isinstance(reducer, RvReducer):
+        solids = {name: part.solid(CHORD_ERROR) for name, part in rv_body_parts(reducer).items()}
+    else:
+        solids = parts(reducer, CHORD_ERROR)
+    attached_by_body = {body: attached_parts(reducer, body) for body in (SHAFT, OUTPUT)}
     planes = {
         name: np.array([0.0, 0.0, plane])
         for name, plane in zip(gears(reducer.design.gear.discs), reducer.design.gear.disc_planes, strict=True)
@@ -46,15 +49,17 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
         name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()
     }
     for body, attached_by_name in attached_by_body.items():
-        pieces_by_part[body] += tuple(
+        pieces_by_part[body] = pieces_by_part.get(body, ()) + tuple(
             _piece(name, solids[part], position) for name, (part, position) in attached_by_name.items()
         )
     attached_names = {part for attached_by_name in attached_by_body.values() for part, _ in attached_by_name.values()}
-    return {name: pieces for name, pieces in pieces_by_part.items() if name not in attached_names}
+    return {name: pieces for name, pieces in pieces_by_part.items() if pieces and name not in attached_names}
 
 
 def _pieces(name: str, solid: Solid, position: Array, reducer: Reducer) -> tuple[Piece, ...]:
     """Return the coloured pieces of a solid at a position [m], shape (3,); the output's discs and pins are separate."""
+    if name == OUTPUT and isinstance(reducer, RvReducer):
+        return (Piece("carrier", mesh(solid), COLOURS["disc"]),)
     if name != OUTPUT:
         return (_piece(name, solid, position),)
     disc, *other_prisms = solid.prisms

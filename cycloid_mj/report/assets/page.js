@@ -105,7 +105,10 @@ function listenToSpans(view) {
 
 /** Move the mechanisms: by the slider, by playing, or after the charts' cursor. */
 function animate(view) {
-  const mechanisms = data.runs.map((run, i) => new Mechanism(document.getElementById(`mechanism-${i}`), run.mechanism));
+  const mechanisms = data.runs.flatMap((run, i) =>
+    run.mechanism ? [new Mechanism(document.getElementById(`mechanism-${i}`), run.mechanism)] : [],
+  );
+  if (!mechanisms.length) return;
   const get = (id) => document.getElementById(id);
   const [play, slider, pace, magnify, forces] = ["play", "frame", "pace", "magnify", "forces"].map(get);
   let playing = 0;
