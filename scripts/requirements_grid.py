@@ -30,6 +30,7 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.checks import check
 from cycloid_mj.cli import main as command
 from cycloid_mj.design import load
+from cycloid_mj.design.processes import PROCESSES, Process
 from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.figures import figure
 from cycloid_mj.life.checks import life_checks
@@ -37,8 +38,7 @@ from cycloid_mj.life.figures import drive_diameter, drive_length
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.rated import weakest_torque
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.process import PROCESSES, Process
-from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.requirement import QUANTITIES, Requirement
 
 
 @dataclass(frozen=True)
@@ -66,12 +66,10 @@ GRID = GridSettings()
 KINDS: tuple[Process, ...] = ("steel", "printed", "steel", "milled")
 
 FLAGS: Mapping[str, tuple[str, float]] = {
-    **{"diameter": ("--diameter-mm", 1e3), "torque": ("--torque-nm", 1.0), "process": ("--process", 1.0)},
-    **{"life": ("--life-h", 1.0), "speed": ("--speed-rpm", 1.0 / RPM), "discs": ("--discs", 1.0)},
-    **{"length": ("--length-mm", 1e3), "backlash": ("--backlash-arcmin", 1.0), "material": ("--material", 1.0)},
-    **{"clearance": ("--clearance-um", 1e6), "fit": ("--fit", 1.0)},
+    **{key: (quantity.flag, quantity.scale) for key, quantity in QUANTITIES.items()},
+    **{key: (f"--{key}", 1.0) for key in ("process", "discs", "material", "fit")},
 }
-"""Flags of the values of a requirement, with the factors to their units."""
+"""Flags of the values of a requirement, with their units in SI."""
 
 ALWAYS = ("diameter", "torque", "process")
 NUMBERS = ("--diameter-mm", "--torque-nm", "--life-h", "--speed-rpm", "--length-mm", "--backlash-arcmin")
@@ -123,10 +121,10 @@ def flags(requirement: Requirement, ratios: int = 0) -> dict[str, str]:
     """Return the flags of `design new` for a requirement: flag -> value; with `ratios`, for a range of ratios."""
     usual = Requirement(requirement.ratio, requirement.diameter, requirement.torque)
     values = {}
-    for key, (flag, factor) in FLAGS.items():
+    for key, (flag, scale) in FLAGS.items():
         value = getattr(requirement, key)
         if key in ALWAYS or value != getattr(usual, key):
-            values[flag] = f"{factor * value:.10g}" if isinstance(value, float) else str(value or "auto")
+            values[flag] = f"{value / scale:.10g}" if isinstance(value, float) else str(value or "auto")
     values |= (
         {"--ratio-range": f"{requirement.ratio}:{requirement.ratio + ratios}"}
         if ratios

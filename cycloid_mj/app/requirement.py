@@ -12,12 +12,13 @@ from cycloid_mj.app.verdicts import requirement_verdicts, unmet_without_covers, 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
+from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.life.duration import format_life
+from cycloid_mj.life.heat import COOLING
 from cycloid_mj.parts.export.motors import MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.drives import size_drive
-from cycloid_mj.sizing.process import COOLING, PROCESSES
 from cycloid_mj.sizing.requirement import Requirement, required
 
 INTEGERS = ("ratio", "discs")

@@ -36,7 +36,8 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.result import to_json_values
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.materials import MATERIALS
-from cycloid_mj.sizing.process import COOLING, PROCESSES, ProcessLimits
+from cycloid_mj.design.processes import PROCESSES, ProcessLimits
+from cycloid_mj.life.heat import COOLING
 
 CONTENT_SECURITY_POLICY = "default-src 'self'; img-src 'self' data:; base-uri 'none'; frame-ancestors 'none'"
 

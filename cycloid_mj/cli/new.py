@@ -199,8 +199,8 @@ class SizeFlags:
         UsageError
             A required flag is missing, or flags contradict each other.
         """
-        from cycloid_mj.sizing.answer import best_ratio
         from cycloid_mj.sizing.requirement import required
+        from cycloid_mj.sizing.solve import best_ratio
 
         if self.missing or self.diameter_mm is None or self.torque_nm is None:
             raise UsageError(
@@ -249,7 +249,7 @@ class SizeFlags:
         """
         if not self.motor or not self.torque_nm:
             return self.speed_rpm
-        from cycloid_mj.sizing.process import PROCESSES
+        from cycloid_mj.design.processes import PROCESSES
 
         torque = self.torque_nm / ratio
         largest = _motor_speed(self.motor, torque)
@@ -428,26 +428,17 @@ def _list_flags(remedy: "FeasibleChange", original: "Requirement", is_range: boo
     They are the flags whose value differs from the `original` requirement and, with `is_range`, the ratio that was
     chosen from a range.
     """
-    from cycloid_mj.base.units import RPM
+    from cycloid_mj.sizing.requirement import QUANTITIES
 
-    flags = {
-        "diameter": ("--diameter-mm", 1e3 * remedy.requirement.diameter),
-        "length": ("--length-mm", 1e3 * remedy.requirement.length),
-        "life": ("--life-h", remedy.requirement.life),
-        "duty_share": ("--duty", remedy.requirement.duty_share),
-        "speed": ("--speed-rpm", remedy.requirement.speed / RPM),
-        "film": ("--cooling", remedy.requirement.film),
-        "clearance": ("--clearance-um", 1e6 * remedy.requirement.clearance),
-        "fit": ("--fit", remedy.requirement.fit),
-        "backlash": ("--backlash-arcmin", remedy.requirement.backlash),
-        "discs": ("--discs", remedy.requirement.discs),
-        "process": ("--process", remedy.requirement.process),
-        "material": ("--material", remedy.requirement.material),
-    }
-    changes = [flags[key] for key in flags if getattr(remedy.requirement, key) != getattr(original, key)]
-    words = [word for flag, value in changes for word in (flag, value if isinstance(value, str) else f"{value:.10g}")]
+    changed = remedy.requirement
+    values = {quantity.flag: (key, quantity.scale) for key, quantity in QUANTITIES.items()}
+    values |= {f"--{key}": (key, 1.0) for key in ("fit", "discs", "process", "material")}
+    words = []
+    for flag, (key, scale) in values.items():
+        if (value := getattr(changed, key)) != getattr(original, key):
+            words += [flag, value if isinstance(value, str) else f"{value / scale:.10g}"]
     words += ["--ratio-range", f"{original.ratio}:{original.ratio}"] if is_range else []
-    return [*words, "--custom"] if remedy.requirement.custom and not original.custom else words
+    return [*words, "--custom"] if changed.custom and not original.custom else words
 
 
 def _frame(motor: str) -> "MotorName":

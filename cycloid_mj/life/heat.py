@@ -29,6 +29,10 @@ Grundfos, "Shaft Seals", p. 22: nitrile rubber to 100 °C (120 for a short time)
 STILL_AIR = 8.0, 15.0
 """Range of the heat transfer coefficient of a housing in still air [W/(m2 K)]."""
 
+COOLING = {"still": 12.0, "mounted": 18.0, "fan": 30.0}
+"""Heat transfer coefficient of the housing [W/(m2 K)]: in still air, bolted to a machine that conducts as much again as
+half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air has 8 to 15)."""
+
 
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Yield the power lost, the housing's temperature in still air, and the clearance that each pair loses by heat.

@@ -1,12 +1,12 @@
 """Sizing: from a requirement to designs that meet it, or to the maximum achievable torque and remedies.
 
-The search is MAP-Elites (Mouret and Clune, arXiv:1504.04909) on closed-form estimates: an archive has the lightest
-candidate of each torque and length. It starts with the R sequence (Roberts 2018), and children vary along the line
-between two elites (Vassiliades and Mouret, GECCO 2018). Neither limits nor conditions of a requirement enter, so that
-one archive serves all of them. Under the conditions of a requirement, the candidates that could be best are rated by
-statics: first for the largest torque, until it is enough, then for the lowest mass. Each rating multiplies the
-estimates near it (variable fidelity: Alexandrov et al., J. Aircraft 38, 2001, weighted by inverse distance, Shepard
-1968), and single changes of a variable refine the best.
+The search is surrogate-assisted illumination (Gaier, Asteroth and Mouret, Evol. Comput. 26, 2018): MAP-Elites (Mouret
+and Clune, arXiv:1504.04909) on closed-form estimates keeps the lightest candidate of each torque and length, with
+children along the line between two elites (Vassiliades and Mouret, GECCO 2018). Neither limits nor conditions of a
+requirement enter, so that one archive serves all of them. Under the conditions of a requirement, the candidate with the
+best optimistic estimate is rated by statics within its tolerances, until none is left that could be better: first for
+the largest torque, until it is enough, then for the lowest mass. Each rating corrects the estimates near it (weighted
+by inverse distance, Shepard 1968). Only a drive that passes its tolerance study is an answer.
 """
 
 from typing import TYPE_CHECKING, Any

@@ -13,13 +13,13 @@ from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
 from cycloid_mj.checks import WALLS, Check, sound_checks
 from cycloid_mj.checks.body import bearing_room_rule
 from cycloid_mj.design import PRESETS, Material, override, stock
+from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.life import rolling
 from cycloid_mj.parts.export.casing import Casing, casing, cover_radius
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
-from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement
 
 PIN_ROOM = 0.3, 0.86

@@ -1,11 +1,30 @@
-"""Drives for a requirement: the answer of the search with its remedies."""
+"""Drives for a requirement: the answer of the search with its figures, reasons and remedies."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from cycloid_mj.sizing.answer import Answer, other_drives, sized_drive, solve
+from cycloid_mj.figures import figure
+from cycloid_mj.life.rated import is_momentary, weakest_torque
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.sizing.answer import Answer, SizedDrive
+from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.remedies import remedies
 from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.search import Rated
+from cycloid_mj.sizing.solve import Trial, solve
+from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics.springs import turn_evenly
+
+MIN_DIFFERENCE = 1.05
+"""Ratio of stiffness or life from which a drive is shown next to the lightest."""
+
+
+WHY = {
+    "stiffest": "highest stiffness of the candidates",
+    "longest life": "longest life of the candidates",
+    "stiffest and longest life": "highest stiffness and longest life of the candidates",
+}
+"""Why a drive is shown next to the lightest, by what it is best in."""
 
 
 def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
@@ -14,12 +33,83 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
     `on_progress` receives the first drive found, or a refusal as soon as the maximum is known, and with each remedy.
     """
     solution, refused, pools = solve(requirement)
-    if solution:
-        lightest = sized_drive(solution, solution.rated, "lightest", "lowest mass of the drive with its covers")
-        on_progress(Answer(requirement, (lightest,)))
-        return Answer(solution.requirement, (lightest, *other_drives(solution)))
+    if solution and solution.best:
+        first = _sized_drive(solution, solution.best, "lightest", "lowest mass of the drive with its covers")
+        on_progress(Answer(requirement, (first,)))
+        return Answer(solution.requirement, (first, *_other_drives(solution, solution.best)))
     on_progress(refused)
     for remedy in remedies(requirement, refused.most, pools):
         refused = replace(refused, remedies=(*refused.remedies, remedy))
         on_progress(refused)
     return refused
+
+
+def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
+    """Yield the stiffest and the longest-lived of the rated candidates, if they differ from the lightest."""
+    pool, requirement = solution.pool, solution.requirement
+    strong = [
+        item
+        for item in pool.rated.values()
+        if item
+        and item.items
+        and item.figures["mass"] > first.figures["mass"]
+        and pool.bias * item.capacity >= requirement.torque
+    ]
+    found: dict[Rated, str] = {}
+    for title, merit in (("stiffest", _stiffness_of), ("longest life", _life_of)):
+        least = MIN_DIFFERENCE * merit(first)
+        studied = [item for item in (*strong, *found) if item.passed and merit(item) > least]
+        best = max(studied or strong, key=merit, default=first)
+        other = (best if best.passed else pool.study(best)) if merit(best) > least else None
+        if other and other.passed and merit(other) > least:
+            found[other] = f"{found[other]} and {title}" if other in found else title
+    for other, title in found.items():
+        yield _sized_drive(solution, other, title.partition(" and ")[0], WHY[title])
+
+
+def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDrive:
+    """Return a drive to show, with its figures and reasons."""
+    reducer = rated.reducer
+    figures = _figures(rated)
+    if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:
+        why += f"; covers of {figures['drive_diameter_mm']:.3g} mm, with screws outside of the ring"
+    reasons = dict(reasons_of(solution.requirement, reducer, rated.weakest.name))
+    return SizedDrive(title, why, reducer.design, figures, reasons)
+
+
+def _figures(rated: Rated) -> dict[str, float]:
+    """Compute the figures of a drive that the table of `design new` shows, by key."""
+    reducer, design, items = rated.reducer, rated.reducer.design, rated.items.values()
+    momentary, _ = weakest_torque((item for item in items if is_momentary(item.key)), 2.0 * design.rated_torque, 1.0)
+    at_torque = reducer.but(load={"torque": design.rated_torque})
+    return {
+        "ratio": design.reduction,
+        "outer_diameter_mm": 2e3 * design.housing.outer_radius,
+        "drive_length_mm": figure("drive_length_mm").value(reducer),
+        "drive_diameter_mm": figure("drive_diameter_mm").value(reducer),
+        "mass_kg": rated.figures["mass"],
+        "mechanism_mass_kg": figure("mass_kg").value(reducer),
+        "rated_torque_nm": min(rated.capacity, momentary),
+        "momentary_torque_nm": momentary,
+        "life_h": rated.life,
+        "temperature_c": rated.items["temperature"].value,
+        "stiffness_nm_per_arcmin": figure("stiffness_nm_per_arcmin").value(at_torque),
+        **{key: value for key, value in rated.study.items() if key != "turning_percent"},
+    }
+
+
+def _life_of(rated: Rated) -> float:
+    return rated.life
+
+
+def _stiffness_of(rated: Rated) -> float:
+    return _stiffness(rated.reducer)
+
+
+@once
+def _stiffness(reducer: Reducer) -> float:
+    """Compute the stiffness between half and full torque at few crank angles [N m/rad]."""
+    still, torque = reducer.but(drive={"speed": 0.0}), reducer.design.rated_torque
+    springs = springs_of(still, turn_evenly(reducer, 19), friction=False)
+    half, full = (loads(still, springs, share * torque).output_turn for share in (0.5, 1.0))
+    return 0.5 * torque / float((full - half).mean())

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
-from cycloid_mj.base.units import HOUR
+from cycloid_mj.base.units import ARCMINUTE, HOUR
 from cycloid_mj.design import Design, stock
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus
@@ -43,11 +43,14 @@ ROUNDS = 3
 
 
 Estimate = dict[str, Array]
-"""Torque limits of n candidates by item [N m], with their ``mass`` [kg] and ``length`` [m]; shape (n,) each."""
+"""Torque limits of n candidates by item [N m], and their `FIGURES`; shape (n,) each."""
+
+FIGURES = ("mass", "length", "backlash")
+"""Figures of an estimate that are no torque limits [kg, m, arcmin]."""
 
 
 def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate:
-    """Estimate what torque each kind of failure allows candidates [N m], their mass [kg] and length [m], by key.
+    """Estimate what torque each kind of failure allows candidates [N m], and their figures, by key.
 
     Materials and friction are those of a `design` of one of the candidates. Loads depend on the torque: a fixed-point
     iteration. ``other`` is the smallest torque, 0 for candidates that cannot be built.
@@ -60,17 +63,22 @@ def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate
         limits["temperature"] = _heat(requirement, sizes, design, loads)
         torque = np.clip(np.min(list(limits.values()), axis=0), 1e-6, 1e7)
     limits["other"] = np.where(loads.sound, torque, 0.0)
-    return {**limits, "mass": _mass(requirement, sizes, design), "length": _length(requirement, sizes)}
+    play = loads.play / loads.arm + (design.clearance.cam + design.clearance.output) / sizes.circle_out
+    figures = {"mass": _mass(requirement, sizes, design), "length": _length(requirement, sizes)}
+    return {**limits, **figures, "backlash": 2.0 * play / ARCMINUTE}
 
 
 def capacity(guess: Estimate, but: tuple[str, ...] = ()) -> Array:
     """Return the smallest torque limit of each candidate [N m], shape (n,), without those of some items."""
-    return np.asarray(np.min([limit for key, limit in guess.items() if key not in ("mass", "length", *but)], axis=0))
+    return np.asarray(np.min([limit for key, limit in guess.items() if key not in (*FIGURES, *but)], axis=0))
 
 
 @dataclass(frozen=True, eq=False)
 class _Loads:
-    """Loads of candidates at a torque [N m], shape (n,): largest forces [N], pressures squared over torque, losses."""
+    """Loads of candidates at a torque [N m], shape (n,): largest forces [N], pressures [Pa], losses [W].
+
+    `play` is the clearance of a tooth [m], and `arm` the largest lever of its normal about the output's axis [m].
+    """
 
     torque: Array
     tooth: Array
@@ -80,6 +88,8 @@ class _Loads:
     cam: Array
     tooth_loss: Array
     sound: Mask
+    play: float
+    arm: Array
 
     @classmethod
     def of(cls, requirement: Requirement, sizes: Sizes, design: Design, torque: Array) -> "_Loads":
@@ -118,6 +128,8 @@ class _Loads:
             np.hypot(tangential, np.abs(radial) + pin_sum),
             loss,
             np.min(np.where(bend > 0.0, bend - pin - play, np.inf), axis=1) > 0.0,
+            play,
+            arm.max(axis=1),
         )
 
 

@@ -4,88 +4,77 @@ from collections.abc import Iterator
 
 from cycloid_mj.design import Design, stock
 from cycloid_mj.design.model import PARTS
-from cycloid_mj.life.item import RatedItem
+from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import are_discs_identical
 from cycloid_mj.sizing.candidates import DISC_SHARE, FIT_TOLERANCES, POSITIONS, POWER_RESERVE, TOLERANCE_SHARE
-from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement
 
+REASONS = {
+    "structure": "includes bending of output pins and torsion of carrier, shaft and housing",
+    "gear.disc_gap": "space for a spacer between several discs",
+    "output.pin_circle_radius": "the middle of the web between bore and root",
+    "output.pin_radius": "by the search",
+    "output.hole_radius": "output pin + eccentricity",
+    "output.disc_thickness": f"{DISC_SHARE:.0%} of the outer radius; dowels in stock reach from face to face",
+    "output.support": "supported at one end, the pins would bend away from the load",
+    "output.core_radius": "the thickest dowel within the roller",
+    "shaft.bearing_width": "width of a bearing in stock",
+    "shaft.length": "space for bearings and counterweight",
+    "shaft.counterweight_radius": "three quarters of the space within the pins",
+    "shaft.mounting": "a bearing on either side of the discs",
+    "drive.torque": "required torque divided by the ratio",
+    "drive.speed": "required, or usual for the process",
+    "drive.power": f"{POWER_RESERVE:g} times the power of torque and speed",
+    **dict.fromkeys(
+        (f"service.{key}" for key in ("life", "duty_share", "film_coefficient", "ambient_temperature")),
+        "required, or usual for the process",
+    ),
+}
+"""Reasons that are the same for each drive, by ``table.value``."""
 
-def reasons_of(requirement: Requirement, reducer: Reducer, weakest: RatedItem) -> Iterator[tuple[str, str]]:
-    """Yield the reason of each value, by ``table.value``."""
+
+def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iterator[tuple[str, str]]:
+    """Yield the reason of each value, by ``table.value``; `weakest` is the item that fails first."""
     design = reducer.design
-    ring, gear, output = design.ring, design.gear, design.output
+    ring, gear, output, housing = design.ring, design.gear, design.output, design.housing
     found, bought = "by the search", "" if requirement.custom else ", in stock"
-    wall = 1.0 - (ring.pin_circle_radius + ring.pin_radius) / design.housing.outer_radius
-    yield "structure", "includes bending of output pins and torsion of carrier, shaft and housing"
+    wall = 1.0 - (ring.pin_circle_radius + ring.pin_radius) / housing.outer_radius
+    yield from REASONS.items()
     yield "ring.teeth", f"ratio {design.lobes} plus one"
     yield "ring.pin_circle_radius", f"{found}; leaves a wall of {wall:.0%} of the outer radius"
     yield "ring.pin_radius", f"{found}{bought}"
     k1 = gear.eccentricity * ring.teeth / ring.pin_circle_radius
     yield "gear.eccentricity", f"{found}; K1 = c N / E = {k1:.3g}"
     length = "" if requirement.custom else ", as long as pins in stock"
-    yield "gear.face_width", f"{found}{length}; at the required torque {weakest.name} fails first"
+    yield "gear.face_width", f"{found}{length}; at the required torque {weakest} fails first"
     yield "gear.bore_radius", f"{found}{bought and ', for a bearing in stock'}"
     if gear.discs > 1:
         yield "gear.discs", "required; they balance each other" if requirement.discs else "one disc is not enough"
     parts = "identical parts" if are_discs_identical(gear.discs, output.pins, design.lobes) else "different parts"
     yield "output.pins", found if gear.discs == 1 else f"{found}; the discs are {parts}"
-    yield "gear.disc_gap", "space for a spacer between several discs"
-    yield "output.pin_circle_radius", "the middle of the web between bore and root"
-    yield "output.pin_radius", found
-    yield "output.hole_radius", "output pin + eccentricity"
-    reach = bought and ", approximately: dowels in stock reach from face to face"
-    yield "output.disc_thickness", f"{DISC_SHARE:.0%} of the outer radius{reach}"
-    yield "output.support", "supported at one end, the pins would bend away from the load"
-    yield "output.core_radius", f"the thickest dowel{bought} within the roller"
-    if output.has_needles:
+    if not output.has_needles:
+        yield "output.roller_bearing", "a turned sleeve on the dowel: thinner than a needle bearing"
+    else:
         yield "output.roller_bearing", "drawn cup needle bearings in the rollers, on hardened dowels: less loss"
         yield "bearing.output_dynamic_capacity", "of the drawn cup needle bearing in the roller"
-    else:
-        yield "output.roller_bearing", "a turned sleeve on the dowel: thinner than a needle bearing"
-    yield "shaft.bearing_width", "width of a bearing in stock"
-    yield from _clamping(design)
     yield "shaft.radius", f"{found}{bought}, with space for its bearing within the cam"
-    yield "shaft.length", "space for a bearing" + (", and for the counterweight" if gear.discs == 1 else "")
-    yield "shaft.counterweight_radius", "three quarters of the space within the pins"
-    yield "shaft.mounting", "a bearing on either side of the discs"
-    inside = 2.0 * design.housing.outer_radius < requirement.diameter - 1e-6
-    yield (
-        "housing.outer_radius",
-        "covers with screws outside of it have the required size" if inside else "required",
-    )
-    yield "drive.torque", "required torque divided by the ratio"
-    yield "drive.speed", "required, or usual for the process"
-    yield "drive.power", f"{POWER_RESERVE:g} times the power of torque and speed"
-    for key in ("life", "duty_share", "film_coefficient", "ambient_temperature"):
-        yield f"service.{key}", "required, or usual for the process"
+    screw = None if housing.support == "rim" else stock.bolt_under(2.0 * housing.bolt_radius)
+    yield "housing.support", f"the wall behind the teeth has {'' if screw else 'no '}space for heads of screws in stock"
+    if screw:
+        yield "housing.bolt_radius", f"half the head of {screw.designation}"
+    inside = 2.0 * housing.outer_radius < requirement.diameter - 1e-6
+    yield "housing.outer_radius", "covers with screws outside of it have the required size" if inside else "required"
     yield from _process_reasons(requirement, design)
-
-
-def _clamping(design: Design) -> Iterator[tuple[str, str]]:
-    """Yield the reasons for the support of the ring, with screws in stock."""
-    screw = stock.bolt_under(2.0 * design.housing.bolt_radius)
-    if design.housing.support == "rim" or not screw:
-        yield "housing.support", "the wall behind the teeth has no space for the heads of screws in stock"
-        return
-    yield "housing.support", "the wall behind the teeth has space for the heads of screws in stock"
-    yield "housing.bolt_radius", f"half the head of {screw.designation}"
 
 
 def _process_reasons(requirement: Requirement, design: Design) -> Iterator[tuple[str, str]]:
     """Yield the reasons for materials, clearances and tolerances."""
     limits = PROCESSES[requirement.process]
-    reasons = dict(limits.reasons)
-    if requirement.material:
-        reasons["material.name"] = "required"
+    reasons = dict(limits.reasons) | ({"material.name": "required"} if requirement.material else {})
     clearance = reasons.pop("clearance.pin_gear")
     if requirement.tightened:
-        clearance = (
-            "the finest of the process, as larger ones leave too little torque or too much backlash"
-            if requirement.clearance == PROCESSES[requirement.process].finest
-            else "the largest found that the backlash allows"
-        )
+        clearance = "the largest found with which the drive has the required torque and backlash"
     elif requirement.clearance:
         clearance = "required"
     elif requirement.fit:

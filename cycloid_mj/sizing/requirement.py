@@ -8,20 +8,46 @@ from typing import Any, Self
 
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
+from cycloid_mj.base.units import RPM
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.design.materials import MATERIALS
+from cycloid_mj.design.processes import PROCESSES, Process
 from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty, read_duty
+from cycloid_mj.life.heat import COOLING
 from cycloid_mj.parts.export.motors import MotorName
-from cycloid_mj.sizing.process import COOLING, PROCESSES, Process
 
 LEAST_RATIO, MOST_RATIO = 3, 150
 MAX_DISCS = 4
 
-DIAMETERS_MM, TORQUES_NM = (5.0, 3000.0), (1e-4, 1e6)
-LIVES_H, SPEEDS_RPM = (1.0, 1e6), (0.1, 50e3)
-BACKLASHES_ARCMIN, CLEARANCES_UM = (0.01, 6000.0), (0.1, 1000.0)
-"""Range of each required size, lengths as diameters: there are no single-stage drives beyond."""
+
+@dataclass(frozen=True)
+class Quantity:
+    """A required value: its name, its flag, its unit with the value in SI, and its range in this unit."""
+
+    name: str
+    flag: str
+    unit: str
+    scale: float
+    low: float
+    high: float
+
+
+QUANTITIES = {
+    "diameter": Quantity("diameter", "--diameter-mm", "mm", 1e-3, 5.0, 3000.0),
+    "torque": Quantity("torque", "--torque-nm", "N m", 1.0, 1e-4, 1e6),
+    "life": Quantity("life", "--life-h", "h", 1.0, 1.0, 1e6),
+    "speed": Quantity("speed", "--speed-rpm", "rpm", RPM, 0.1, 50e3),
+    "length": Quantity("length", "--length-mm", "mm", 1e-3, 5.0, 3000.0),
+    "backlash": Quantity("backlash", "--backlash-arcmin", "arcmin", 1.0, 0.01, 6000.0),
+    "duty_share": Quantity("share of the time", "--duty", "of 1", 1.0, 0.001, 1.0),
+    "film": Quantity("heat transfer coefficient", "--cooling", "W/(m2 K)", 1.0, 1.0, 1000.0),
+    "ambient": Quantity("ambient temperature", "--ambient-c", "°C", 1.0, -50.0, 90.0),
+    "clearance": Quantity("clearance", "--clearance-um", "um", 1e-6, 0.1, 1000.0),
+}
+"""Required values by their attribute of a requirement, which has no single-stage drives beyond their ranges."""
+
+UNSET = {"length": math.inf, "backlash": math.inf, "clearance": 0.0}
+"""Values of a requirement that does not limit them."""
 
 PIN_SIZE = 0.06
 """Typical diameter of a ring pin relative to that of a drive, at which a fit is represented by one clearance."""
@@ -209,11 +235,12 @@ class Requirement:
             raise UsageError(
                 f"the number of discs is {self.discs}, which is out of range: choose a number from 1 to {MAX_DISCS}"
             )
-        for what, value, unit, minimum, most in self._sizes():
-            if not minimum <= value <= most:
+        for key, quantity in QUANTITIES.items():
+            value = getattr(self, key) / quantity.scale
+            if not quantity.low <= value <= quantity.high and getattr(self, key) != UNSET.get(key):
                 raise UsageError(
-                    f"the {what} is {value:.10g} {unit}, which is out of range: choose a value from {minimum:g} to "
-                    f"{most:g} {unit}"
+                    f"the {quantity.name} is {value:.10g} {quantity.unit}, which is out of range: choose a value from "
+                    f"{quantity.low:g} to {quantity.high:g} {quantity.unit}"
                 )
         if self.material and self.material not in MATERIALS:
             raise UsageError(f"unknown material {self.material!r}: choose one of {', '.join(MATERIALS)}")
@@ -254,22 +281,6 @@ class Requirement:
                 "H7/g6"
             )
 
-    def _sizes(self) -> Iterator[tuple[str, float, str, float, float]]:
-        """Yield name, value, unit and range of each size."""
-        yield "diameter", MILLIMETRES * self.diameter, "mm", *DIAMETERS_MM
-        yield "torque", self.torque, "N m", *TORQUES_NM
-        yield "life", self.life, "h", *LIVES_H
-        yield "speed", self.speed / RPM, "rpm", *SPEEDS_RPM
-        if self.length != math.inf:
-            yield "length", MILLIMETRES * self.length, "mm", *DIAMETERS_MM
-        if self.backlash != math.inf:
-            yield "backlash", self.backlash, "arcmin", *BACKLASHES_ARCMIN
-        yield "share of the time", self.duty_share, "of 1", 0.001, 1.0
-        yield "heat transfer coefficient", self.film, "W/(m2 K)", 1.0, 1000.0
-        yield "ambient temperature", self.ambient, "°C", -50.0, 90.0
-        if self.clearance:
-            yield "clearance", MICROMETRES * self.clearance, "um", *CLEARANCES_UM
-
     def but(self, **changes: Any) -> Self:
         """Return the requirement with other values."""
         return replace(self, **changes)
@@ -293,7 +304,7 @@ class Requirement:
         return self.but(
             torque=1.0,
             length=math.inf,
-            backlash=math.inf,
+            backlash=self.backlash if self.backlash == math.inf else 1.0,
             life=usual.life_h,
             speed=usual.speed_rpm * RPM,
             duty_share=usual.duty_share,
@@ -319,14 +330,13 @@ class Requirement:
         return not (self.clearance or self.fit)
 
     @property
-    def finest(self) -> Self:
-        """The requirement with the finest clearances of its process, unless a clearance or a fit is required."""
-        return self.but(clearance=PROCESSES[self.process].finest, tightened=True) if self.has_usual_clearances else self
-
-    @property
-    def variants(self) -> tuple[Self, ...]:
-        """The requirement with the clearances to try: the usual ones, then the finest unless a backlash decides."""
-        return (self, self.finest) if self.has_usual_clearances and self.backlash == math.inf else (self,)
+    def finer_clearances(self) -> tuple[float, ...]:
+        """The clearances to try after this one [m], the largest first: for a backlash all, else the finest."""
+        if not (self.has_usual_clearances or self.tightened):
+            return ()
+        finest = PROCESSES[self.process].finest
+        usual = (finest,) if finest < self.usual_clearance else ()
+        return usual if self.backlash == math.inf else tuple(self.tighter_clearances)
 
     @property
     def tighter_clearances(self) -> Iterator[float]:

@@ -1,26 +1,28 @@
-"""The search: elites of closed-form estimates, corrected by ratings of the candidates that matter."""
+"""The search: elites of closed-form estimates, rated by statics as far as they could be the best."""
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from cycloid_mj.base.array import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask, significant
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.explore.sampling import sample_design, tolerance_zones
+from cycloid_mj.figures import figure
 from cycloid_mj.life.as_built import SETTINGS as SAMPLES
-from cycloid_mj.life.as_built import Parts, find_critical_sample
+from cycloid_mj.life.as_built import Parts, find_critical_sample, select_rated_samples
+from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.figures import drive_mass
-from cycloid_mj.life.item import RatedItem, Rating
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import is_momentary, is_strength, torque_limits
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import DIMENSIONS, Sizes, build_drive, casing_of, conditions, decode
-from cycloid_mj.sizing.estimate import Estimate, capacity, estimate
+from cycloid_mj.sizing.estimate import FIGURES, Estimate, capacity, estimate
 from cycloid_mj.sizing.requirement import Requirement
 
 
@@ -37,16 +39,29 @@ class SearchSettings:
         largest.
     scatter, line
         Standard deviations of a child about its parent and along the line to another elite, as recommended.
-    calibrations, ratings
-        Elites that are rated first, and the most ratings of a search: 0.1 s of CPU each.
+    iterations, consistency
+        Ratings of a candidate at most, and the largest logarithm of its capacity over the torque of the last.
+    calibrations, ratings, studies
+        Candidates that are rated first, the most ratings of a search (0.2 s of CPU each), and the most tolerance
+        studies (2 s each).
+    likely
+        Share of a torque that an estimate promises at least where candidates are rated for it.
     calibration_share
         Torque of the first ratings over the estimates. These are for perfect parts: within their tolerances, drives are
-        rated for about half.
+        rated for about a third.
     margin, reach
         Error of an estimate at this distance in the cube from the nearest rated candidate, and beyond: candidates that
         could be better by it are rated (confidence bounds, Srinivas et al., arXiv:0912.3995).
+    gain
+        Least relative improvement for which a candidate is rated.
+    study_share
+        Torque of a first tolerance study over the capacity by one sample, where the required torque is larger.
+    build_share
+        Time to build a candidate that cannot be rated, or is too long, over that of a rating.
     poses
         Crank angles of a rating: capacities differ by 3 % from those of the data sheet.
+    min_yield
+        Smallest share of the samples of a drive within its tolerances that turn and have the required backlash [%].
     """
 
     start: int = 2048
@@ -56,75 +71,79 @@ class SearchSettings:
     weakest: float = 0.02
     scatter: float = 0.02
     line: float = 0.2
-    calibrations: int = 6
-    calibration_share: float = 0.5
-    ratings: int = 24
+    iterations: int = 3
+    consistency: float = 0.2
+    calibrations: int = 4
+    ratings: int = 30
+    studies: int = 4
+    likely: float = 0.7
+    calibration_share: float = 0.3
     margin: float = 0.08
-    reach: float = 0.1
+    reach: float = 0.3
+    gain: float = 0.01
+    study_share: float = 0.95
     poses: int = 61
+    build_share: float = 0.2
+    min_yield: float = 99.0
 
 
 SETTINGS = SearchSettings()
 
-NO_LIMIT, UNSOUND = 1e9, 0.3
-"""Torque limit of what has none [N m], and the factor of estimates next to a candidate that cannot be built."""
+UNSOUND = 0.3
+"""Factor of estimates next to a candidate that cannot be built or balanced."""
+
+Figures = Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Rated:
-    """A candidate rated at a torque [N m]: its rating, its figures of the estimate, its capacity and weakest item."""
+    """A drive rated at a torque [N m]: its rating, figures by the keys of the estimate, capacity, and weakest item.
+
+    A drive that is too long has only the figures of its size, and neither a rating nor a weakest item.
+    `study` has yield [%] and backlash [arcmin] of the tolerance study; it is empty before. A drive that `passed` it
+    carries the torque.
+    """
 
     reducer: Reducer
     torque: float
-    rating: Rating
-    figures: Mapping[str, float]
+    figures: Figures
     capacity: float
-    weakest: RatedItem
-
-    @cached_property
-    def mass(self) -> float:
-        """Mass of the drive [kg], from the solids of all parts; infinite if a part does not fit."""
-        try:
-            return drive_mass(self.reducer)
-        except CycloidError:
-            return math.inf
-
-    @property
-    def length(self) -> float:
-        """Length of the drive [m]."""
-        return self.figures["length"]
+    items: Mapping[str, RatedItem] = field(default_factory=dict)
+    study: Figures = field(default_factory=dict)
+    passed: bool = False
 
     @property
     def life(self) -> float:
         """Shortest life of its parts [h]."""
-        lives = [item.life for item in self.rating.items.values() if item.decisive]
+        lives = [item.life for item in self.items.values() if item.decisive]
         return min((life for life in lives if life is not None), default=math.inf)
 
-    def figure(self, key: str) -> float:
-        """Return a figure of the estimate: the torque limit of an item [N m], mass [kg] or length [m]."""
-        return self.mass if key == "mass" else self.figures.get(key, NO_LIMIT)
+    @property
+    def weakest(self) -> RatedItem:
+        """The item that limits the torque."""
+        limits = {key: limit for key, limit in self.figures.items() if key in self.items}
+        return self.items[min(limits, key=lambda key: limits[key])]
 
+    def complete(self, guess: Estimate, row: int) -> dict[str, float]:
+        """Return the figures of an estimate in a row, as far as they are known those of the drive.
 
-def load_drive(reducer: Reducer, torque: float) -> Reducer:
-    """Return a drive whose nominal torque is an output torque [N m], and its power in proportion."""
-    drive, needed = reducer.design.drive, torque / reducer.design.reduction
-    return reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
+        The item ``other`` is the smallest torque limit of items that are not estimated.
+        """
+        others = [limit for item, limit in self.figures.items() if item not in guess]
+        known = self.figures if not others else {**self.figures, "other": min(others)}
+        return {key: known.get(key, float(values[row])) for key, values in guess.items()}
 
 
 def rate_drive(
-    requirement: Requirement,
-    reducer: Reducer,
-    torque: float,
-    estimated: tuple[str, ...] = (),
-    poses: int = POSES,
-    sample: int | None = None,
+    requirement: Requirement, reducer: Reducer, torque: float, sample: int | None = None, poses: int = POSES
 ) -> Rated | None:
     """Rate a drive within its tolerances at a torque [N m] under the conditions of a requirement.
 
     As `cycloid-mj rate` does, by the samples at the percentile of the largest forces, or by a `sample` with a number.
-    None if it has no equilibrium, or all samples jam.
+    None if it has no equilibrium, all samples jam, or a part does not fit.
     """
-    loaded = load_drive(reducer, torque)
+    drive, needed = reducer.design.drive, torque / reducer.design.reduction
+    loaded = reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
     design, zones = loaded.design, tolerance_zones(loaded)
     parts: Parts = "toleranced" if zones and sample is None else "perfect"
     try:
@@ -132,58 +151,101 @@ def rate_drive(
             design = sample_design(loaded, zones, SAMPLES.seed, sample)
         rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, parts=parts)
         low, high = casing_of(requirement, loaded).ends
+        figures = {"mass": drive_mass(loaded), "length": high - low}
+        if requirement.backlash < math.inf:
+            figures["backlash"] = figure("backlash_arcmin").value(Reducer(design))
     except CycloidError:
         return None
-    items = {key: item for key, item in rating.items.items() if item.decisive}
-    limits = torque_limits(items.values(), torque, requirement.life)
-    other = min((limit for key, limit in limits.items() if key not in estimated), default=NO_LIMIT)
-    weakest = min(limits, key=lambda key: limits[key])
-    figures = {**limits, "other": other, "length": high - low}
-    return Rated(loaded, torque, rating, figures, limits[weakest], items[weakest])
+    limits = torque_limits((item for item in rating.items.values() if item.decisive), torque, requirement.life)
+    return Rated(loaded, torque, {**limits, **figures}, min(limits.values()), rating.items)
 
 
-def rate_candidate(
-    requirement: Requirement, sizes: Sizes, torque: float, estimated: tuple[str, ...], sample: int | None
-) -> Rated | None:
-    """Rate a `sample` of a candidate at a torque [N m] near its capacity, or at less without equilibrium.
+def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float, most: float = math.inf) -> Rated | None:
+    """Rate a candidate at its capacity or at `most` [N m], by a fixed-point iteration from a torque [N m].
 
-    None if it cannot be built, or has no equilibrium at either torque.
+    More teeth carry at larger loads, so that capacities by a rating far from them would be wrong. The errors are those
+    of its sample with a critical tooth force. None if it cannot be built, or has no equilibrium.
     """
-    reducer = build_drive(requirement, sizes, torque)
+    reducer, rated = build_drive(requirement, sizes, min(torque, most)), None
     if not reducer:
         return None
-    tries = (
-        rate_drive(requirement, reducer, share * torque, estimated, SETTINGS.poses, sample) for share in (1.0, UNSOUND)
-    )
-    return next((rated for rated in tries if rated), None)
+    low, high = casing_of(requirement, reducer).ends
+    if high - low > requirement.length:
+        return Rated(reducer, torque, {"length": high - low}, torque)
+    sample = find_critical_sample(reducer)
+    for _ in range(SETTINGS.iterations):
+        load = min(torque, most)
+        one = rate_drive(requirement, reducer, load, sample, SETTINGS.poses)
+        rated, torque = one or rated, one.capacity if one else UNSOUND * load
+        if one and (load == most <= torque or abs(math.log(torque / load)) < SETTINGS.consistency):
+            break
+    return rated
 
 
-Objective = Callable[[Array, Array, Array], Array]
-Meets = Callable[[Array, Array], Mask]
-"""What to minimize by capacity, mass and length, and which capacities and lengths are feasible."""
+def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
+    """Compute the yield of a drive within its tolerances [%], and median and 5 to 95 % of its backlash [arcmin].
 
-Accept = Callable[[Rated], bool]
-"""Whether a rated candidate meets what no estimate has."""
+    A sample is good if it does not jam and its backlash is within the limit.
+    """
+    if tolerance_zones(reducer):
+        samples = select_rated_samples(reducer)
+        jams, backlash = samples.jams, samples.backlash
+    else:
+        jams, backlash = np.zeros(1, bool), np.array([figure("backlash_arcmin").value(reducer)])
+    good = ~jams & (backlash <= requirement.backlash)
+    keys = {"backlash_arcmin": 50.0} | {f"backlash_p{share:02.0f}_arcmin": share for share in (5.0, 95.0, 99.0)}
+    percentiles = dict(zip(keys, np.percentile(backlash[~jams], [*keys.values()]).tolist(), strict=True))
+    shares = {"turning_percent": 100.0 * float((~jams).mean()), "yield_percent": 100.0 * float(good.mean())}
+    return shares | percentiles
+
+
+Objective = Callable[[Estimate], Array]
+"""What to minimize: negative where candidates meet all limits, else positive; infinite where they are excluded."""
+
+
+def violation(requirement: Requirement, figures: Estimate) -> Array:
+    """Return by how much candidates exceed the required length or backlash, relative to them; 0 within both."""
+    length, backlash = figures["length"] / requirement.length, figures["backlash"] / requirement.backlash
+    return np.asarray(np.maximum(np.maximum(length, backlash) - 1.0, 0.0))
+
+
+def strongest(requirement: Requirement) -> Objective:
+    """Return the objective of the largest capacity within length and backlash, else of the smallest violation."""
+
+    def objective(figures: Estimate) -> Array:
+        torque, excess = capacity(figures), violation(requirement, figures)
+        return np.where(torque > 0.0, np.where(excess > 0.0, excess, -torque), np.inf)
+
+    return objective
+
+
+def lightest(requirement: Requirement) -> Objective:
+    """Return the objective of the lowest mass of candidates that meet a requirement."""
+
+    def objective(figures: Estimate) -> Array:
+        suits = (capacity(figures) >= requirement.torque) & (violation(requirement, figures) <= 0.0)
+        return np.where(suits, -1.0 / figures["mass"], np.inf)
+
+    return objective
 
 
 @dataclass(frozen=True, eq=False)
 class Archive:
-    """Elites of a kind of drive: points of the cube, sizes, a drive, and factors of the estimates by item.
-
-    All candidates are rated with the errors of the same `sample` within the tolerances, by its number: capacities
-    differ by up to 10 % from those by the samples at the percentile of the loads of each.
-    """
+    """Elites of a kind of drive: points of the cube, sizes, a drive, and factors of the estimates by item."""
 
     points: Array
     sizes: Sizes
     drive: Reducer
-    factors: Mapping[str, float]
-    sample: int | None
+    factors: Figures
 
 
 @dataclass(eq=False)
 class Pool:
-    """Candidates under the conditions of a requirement, and their ratings so far, which correct the estimates."""
+    """Candidates under the conditions of a requirement, and their ratings so far, which correct the estimates.
+
+    `rated` has None where a candidate cannot be built or balanced, or jams. `ratios` are those of capacities by
+    tolerance studies to those by one sample.
+    """
 
     requirement: Requirement
     archive: Archive
@@ -191,115 +253,111 @@ class Pool:
     sizes: Sizes
     guess: Estimate
     rated: dict[int, Rated | None] = field(default_factory=dict)
-    """Ratings by index; None where a candidate cannot be built or balanced."""
+    ratios: list[float] = field(default_factory=list)
+    studies: int = 0
 
-    def corrected(self, *, weigh: bool = False) -> Estimate:
-        """Return the estimates times the factors of the ratings nearby (Shepard's inverse distance weighting).
+    @property
+    def bias(self) -> float:
+        """Mean ratio of a capacity by a tolerance study to that by one sample, with 1 as the first."""
+        return math.exp(sum(map(math.log, self.ratios)) / (len(self.ratios) + 1))
 
-        The mass is that of the estimate unless the rated candidates are to be weighed.
-        """
+    def factors(self, points: Array) -> dict[str, Array]:
+        """Return the factors of estimates at points by the ratings nearby (Shepard's inverse distance weighting)."""
         if not self.rated:
-            return self.guess
+            return {key: np.ones(len(points)) for key in self.guess}
         rows = list(self.rated)
-        weight = 1.0 / (cdist(self.points, self.points[rows], "sqeuclidean") + 1e-9) ** 2
+        weight = 1.0 / (cdist(points, self.points[rows], "sqeuclidean") + 1e-9) ** 2
         weight /= weight.sum(axis=1, keepdims=True) + 1.0
-
-        def factor(key: str, guess: Array) -> Array:
+        factors, known = {}, {row: one.complete(self.guess, row) for row, one in self.rated.items() if one}
+        for key, guess in self.guess.items():
             unsound = UNSOUND if key == "other" else 1.0
-            true = [one.figure(key) if one else unsound * guess[row] for row, one in self.rated.items()]
-            return np.asarray(np.exp(weight @ _log_ratio(np.array(true), guess[rows])))
+            true = [known[row][key] if row in known else unsound * guess[row] for row in rows]
+            factors[key] = np.exp(weight @ _log_ratio(np.array(true), guess[rows]))
+        return factors
 
-        return {
-            key: guess * factor(key, guess) if weigh or key != "mass" else guess for key, guess in self.guess.items()
-        }
+    def promise(self, changed: Requirement) -> float:
+        """Return the largest capacity [N m] of a changed requirement by estimates with the factors of the ratings."""
+        same = (changed.process, changed.made_of) == (self.requirement.process, self.requirement.made_of)
+        drive = self.archive.drive if same else first_drive(changed)
+        points, sizes = decode(changed, self.points)
+        if not drive or not len(points):
+            return 0.0
+        factors, guess = self.factors(points), scaled_estimate(changed, sizes, drive, self.archive.factors)
+        guess = {key: factors.get(key, 1.0) * values for key, values in guess.items()}
+        return float(np.max(self.bias * capacity(guess) * (violation(changed, guess) <= 0.0)))
 
-    def capacities_under(self, changed: Requirement) -> Array:
-        """Compute the capacities of the rated candidates under changed conditions, in proportion to estimates [N m]."""
-        rated = {row: one for row, one in self.rated.items() if one and one.length <= changed.length}
-        sizes, drive = self.sizes[[*rated]].view(np.recarray), self.archive.drive
-        before, after = (scaled_estimate(wanted, sizes, drive, {}) for wanted in (self.requirement, changed))
-        limits = {
-            key: np.array([one.figure(key) for one in rated.values()]) * after[key] / np.maximum(before[key], 1e-9)
-            for key in after
-            if key not in ("mass", "length")
-        }
-        return capacity(limits) if rated else np.empty(0)
-
-    def largest(
-        self, length: float, enough: float = math.inf, accept: Accept = lambda _: True, give_up: float = 0.0
+    def best(
+        self, objective: Objective, goal: float = -math.inf, *, only_goal: bool = False, study: bool = True
     ) -> Rated | None:
-        """Find the candidate of the largest capacity within a length [m], or the first with enough of it [N m].
+        """Return the drive with the least objective that passes its tolerance study, or the first within a `goal`.
 
-        It ends where no estimate, corrected by some ratings, promises a torque of `give_up` [N m].
+        The candidate with the best estimate is rated until none is left that could be better than the best rated one.
+        Changes of a single variable of the latter follow, then its tolerance study unless it is left out. A drive that
+        violates a limit is returned where no other remains. With `only_goal`, candidates beyond the goal are left out.
         """
-        return self._best(
-            lambda torque, mass, size: -torque, lambda torque, size: size <= length, accept, -enough, -give_up
-        )
-
-    def lightest(self, torque: Callable[[], float], length: float, accept: Accept) -> Rated | None:
-        """Find the lightest candidate for a torque [N m], which may grow meanwhile, within a length [m]."""
-        return self._best(
-            lambda limit, mass, size: mass,
-            lambda limit, size: (limit >= torque()) & (size <= length),
-            accept,
-            weigh=True,
-        )
-
-    def shortest(self, torque: float) -> Rated | None:
-        """Find the shortest candidate for a torque [N m]."""
-        return self._best(lambda limit, mass, size: size, lambda limit, size: limit >= torque, lambda _: True)
-
-    def _best(
-        self,
-        objective: Objective,
-        meets: Meets,
-        accept: Accept,
-        enough: float = -math.inf,
-        give_up: float = math.inf,
-        *,
-        weigh: bool = False,
-    ) -> Rated | None:
-        """Rate the candidate with the best corrected estimate until none is left that could be better."""
-        rejected, extended, ratings = set[int](), set[int](), SETTINGS.ratings
+        ratings, extended = 0.0, set[int]()
         while True:
-            known = self._known(objective, meets, rejected, weigh)
-            if known and known[1] <= enough and accept(self._of(known[0])):
-                return self._of(known[0])
-            if known and known[1] <= enough:
-                rejected.add(known[0])
-                continue
-            guess = self.corrected(weigh=weigh)
-            torque = capacity(guess)
-            value, feasible = objective(torque, guess["mass"], guess["length"]), meets(torque, guess["length"])
-            value = value - self._errors() * np.abs(value)
-            feasible = feasible & (value < known[1]) if known else feasible.copy()
-            feasible[list(self.rated)] = False
-            feasible &= (value <= give_up) | (SETTINGS.ratings - ratings < SETTINGS.calibrations)
-            started = SETTINGS.ratings - ratings >= SETTINGS.calibrations or not feasible.any()
-            if ratings and started and known and known[0] not in extended and known[1] <= give_up:
-                extended.add(known[0])
-                self._extend(known[0])
-            elif ratings and feasible.any():
-                index = int(np.argmin(np.where(feasible, value, np.inf)))
-                limit = max(float(torque[index]), 1e-6)
-                keys = tuple(self.guess)
-                self.rated[index] = rate_candidate(
-                    self.requirement, self.sizes[index], limit, keys, self.archive.sample
-                )
-                ratings -= self.rated[index] is not None
-            elif not known:
+            values, known, torque = self._values(objective)
+            row = int(np.argmin(np.where(known, values, np.inf)))
+            best = float(values[row]) if known[row] else math.inf
+            better = best - SETTINGS.gain * abs(best) if math.isfinite(best) else best
+            limit = goal if ratings >= SETTINGS.calibrations else SETTINGS.likely * goal
+            open_rows = ~known & (values < better) & ((values <= limit) | (not only_goal))
+            one = self.rated.get(row)
+            if best > goal and open_rows.any() and ratings < SETTINGS.ratings:
+                new = int(np.argmin(np.where(open_rows, values, np.inf)))
+                start, most = max(float(torque[new]), 1e-6), self.requirement.torque
+                self.rated[new] = drive = rate_candidate(self.requirement, self.sizes[new], start, most)
+                ratings += 1.0 if drive and drive.items else SETTINGS.build_share
+            elif not one or not math.isfinite(best):
                 return None
-            elif accept(self._of(known[0])):
-                return self._of(known[0])
+            elif best > goal and row not in extended and ratings < SETTINGS.ratings:
+                extended.add(row)
+                self._extend(row)
+            elif only_goal and best > goal:
+                return None
+            elif best > 0.0 or one.passed or not study:
+                return one
             else:
-                rejected.add(known[0])
+                self.rated[row] = self.study(one)
 
-    def _errors(self) -> Array:
-        """Return the relative errors of the estimates by their distance from the rated candidates, shape (n,)."""
-        if not self.rated:
-            return np.zeros(len(self.points))
-        nearest = cdist(self.points, self.points[list(self.rated)]).min(axis=1)
-        return np.asarray(SETTINGS.margin * np.minimum(nearest / SETTINGS.reach, 1.0))
+    def study(self, one: Rated) -> Rated | None:
+        """Rate a drive as on its design file, at the required torque or the most it carries; None if samples jam."""
+        self.studies += 1
+        share = 0.99 if one.study else SETTINGS.study_share * min(self.bias, 1.0)
+        torque = min(self.requirement.torque, floor_digits(share * one.capacity))
+        full = rate_drive(self.requirement, one.reducer, torque) if self.studies <= SETTINGS.studies else None
+        study = tolerance_study(self.requirement, full.reducer) if full else {}
+        if not full or study["turning_percent"] < SETTINGS.min_yield:
+            return None
+        self.ratios += [] if one.study else [full.capacity / one.capacity]
+        passed = full.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
+        passed = passed and (bool(self.requirement.duty) or all(item.passed for item in life_checks(full.reducer)))
+        figures = {**full.figures, "backlash": study["backlash_p99_arcmin"]}
+        return replace(full, figures=figures, study=study, passed=passed)
+
+    def _values(self, objective: Objective) -> tuple[Array, Mask, Array]:
+        """Return the objective of each candidate, whether it is rated, and its estimated capacity [N m].
+
+        Objectives of estimates are optimistic by their error.
+        """
+        known = np.zeros(len(self.points), bool)
+        known[list(self.rated)] = True
+        errors = np.full(len(self.points), SETTINGS.margin)
+        if self.rated:
+            errors *= np.minimum(cdist(self.points, self.points[known]).min(axis=1) / SETTINGS.reach, 1.0)
+        factors = self.factors(self.points)
+        likely = {key: guess * factors[key] for key, guess in self.guess.items()}
+        figures = {
+            key: values * (1.0 - errors if key in FIGURES else (1.0 + errors) * self.bias)
+            for key, values in likely.items()
+        }
+        for row, one in self.rated.items():
+            known_figures = one.complete(self.guess, row) if one else dict.fromkeys(figures, math.nan)
+            for key, value in known_figures.items():
+                figures[key][row] = value * (1.0 if key in FIGURES or (one and one.study) else self.bias)
+        values = objective(figures)
+        return np.where(np.isnan(values), np.inf, values), known, capacity(likely)
 
     def _extend(self, index: int) -> None:
         """Add neighbours of a candidate: changes of a single variable, for a local search by estimates and ratings."""
@@ -314,21 +372,11 @@ class Pool:
         self.sizes = np.concatenate([self.sizes, sizes]).view(np.recarray)
         self.guess = {key: np.concatenate([values, guess[key]]) for key, values in self.guess.items()}
 
-    def _of(self, index: int) -> Rated:
-        rated = self.rated[index]
-        assert rated
-        return rated
 
-    def _known(self, objective: Objective, meets: Meets, rejected: set[int], weigh: bool) -> tuple[int, float] | None:
-        """Return the best rated candidate and its objective; None if no rated candidate is feasible."""
-        rows = [index for index, one in self.rated.items() if one and index not in rejected]
-        rated = [self._of(row) for row in rows]
-        numbers = np.array([(one.capacity, one.mass if weigh else 0.0, one.length) for one in rated])
-        if not rows:
-            return None
-        value = np.where(meets(numbers[:, 0], numbers[:, 2]), objective(*numbers.T), np.inf)
-        best = int(np.argmin(value))
-        return (rows[best], float(value[best])) if np.isfinite(value[best]) else None
+def floor_digits(value: float) -> float:
+    """Round down to three digits."""
+    scale = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return significant(math.floor(value / scale) * scale)
 
 
 def pool_of(requirement: Requirement) -> Pool | None:
@@ -357,7 +405,6 @@ def archive_of(kind: Requirement) -> Archive | None:
     if not drive:
         return None
     random, factors = np.random.default_rng(0), dict[str, float]()
-    sample: int | None = None
     points, sizes = decode(kind, _sequence(SETTINGS.start))
     for generation in range(SETTINGS.generations + 1):
         guess = scaled_estimate(kind, sizes, drive, factors)
@@ -366,14 +413,14 @@ def archive_of(kind: Requirement) -> Archive | None:
         if generation == SETTINGS.generations:
             break
         if generation == SETTINGS.generations // 2:
-            factors, sample = _calibrate(kind, sizes, {key: values[elites] for key, values in guess.items()})
+            factors = _calibrate(kind, sizes, {key: values[elites] for key, values in guess.items()})
         parents, others = random.integers(len(points), size=(2, SETTINGS.children))
         along = SETTINGS.line * random.standard_normal((SETTINGS.children, 1))
         about = SETTINGS.scatter * random.standard_normal((SETTINGS.children, DIMENSIONS))
         children = points[parents] + about + along * (points[others] - points[parents])
         born, bred = decode(kind, np.clip(children, 0.0, 1.0 - 1e-9))
         points, sizes = np.concatenate([points, born]), np.concatenate([sizes, bred]).view(np.recarray)
-    return Archive(points, sizes, drive, factors, sample)
+    return Archive(points, sizes, drive, factors)
 
 
 def _elites(guess: Estimate) -> Integers:
@@ -389,26 +436,18 @@ def _elites(guess: Estimate) -> Integers:
     return np.unique(np.concatenate(chosen))
 
 
-def _calibrate(kind: Requirement, sizes: Sizes, guess: Estimate) -> tuple[dict[str, float], int | None]:
-    """Return the median ratio of ratings to estimates by item, of some candidates of the upper three quarters.
-
-    The second item is the number of the sample that is rated, the critical one of the middle candidate.
-    """
+def _calibrate(kind: Requirement, sizes: Sizes, guess: Estimate) -> dict[str, float]:
+    """Return the median ratio of ratings to estimates by item, of some candidates of the upper three quarters."""
     torque = capacity(guess)
-    loads = SETTINGS.calibration_share * torque
     order = np.argsort(torque)[len(torque) // 4 :]
     rows = order[np.linspace(0, len(order) - 1, SETTINGS.calibrations).astype(int)].tolist()
-    middle = rows[len(rows) // 2]
-    reducer = build_drive(kind, sizes[middle], float(loads[middle]))
-    sample = find_critical_sample(reducer) if reducer else 0
-    rated = {row: rate_candidate(kind, sizes[row], float(loads[row]), tuple(guess), sample) for row in rows}
-    known = {row: one for row, one in rated.items() if one}
-    factors = {
-        key: float(np.exp(np.median([_log_ratio(one.figure(key), values[row]) for row, one in known.items()])))
+    rated = {row: rate_candidate(kind, sizes[row], SETTINGS.calibration_share * float(torque[row])) for row in rows}
+    true = {row: one.complete(guess, row) for row, one in rated.items() if one}
+    return {
+        key: float(np.exp(np.median([_log_ratio(figures[key], values[row]) for row, figures in true.items()])))
         for key, values in guess.items()
-        if known
+        if true
     }
-    return factors, sample
 
 
 def _log_ratio(true: Array | float, guess: Array) -> Array:

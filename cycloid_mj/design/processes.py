@@ -1,4 +1,4 @@
-"""Manufacturing processes of a drive: clearances and materials."""
+"""Manufacturing processes of a drive: clearances, materials, and usual conditions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -37,10 +37,6 @@ class ProcessLimits:
     speed_rpm: float = 1500.0
     duty_share: float = 1.0
 
-
-COOLING = {"still": 12.0, "mounted": 18.0, "fan": 30.0}
-"""Heat transfer coefficient of the housing [W/(m2 K)]: in still air, bolted to a machine that conducts as much again as
-half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air has 8 to 15)."""
 
 _BOUGHT = {"pin_material": {"name": "bearing steel"}}
 _HARD_CRANK = {"shaft_material": {"name": "case-hardened 16MnCr5"}}
