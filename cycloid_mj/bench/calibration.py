@@ -353,7 +353,7 @@ def _estimate_json(estimate: Estimate) -> dict[str, Any]:
 
 
 def _loop_json(fit: Fitted, number: int) -> dict[str, Any]:
-    """Convert a loop with its residual and its fitted offsets to JSON values."""
+    """Convert the loop with the index `number`, its residual and its fitted offsets to JSON values."""
     loop, rms, offset = fit.loops[number], fit.rms(number), fit.offsets[number]
     return {
         "name": loop.name,
@@ -477,7 +477,8 @@ def compare_losses(
 ) -> Calibration:
     """Fit constant friction, that of the contacts, a lossy material, and both, to the same loops (`LOSSES`).
 
-    Returns the calibration with these fits as `variants`.
+    Return the calibration with these fits as `variants`. Contacts have friction only where they are elastic, so that
+    the stiffness of the teeth is fitted in place of that of the structure.
 
     Parameters
     ----------
@@ -494,7 +495,6 @@ def compare_losses(
         No static balance exists.
     """
     fitted = calibration.fitted
-    # contacts have friction only where they are elastic
     common = [
         "tooth_stiffness" if parameter.key == "structure_stiffness" else parameter.key
         for parameter in fitted.parameters
@@ -553,9 +553,10 @@ def _build_calibration(fitted: Fitted) -> Calibration:
 
 
 def _estimate_value(fitted: Fitted, index: int) -> Estimate:
-    """Return one fitted value with its intervals and prior, and whether the loops determine it.
+    """Return the fitted value of the parameter with an index, its intervals, and whether the loops determine it.
 
-    `index` is that of the parameter.
+    They do not if the value or its interval is at a bound of the search, if the prior has most of the knowledge, or if
+    the interval is wider than the value. A value at a bound has no interval of noise (NaN).
     """
     parameter, scaled_value, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
     value, low, high = (parameter.from_scale(float(item)) for item in (scaled_value, *interval))
@@ -614,7 +615,8 @@ def _advise_loops(
 ) -> tuple[str, ...]:
     """Describe loops that would determine some values, a sentence each.
 
-    `undetermined_keys` are keys of values, `indistinguishable` pairs of keys with their correlation.
+    `undetermined_keys` are keys of values, `indistinguishable` pairs of keys with their correlation. There are
+    sentences for play, friction and stiffness only; other keys have none.
     """
     open_keys = {*undetermined_keys, *(key for pair in indistinguishable for key in pair[:2])}
     max_torque, bench = max(loop.most for loop in fitted.loops), fitted.bench
@@ -671,7 +673,9 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
 
 
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:
-    """Check that the deflections are in degrees, by comparison with the loops of the design itself.
+    """Check that torques are in N m and deflections in degrees, by comparison with the loops of the design itself.
+
+    A loop at which the design has no static balance is not checked.
 
     Raises
     ------

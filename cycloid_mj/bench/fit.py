@@ -154,7 +154,7 @@ class Fitted:
         return rms((self.turns[loop_index] - loop.deflection)[loop.points_left_out :])
 
     def rms_without_offset(self, loop_index: int) -> float:
-        """Return the rms difference for a torque offset of 0, as in a scene, and the best deflection offset [rad]."""
+        """Return the rms difference of a loop [rad] without a torque offset, with the best deflection offset."""
         loop = self.loops[loop_index]
         turn = interpolate_deflections(loop, model_branches(self.calibrated_model, self.bench, loop))
         return float(np.std((turn - loop.deflection)[loop.points_left_out :]))
@@ -330,9 +330,14 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
 
 
 def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
-    """Compute n log(mean square) over the loops: twice the negative log-likelihood, except for a constant."""
-    each = zip(independent, residuals, strict=True)
-    return sum(count * float(np.log(np.mean(item**2))) for count, item in each)
+    """Sum n log(mean square residual) over the loops: twice the negative log-likelihood, except for a constant.
+
+    `independent` has the number n of independent residuals of each loop.
+    """
+    return sum(
+        count * float(np.log(np.mean(loop_residuals**2)))
+        for count, loop_residuals in zip(independent, residuals, strict=True)
+    )
 
 
 def _choose_offset(
@@ -363,7 +368,9 @@ def _choose_offset(
 
 
 def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
-    """Set the ends of each interval by profile likelihood.
+    """Set the ends of each interval by profile likelihood (Venzon and Moolgavkar 1988).
+
+    Values at a bound, and those on which no residual depends, keep their ends.
 
     Parameters
     ----------

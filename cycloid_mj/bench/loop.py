@@ -320,7 +320,10 @@ def _require_no_outlier(values: Array, column: str, origin: str) -> None:
 
 
 def _mean_opening(loop: MeasuredLoop) -> float:
-    """Compute the mean rotation of the falling branches above the rising ones [rad], over the torques of both."""
+    """Compute the mean rotation of the falling branches above the rising ones [rad], over the torques of both.
+
+    It is negative for a loop that releases energy.
+    """
     directions = [loop.moving(direction) for direction in (1, -1)]
     common_range = (
         max(loop.torque[side].min() for side in directions),
@@ -360,7 +363,10 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
 
 
 def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
-    """Compute the torque of a reversal near an index [N m]: the outermost of its neighbours unless an outlier."""
+    """Compute the torque of a reversal near an index [N m]: the outermost of its neighbours, clipped if an outlier.
+
+    `torque` [N m] and its moving `medians` have shape (n,).
+    """
     neighbours = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
     outermost = float(neighbours.max() if medians[index] >= np.median(neighbours) else neighbours.min())
     tolerance = 3.0 * float(np.median(np.abs(torque - medians))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
@@ -370,13 +376,15 @@ def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
 def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:
     """Find the torques at which the course reverses, with those of its start and its end, and the branch of each point.
 
-    A first branch that starts half-way is taken to come from the extreme before it, as in a closed loop, and the last
-    to go to the next one.
+    A reversal is an extreme after which the torque returns by `SETTINGS.reversal` of its range. A first branch that
+    starts half-way is taken to come from the extreme before it, as in a closed loop, and the last to go to the next
+    one.
 
     Returns
     -------
     torques, branch
-        Torques of start, reversals and end [N m], and the number of reversals before each point, shape (n,).
+        Torques of start, reversals and end [N m], and the number of reversals before each point, shape (n,). No torques
+        if the course does not reverse.
     """
     medians = _median_filter(torque)
     min_reversal = SETTINGS.reversal * float(np.ptp(medians))

@@ -103,7 +103,7 @@ class LoopFigures:
 
 
 class _Line(NamedTuple):
-    """A straight line y = value + slope (x - middle), with the variances of value and slope, and degrees of freedom."""
+    """A fitted line y = value + slope (x - middle), with the variances of value and slope, and degrees of freedom."""
 
     middle: float
     value: float
@@ -114,8 +114,8 @@ class _Line(NamedTuple):
 
     def at(self, x: float) -> tuple[float, float]:
         """Compute y and its variance."""
-        away = x - self.middle
-        return self.value + self.slope * away, self.value_variance + self.slope_variance * away**2
+        distance = x - self.middle
+        return self.value + self.slope * distance, self.value_variance + self.slope_variance * distance**2
 
 
 def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
@@ -160,7 +160,10 @@ def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure
 
 
 def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
-    """Compute the rotation between the middles of the branches at +3 % and -3 % of a rated torque [rad]."""
+    """Compute the rotation between the middles of the branches at +3 % and -3 % of a rated torque [N m], in rad.
+
+    NaN if a branch does not cross one of these torques.
+    """
     level = LOST_MOTION_SHARE * rated_torque
     crossings = [
         _find_crossings(loop, loop.torque, loop.deflection, direction * level, READING.lost_motion_window * level)
@@ -178,7 +181,7 @@ def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
     """Compute the rotation between the branches at zero torque, each unloaded from its side, before the play [rad].
 
     It is that of the lines through the points of the branches from 3 % of a rated torque down to 0.5 %, extended to
-    zero torque.
+    zero torque. Without enough points there, the branch is interpolated. NaN if a branch does not cross zero torque.
     """
     readings = []
     for direction in (1, -1):
@@ -204,7 +207,7 @@ def loop_width(loop: MeasuredLoop) -> LoopFigure:
 
 
 def loop_coulomb_torque(loop: MeasuredLoop) -> LoopFigure:
-    """Compute half the torque between the branches of a loop halfway up its deflection [N m]."""
+    """Compute half the torque between the branches of a loop halfway up its deflection [N m]; NaN if one is missing."""
     inner = loop.deflection[loop.points_left_out :]
     value, low, high = _branch_distance(loop, loop.deflection, loop.torque, 0.5 * float(inner.max() + inner.min()))
     return LoopFigure(-0.5 * value, -0.5 * high, -0.5 * low)
@@ -215,8 +218,8 @@ def _fit_loading_line(
 ) -> _Line | None:
     """Fit a line, deflection over torque, to the loading branches of one side between two torques [N m].
 
-    `direction` is 1 for positive, -1 for negative torque; points below `READING.loaded_coulomb` Coulomb torques are
-    left out.
+    `low` and `high` are magnitudes, `direction` is 1 for positive, -1 for negative torque. Points below
+    `READING.loaded_coulomb` Coulomb torques are left out. Return None if there are too few points.
     """
     signed_torque = direction * loop.torque
     is_in_interval = (
@@ -258,7 +261,11 @@ def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coul
 
 
 def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
-    """Compute the distance of the falling branches above the rising ones in `values`, at a level of `abscissa`."""
+    """Compute the distance of the falling branches above the rising ones in `values`, at a level of `abscissa`.
+
+    `abscissa` and `values` are torque and deflection of the loop, in either order, shape (n,). NaN if a branch does not
+    cross the level.
+    """
     crossings = _find_crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
     if crossings is None:
         return NO_FIGURE
@@ -271,9 +278,10 @@ def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: 
 def _find_crossings(
     loop: MeasuredLoop, abscissa: Array, values: Array, level: float, window: float
 ) -> tuple[_Crossing, _Crossing] | None:
-    """Compute where the falling and the rising branches cross a level of `abscissa`, from lines in a window about it.
+    """Compute the `values` at which the falling and the rising branches cross a level of `abscissa`.
 
-    Returns value, variance and degrees of freedom of each; None if a branch does not cross the level.
+    They are those of lines fitted within `window` of the level; with too few points, of an interpolation. Return value,
+    variance and degrees of freedom for the falling, then the rising branches; None if one does not cross the level.
     """
     crossings = []
     for direction in (-1, 1):
@@ -290,10 +298,10 @@ def _find_crossings(
     return falling_crossing, rising_crossing
 
 
-def _interpolate_leap(x: Array, y: Array, level: float) -> tuple[float, float, float]:
-    """Interpolate y where a branch leaps past a level of x; return value, variance and degrees of freedom.
+def _interpolate_leap(x: Array, y: Array, level: float) -> _Crossing:
+    """Interpolate y, shape (n,), where a branch leaps past a level of x; return value, variance, degrees of freedom.
 
-    The variance is that of a uniform distribution between both neighbours.
+    The variance is that of a uniform distribution between the points on both sides, with infinite degrees of freedom.
     """
     order = np.argsort(x)
     upper = int(np.searchsorted(x[order], level))
@@ -302,9 +310,10 @@ def _interpolate_leap(x: Array, y: Array, level: float) -> tuple[float, float, f
 
 
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
-    """Fit a line to masked points by least squares; None for too few points, or a single x.
+    """Fit a line to the masked ones of n points by least squares; None for too few points, or a single x.
 
-    The variances account for autocorrelated residuals.
+    The variances account for autocorrelated residuals: the number of independent points is smaller by
+    `autocorrelation_time`.
     """
     x, y = x[mask], y[mask]
     count, offsets = len(x), x - np.mean(x) if len(x) else x
@@ -322,5 +331,5 @@ def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
 
 
 def _quantile(freedom: float) -> float:
-    """Compute the half width of an interval in standard errors."""
+    """Compute the half width of the interval `INTERVAL.confidence` in standard errors, by Student's t."""
     return student_half_width(freedom, INTERVAL.confidence)

@@ -131,7 +131,7 @@ def fit_candidates(
 
 
 def select_model(fits: Sequence[ModelFit]) -> ModelFit:
-    """Return the model with the lowest Bayesian information criterion."""
+    """Return the model with the lowest Bayesian information criterion (Schwarz, Ann. Statist. 6, 1978, 461-464)."""
     return min(fits, key=lambda item: item.bayesian)
 
 
@@ -164,6 +164,10 @@ def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
 
 
 def _compare_stretch(loop: MeasuredLoop, modelled: Array, name: str, mask: Mask, direction: int) -> LoopStretch:
+    """Compare the modelled deflection [rad], shape (n,), with the measured one at the masked points of a loop.
+
+    `name` is that of the stretch; `direction` is 1 if the torque rises in it, else -1.
+    """
     differences, torque = (loop.deflection - modelled)[mask], loop.torque[mask]
     first, last = (float(torque.min()), float(torque.max()))[::direction]
     return LoopStretch(

@@ -51,7 +51,7 @@ class LoopCondition:
 
 
 def apply_values(model: Model, parameters: Sequence[Parameter], values: Array) -> Model:
-    """Return a model with the values of parameters."""
+    """Return a model with the values of parameters, in their units; values beyond the parameters are ignored."""
     for parameter, value in zip(parameters, values, strict=False):
         model = parameter.apply(model, float(value))
     return model
@@ -76,7 +76,8 @@ def _branches_with_contact_friction(
 ) -> Branches:
     """Compute the branches between reversal torques [N m] with friction in the contacts (`friction_path`).
 
-    The distance of neighbouring points is at most `max_turn` [rad].
+    The distance of neighbouring points is at most `max_turn` [rad]. Two branches, from rest to the second reversal and
+    back to the first, lead to the loop and are left out. Return torque [N m] and rotation [rad] along each branch.
     """
     spans = list(pairwise(reversals))
     lead = [
@@ -120,7 +121,10 @@ def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: floa
 
 @njit(cache=True)
 def _write_distances(points: tuple[Array, Array], mask: Mask, polyline: tuple[Array, Array], distance: Array) -> None:
-    """Write the signed distance of masked points (n,) from a polyline (m,), positive on its left, to `distance`."""
+    """Write the signed distance of masked points from a polyline, positive on its left, to `distance`, shape (n,).
+
+    `points` and `polyline` are pairs of coordinates x and y, shapes (n,) and (m,).
+    """
     for index in np.flatnonzero(mask):
         nearest = np.inf
         for begin in range(len(polyline[0]) - 1):

@@ -157,7 +157,10 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
 
 
 def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
-    """Return all parameters of `NAMED` by their keys."""
+    """Return the parameters with names of their own by key, as in `NAMED`: play, stiffness, friction and hysteresis.
+
+    Start, scale and bounds of the last three follow from the measured loops.
+    """
     parameters_by_name = (
         *_play_parameters(reducer),
         *_stiffness_parameters(reducer, loops),
@@ -174,7 +177,10 @@ def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:
 
 
 def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
-    """Return the parameters of clearances: of the mesh, the output pins, the cam, and of mesh and output together."""
+    """Return the parameters of clearances [um]: of the mesh, the output pins, the cam, and of mesh and output together.
+
+    The mesh includes the play of pins in their sockets. The tolerances of the design are the priors.
+    """
     design = reducer.design
     tooth, clearance, tooth_kinds = design.tooth_pair, design.clearance, _tooth_pairs(reducer)
     mesh = getattr(clearance, tooth) + design.pin_play
@@ -207,7 +213,10 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 
 
 def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of stiffness: of the teeth, and of the structure."""
+    """Return the parameters of stiffness: of the teeth [1], and of the structure at the output [N m/rad].
+
+    The structure starts at twice the torque over the height of the largest loop, at most half of what it can have.
+    """
     largest_loop = max(loops, key=attrgetter("most"))
     stiffness, max_stiffness = 2.0 * largest_loop.most / largest_loop.height, _max_structure_stiffness(reducer)
     return (
@@ -237,7 +246,10 @@ def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tu
 
 
 def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of friction: of the contacts, in proportion to the load, and of constant size."""
+    """Return the parameters of friction: of contacts [1], in proportion to the load [1], and of constant size [N m].
+
+    The constant friction starts at the Coulomb torque of the lowest loop, the travel [deg] at a share of its height.
+    """
     max_torque, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
     height_deg, coulomb = lowest.height / DEGREE, loop_coulomb_torque(lowest).value
     start_drag = coulomb if 0.0 < coulomb < BOUNDS.max_drag * max_torque else 0.02 * max_torque
@@ -287,7 +299,10 @@ def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tup
 
 
 def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of hysteresis, of the wind-up and of the material."""
+    """Return the parameters of hysteresis: torque [N m] and travel [deg] of the wind-up, and loss of the material [1].
+
+    Start and scale are shares of torque and height of the largest loop.
+    """
     largest_loop = max(loops, key=attrgetter("most"))
     max_torque, largest_height, smallest_height = (
         largest_loop.most,
@@ -357,9 +372,10 @@ def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 
 def _set_structure_stiffness(model: Model, value: float) -> Model:
-    """Return a model with a torsional stiffness of the structure [N m/rad], by the stiffness of its housing.
+    """Return a model whose structure has a torsional stiffness at the output [N m/rad], set by its housing.
 
-    Housing, carrier and shaft are in series.
+    Housing, carrier and shaft are in series: 1/value is the sum of their compliances [rad/(N m)]. `value` must be below
+    the stiffness of carrier and shaft alone.
     """
     reducer = Reducer(model.reducer.design.model_copy(update={"structure": "springs"}))
     stiffness, compliance = twisting_stiffness(reducer), twisting_compliance(reducer)
@@ -375,6 +391,7 @@ def _max_structure_stiffness(reducer: Reducer) -> float:
 
 
 def _set_friction(model: Model, value: float) -> Model:
+    """Return a model with a coefficient of friction of all sliding pairs; rolling cams and output pins keep theirs."""
     kinds = [kind for kind in model.reducer.design.pair_kinds if kind not in _rolling(model.reducer)]
     return replace(model, reducer=Reducer(model.reducer.design.but(friction=dict.fromkeys(kinds, value))))
 
@@ -405,7 +422,9 @@ def _with_spring(model: Model, name: str, value: float) -> Model:
 
 
 def _file_parameter(reducer: Reducer, key: str) -> Parameter:
-    """Return the parameter of a number of the design file, with the file's bounds.
+    """Return the parameter of a number of the design file, ``table.key``, in its unit and with the file's bounds.
+
+    The scale is a fifth of the design's value.
 
     Raises
     ------

@@ -47,11 +47,17 @@ class ProtocolSettings:
         Number of torques of a branch of the model's loop by statics.
     unloaded_share
         Share of the rated torque under which the transmission error is computed: without it, parts are loose.
+    min_full_torque
+        Largest torque of a measured loop over the rated torque from which its figures count.
+    complete_torque
+        The same, from which a note does not mention that the loop is smaller.
     """
 
     angles: int = 6
     branch_points: int = 401
     unloaded_share: float = 0.01
+    min_full_torque: float = 0.9
+    complete_torque: float = 0.98
 
 
 SETTINGS = ProtocolSettings()
@@ -279,7 +285,7 @@ def protocol(
     ]
     if math.isnan(model_lines["back_driving_torque_nm"].value):
         notes.append("the model is self-locking: friction under a load consumes all of the output's power")
-    incomplete = [loop for loop in files.loops if loop.most < 0.98 * rated_torque]
+    incomplete = [loop for loop in files.loops if loop.most < SETTINGS.complete_torque * rated_torque]
     notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in incomplete]
     return Protocol(
         reducer.design.name,
@@ -296,7 +302,12 @@ def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> M
     """Compute the loop of a model with a locked crank [rad], to a torque on the output [N m] and back, as of a bench.
 
     It is a run as of `measure lost-motion`. Where the design has friction of its wind-up (`springs`), which no run has,
-    it is computed by statics, and that friction represents all.
+    it is computed by statics, and that friction represents all; a loop of the same size precedes it, so that it closes.
+
+    Raises
+    ------
+    RunError
+        The model has no static balance, or the run failed.
     """
     elements = slip_elements(reducer)
     if len(elements.limits):
@@ -319,11 +330,10 @@ def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> M
 
 
 def find_breakaway_torque(crank: Array, torque: Array) -> float:
-    """Find the torque at which a crank begins to turn: the last before it has moved by 0.1 deg for good.
+    """Find the torque at which a crank begins to turn: the magnitude of the last within `START.turned` of the start.
 
-    NaN if the crank stays.
-
-    Angles `crank` [rad] and `torque` are in chronological order, shape (n,).
+    NaN if the crank is there at the end. Angles `crank` [rad] and `torque` [N m] are in chronological order, shape
+    (n,).
     """
     has_moved = np.abs(crank - crank[0]) > START.turned
     if not has_moved[-1]:
@@ -353,9 +363,14 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
 def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
     """Compute lost motion, hysteresis loss and stiffness of the loops with the largest torques, by keys of `LINES`.
 
-    Each is the mean over the loops with the smallest and the largest value.
+    Loops below `SETTINGS.min_full_torque` of the rated torque, or of the largest loop if that is smaller, are left out.
+    Each figure is the mean over the loops, with the lowest and the highest end of their intervals.
     """
-    full_loops = [loop for loop in loops if loop.most >= 0.9 * min(rated_torque, max(item.most for item in loops))]
+    full_loops = [
+        loop
+        for loop in loops
+        if loop.most >= SETTINGS.min_full_torque * min(rated_torque, max(item.most for item in loops))
+    ]
     if not full_loops:
         return {}
     figures = [
@@ -399,7 +414,10 @@ def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]
 
 
 def _file_lines(files: BenchFiles) -> dict[str, LoopFigure]:
-    """Compute the figures of the bench's other files: transmission error, starting, running and back-driving torque."""
+    """Compute the figures of the bench's other files, by keys of `LINES`, without intervals; missing files are skipped.
+
+    The running torque is the mean magnitude over its file. Raises UsageError if a file is malformed.
+    """
     figures = {}
     if files.te:
         figures["te_arcsec"] = LoopFigure.about(float(np.ptp(files.te.error)) / ARCSECOND)

@@ -42,6 +42,8 @@ class LeastSquaresSettings:
     """Largest number of steps of the search that continues from the best of them."""
     fixed_width: float = 1e-6
     """Distance between both bounds of a scaled value below which it is fixed."""
+    offset_share: float = 0.02
+    """Offset of a loop that matters, as a share of its ranges: a scaled value of 1."""
     deflection_rtol: float = 1e-3
     """Relative gain in squares at which the search for the nearest deflections stops: half as much of their rms."""
 
@@ -141,13 +143,13 @@ class FitProblem:
         """Return a cached function from the scaled values of the parameters to the model with these values."""
 
         @lru_cache(maxsize=8 * len(self.parameters))
-        def with_first(scaled_values: tuple[float, ...]) -> Model:
+        def with_leading_values(scaled_values: tuple[float, ...]) -> Model:
             if not scaled_values:
                 return self.model
             parameter = self.parameters[len(scaled_values) - 1]
-            return parameter.apply(with_first(scaled_values[:-1]), parameter.from_scale(scaled_values[-1]))
+            return parameter.apply(with_leading_values(scaled_values[:-1]), parameter.from_scale(scaled_values[-1]))
 
-        return with_first
+        return with_leading_values
 
     @cached_property
     def _cached_branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
@@ -166,7 +168,10 @@ class FitProblem:
         return branches
 
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
-        """Compute the residuals of each loop's points: signed distances, as shares of the loop's ranges."""
+        """Compute the residuals of each loop's points: signed distances, as shares of the loop's ranges, (n,) each.
+
+        They are `SETTINGS.failed_residual` where the model has no static balance.
+        """
         residuals = []
         for loop, branches, (torque, deflection) in self._modelled_loops(scaled):
             failed = np.full(len(loop.torque) - loop.points_left_out, SETTINGS.failed_residual)
@@ -293,6 +298,8 @@ class FitProblem:
     ) -> tuple[float, Array]:
         """Minimise the robust sum of squares (soft L1 loss) from a start; return the cost and the scaled values.
 
+        Values whose bounds coincide keep their start, too.
+
         Parameters
         ----------
         start
@@ -386,5 +393,5 @@ def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Arra
 
 
 def offset_scales(loop: MeasuredLoop) -> Array:
-    """Compute the scales of a loop's offsets in torque [N m] and deflection [rad]."""
-    return np.array([0.02 * float(np.ptp(loop.torque)), 0.02 * loop.height])
+    """Compute the scales of a loop's offsets in torque [N m] and deflection [rad], as shares of its ranges, (2,)."""
+    return SETTINGS.offset_share * np.array([float(np.ptp(loop.torque)), loop.height])

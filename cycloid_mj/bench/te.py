@@ -33,6 +33,10 @@ class TeSettings:
 
     max_harmonic: int = 3
     """Largest multiple of the mesh order that is compared."""
+    max_cycles_per_point: float = 0.4
+    """Highest resolved order in cycles per measured point: below the Nyquist limit of 0.5."""
+    min_separation: float = 0.9
+    """Smallest distance of two orders that are distinguished, in cycles over the measurement."""
     zero_rtol: float = 1e-9
     """Tolerance of equally good zeros of the crank, as a share of the range of the squared residual: protects against
     rounding."""
@@ -265,14 +269,18 @@ def compute_model_error(reducer: Reducer, torque: float) -> Array:
 
 
 def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
-    """Return the orders that a measurement resolves, (k,): integers, and those of the disc far enough from them."""
+    """Return the orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
+
+    They are the integers, and the multiples of N/(N-1) of the disc that differ from integers by nearly a cycle over the
+    measurement. The highest is `TE.max_harmonic` times the mesh order, or what the spacing of the points resolves.
+    """
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
-    resolution = 0.4 * len(measured.crank) / measured.turns
+    resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns
     max_order = min(TE.max_harmonic * teeth, int(resolution))
-    integer = np.arange(1, max_order + 1, dtype=np.float64)
+    integer_orders = np.arange(1, max_order + 1, dtype=np.float64)
     disc_orders = np.arange(1, max_order + 1) * teeth / lobes
-    is_distinct = np.abs(disc_orders - np.rint(disc_orders)) * measured.turns > 0.9
-    return np.sort(np.concatenate([integer, disc_orders[is_distinct & (disc_orders < max_order)]]))
+    is_distinct = np.abs(disc_orders - np.rint(disc_orders)) * measured.turns > TE.min_separation
+    return np.sort(np.concatenate([integer_orders, disc_orders[is_distinct & (disc_orders < max_order)]]))
 
 
 def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
@@ -301,7 +309,10 @@ def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
 
 
 def _interpolate_error(ideal: Array, crank: Array, lobes: int) -> Array:
-    """Interpolate the model's error at crank angles [rad] by periodic cubic splines."""
+    """Interpolate the model's error [rad] at crank angles [rad], shape (n,), by periodic cubic splines.
+
+    `ideal` is the error at equally spaced crank angles over a turn of the output, which is `lobes` turns of the crank.
+    """
     from scipy.interpolate import CubicSpline
 
     turn = 2.0 * np.pi * lobes

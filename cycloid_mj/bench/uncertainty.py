@@ -29,7 +29,7 @@ INTERVAL = IntervalSettings()
 
 
 def autocorrelation_time(residuals: Array) -> float:
-    """Compute how many successive residuals count as one: 1 for noise, more for what a model leaves out.
+    """Compute how many successive residuals, shape (n,), count as one: 1 for noise, more for what a model leaves out.
 
     It is 1 + 2 sum rho_k, up to the first lag k whose correlation rho_k is not significant (Geyer's initial sequence).
     """

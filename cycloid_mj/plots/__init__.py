@@ -13,7 +13,7 @@ from cycloid_mj.plots.motion import gear_speed_figure, input_figure, transmissio
 from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.plots.point import path_figure, velocity_figure
 from cycloid_mj.plots.save import FigureError, save
-from cycloid_mj.plots.style import state
+from cycloid_mj.plots.style import add_condition
 
 __all__ = ["FigureError", "figures", "mechanism", "save"]
 
@@ -48,5 +48,5 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
     ramp_note = "" if motion.phase == "hold" else ", a run that ended in its ramp"
     disc_note = f"; gear and q: {motion.gear_words}" if motion.design.gear.discs > 1 else ""
     for figure in figures_by_name.values():
-        state(figure, f"{motion.design.name}, {condition(motion.reducer)}{ramp_note}{disc_note}")
+        add_condition(figure, f"{motion.design.name}, {condition(motion.reducer)}{ramp_note}{disc_note}")
     return figures_by_name

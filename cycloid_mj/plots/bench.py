@@ -13,10 +13,10 @@ from cycloid_mj.plots.style import (
     ORANGE,
     THEORY,
     VERMILION,
+    add_condition,
     centre_on_zero,
+    create_figure,
     legend_above,
-    sheet,
-    state,
     with_style,
 )
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
@@ -29,7 +29,7 @@ MODEL = {"color": VERMILION, "linewidth": 1.1}
 def calibration_figure(calibration: Calibration) -> Figure:
     """Draw each measured loop with the fitted model, deflection over torque, and the residual below."""
     fit, loops = calibration.fitted, calibration.fitted.loops
-    figure = sheet(4.4)
+    figure = create_figure(4.4)
     grid = figure.subplots(2, len(loops), squeeze=False, sharex="col", height_ratios=(3.0, 1.0))
     for column, loop in enumerate(loops):
         loop_axes, residual_axes = grid[0, column], grid[1, column]
@@ -44,14 +44,16 @@ def calibration_figure(calibration: Calibration) -> Figure:
     grid[0, 0].set_ylabel("deflection [deg]")
     grid[1, 0].set_ylabel("residual [deg]")
     legend_above(grid[0, -1], ("measured", MEASURED), ("model", MODEL))
-    state(figure, f"{calibration.design.name}, {fit.bench.held} fixed, crank at {fit.bench.crank / DEGREE:.4g} deg")
+    add_condition(
+        figure, f"{calibration.design.name}, {fit.bench.held} fixed, crank at {fit.bench.crank / DEGREE:.4g} deg"
+    )
     return figure
 
 
 @with_style
 def protocol_figure(result: Protocol) -> Figure:
     """Draw the loops of a test protocol, measured and modelled, deflection over torque, each about its middle."""
-    figure = sheet(3.2)
+    figure = create_figure(3.2)
     axes = figure.subplots(1, 1, squeeze=False)[0, 0]
     for loop in result.loops:
         axes.plot(loop.torque, _centred_turn(loop), **MODEL)
@@ -62,7 +64,7 @@ def protocol_figure(result: Protocol) -> Figure:
     axes.set(xlabel="torque at the output [N m]", ylabel="deflection [deg]")
     entries = [("model", MODEL), *([("measured", MEASURED)] if result.bench_loops else [])]
     legend_above(axes, *entries)
-    state(figure, f"{result.design}, crank fixed; lines at 3 % of {result.rated:.4g} N m")
+    add_condition(figure, f"{result.design}, crank fixed; lines at 3 % of {result.rated:.4g} N m")
     return figure
 
 
@@ -75,7 +77,7 @@ def _centred_turn(loop: MeasuredLoop) -> Array:
 @with_style
 def comparison_figure(result: BenchComparison) -> Figure:
     """Draw measured and modelled transmission error over the crank angle, and their amplitudes by order below."""
-    figure = sheet(4.4)
+    figure = create_figure(4.4)
     error_axes, order_axes = figure.subplots(2, 1)
     crank = result.measured.crank / DEGREE
     error = result.measured.error - result.measured.error.mean()
@@ -90,7 +92,7 @@ def comparison_figure(result: BenchComparison) -> Figure:
     legend_above(
         order_axes, ("measured", {"color": GREY, "linewidth": 4}), ("model", {"color": ORANGE, "linewidth": 4})
     )
-    state(
+    add_condition(
         figure,
         f"{result.measured.name} and {result.design}, {result.load:.4g} N m, {result.explained_share:.1%} explained",
     )

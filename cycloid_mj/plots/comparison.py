@@ -24,7 +24,7 @@ from cycloid_mj.plots.style import (
     WIDTH,
     NotebookFigure,
     crank_axis,
-    keys,
+    legend_handles,
     turn_degrees,
     typeset,
     with_style,
@@ -134,7 +134,7 @@ def _draw_spectra(grid: Grid) -> Figure:
     axes[1][0].set_ylabel("output\n[rad/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     entries = [(runs[0].design.name, {"color": _color(row)}) for row, runs in enumerate(grid)]
     mesh = ("multiples of the mesh frequency", {"color": GREY, "linestyle": ":"})
-    figure.legend(handles=keys(*entries, mesh), loc="outside lower center", ncols=len(entries) + 1)
+    figure.legend(handles=legend_handles(*entries, mesh), loc="outside lower center", ncols=len(entries) + 1)
     return figure
 
 

@@ -12,7 +12,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.geometry.contact_lines import ContactLines, contact_lines, mesh_period, peak_pressure
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, with_style
+from cycloid_mj.plots.style import GREY, crank_axis, create_figure, legend_handles, with_style
 from cycloid_mj.reducer import Reducer
 
 CRANK_ANGLES = 120
@@ -36,7 +36,7 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
     The pressure is that of the tooth force at the rated load on a single line. Phase 0 is a valley of the disc at the
     tooth, 180 deg the tip of a lobe.
     """
-    figure = sheet(4.4)
+    figure = create_figure(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
     for number, design in enumerate(designs):
         gear = tooth_profile(design)
@@ -63,7 +63,7 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
         ("pin or arc", {"color": GREY, **ON_TEETH}),
         ("flank Sigma", {"color": GREY, **ON_SIGMA}),
     ]
-    figure.legend(handles=keys(*looks, *kinds), loc="outside lower center", ncols=len(looks) + 2)
+    figure.legend(handles=legend_handles(*looks, *kinds), loc="outside lower center", ncols=len(looks) + 2)
     return figure
 
 

@@ -76,5 +76,5 @@ def _ticks(axes: Axes, ends: tuple[float, float], level: float, size: float, upr
 def _xy(
     along: tuple[float, float], across: tuple[float, float], upright: bool
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return coordinates along and across a dimension as x and y."""
+    """Return two points by their coordinates along and across a dimension as x and y; swapped if it is upright."""
     return (across, along) if upright else (along, across)

@@ -43,17 +43,21 @@ def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 
 @with_style
 def drawing_figure(drawing: PartDrawing) -> Figure:
-    """Draw a manufactured part on an A3 page: section with dimensions, front view, notes and title block."""
+    """Draw a manufactured part on an A3 page in mm: hatched section with dimensions, front view, notes and title block.
+
+    The section has the axis of the part to the right (+z), the front view is seen along it; both have scales of their
+    own.
+    """
     figure = Figure(figsize=PAGE)
     section, front = figure.add_axes((0.03, 0.28, 0.55, 0.68)), figure.add_axes((0.6, 0.34, 0.37, 0.6))
-    for low, high, bottom, top in drawing.section:
-        corner, size = (
-            (MILLIMETRES * low, MILLIMETRES * bottom),
-            (MILLIMETRES * (high - low), MILLIMETRES * (top - bottom)),
+    for left, right, bottom, top in drawing.section:
+        corner = MILLIMETRES * left, MILLIMETRES * bottom
+        width, height = MILLIMETRES * (right - left), MILLIMETRES * (top - bottom)
+        section.add_patch(
+            Rectangle(corner, width, height, facecolor="none", edgecolor="black", hatch="////", linewidth=0.5)
         )
-        section.add_patch(Rectangle(corner, *size, facecolor="none", edgecolor="black", hatch="////", linewidth=0.5))
-    for ring in drawing.front:
-        front.add_patch(Polygon(MILLIMETRES * ring, closed=True, facecolor="none", edgecolor="black", linewidth=0.4))
+    for outline in drawing.front:
+        front.add_patch(Polygon(MILLIMETRES * outline, closed=True, facecolor="none", edgecolor="black", linewidth=0.4))
     for start, end, dimension in dimension_lines(drawing):
         _draw_dimension(section, start, end, dimension)
     for axes in (section, front):
@@ -74,9 +78,13 @@ def drawing_figure(drawing: PartDrawing) -> Figure:
 
 
 def _draw_dimension(axes: Axes, start: tuple[float, float], end: tuple[float, float], dimension: Dimension) -> None:
-    """Draw a dimension line with its text above or to the left of it."""
+    """Draw a dimension line between two points (x, y) [mm]; a diameter is upright and has its text on the left.
+
+    The text of a length is above its line.
+    """
     axes.annotate("", end, start, arrowprops=ARROW)
-    middle, rotation = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])), 90.0 if dimension.radius else 0.0
+    middle = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])
+    rotation = 90.0 if dimension.radius else 0.0
     axes.text(
         *middle, dimension.text, rotation=rotation, ha="center", va="bottom", fontsize=6.5, rotation_mode="anchor"
     )

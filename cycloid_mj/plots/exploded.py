@@ -46,7 +46,11 @@ def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 
 @with_style
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
-    """Draw the section of a drive through its axis, each part rotated into the plane: assembled, and exploded below."""
+    """Draw the section of a drive through its axis: assembled, and below with its families of parts apart.
+
+    Each part is rotated about the axis into the plane. Families are numbered in the order `ALONG`; a
+    part whose family is not listed there is left out. `sizes` are those of the covers.
+    """
     geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in geometry.items()}
     figure = NotebookFigure(figsize=(2.0 * WIDTH, HEIGHT), layout="constrained")
@@ -58,23 +62,23 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     start = 0.0
     for position, family in enumerate([family for family in ALONG if counts[family]]):
         members = [component for component in components if names.family(component.part) == family]
-        ends = [
+        end_heights = [
             component.origin[2] + z
             for component in members
             for prism in prisms[component.part]
             for z in (prism.z0, prism.z1)
         ]
-        shift, top = start - min(ends), 0.0
+        shift, largest_radius = start - min(end_heights), 0.0
         for component in members:
             _draw_section(assembled_axes, component, prisms[component.part], 0.0)
         for component in members:
-            top = max(top, _draw_section(exploded_axes, component, prisms[component.part], shift))
-        start += max(ends) - min(ends) + gap
-        mid_height = MILLIMETRES * (shift + 0.5 * (min(ends) + max(ends)))
+            largest_radius = max(largest_radius, _draw_section(exploded_axes, component, prisms[component.part], shift))
+        start += max(end_heights) - min(end_heights) + gap
+        mid_height = MILLIMETRES * (shift + 0.5 * (min(end_heights) + max(end_heights)))
         text = family.replace("_", " ") + (f" x{counts[family]}" if counts[family] > 1 else "")
         exploded_axes.annotate(
             f"{position + 1}  {text}",
-            (mid_height, MILLIMETRES * top),
+            (mid_height, MILLIMETRES * largest_radius),
             (mid_height, 1.12 * MILLIMETRES * sizes.outer),
             rotation=60,
             fontsize=6.5,
@@ -90,9 +94,10 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
 
 
 def _draw_section(axes: Axes, component: PlacedPart, prisms: tuple[Prism, ...], shift: float) -> float:
-    """Draw the section of a part in the plane through the axis and the part's centre; return its largest radius [m].
+    """Draw the section of a part in the plane through the axis and the part's centre, in mm, the axis to the right.
 
-    `shift` moves the part along the axis [m].
+    `shift` moves the part along the axis [m]. A part beside the axis is rotated into the plane, except for a disc,
+    which is cut at its y. Return the largest distance of the section from the axis [m].
     """
     x, y, z = component.origin
     distance = float(np.hypot(x, y))

@@ -20,8 +20,8 @@ from cycloid_mj.plots.style import (
     VERMILION,
     WIDTH,
     NotebookFigure,
+    add_condition,
     in_words,
-    state,
     typeset,
     with_style,
     wrap_label,
@@ -96,7 +96,7 @@ def _draw_panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, 
 def _add_heading(figure: Figure, sweep: Sweep) -> None:
     """Add design and number of points above a figure."""
     failed = f", {sweep.failed} failed" if sweep.failed else ""
-    state(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed}")
+    add_condition(figure, f"{sweep.task.reducer.design.name}: {len(sweep)} points{failed}")
 
 
 def _title(sweep: Sweep, name: str) -> str:

@@ -16,7 +16,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from cycloid_mj.base.result import Curve
 from cycloid_mj.measure import Measurement
-from cycloid_mj.plots.style import GREY, PALETTE, THEORY, sheet, typeset, with_style
+from cycloid_mj.plots.style import GREY, PALETTE, THEORY, create_figure, typeset, with_style
 
 COLOURS = (*PALETTE, GREY)
 
@@ -65,7 +65,7 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
     for curve in curves:
         panels.setdefault(curve.panel, []).append(curve)
     heights = [PANEL.polar_height if curves[0].style == "polar" else PANEL.height for curves in panels.values()]
-    figure = sheet(sum(heights) + 0.4)
+    figure = create_figure(sum(heights) + 0.4)
     grid = figure.add_gridspec(len(panels), 1, height_ratios=heights)
     for row, (name, panel_curves) in enumerate(panels.items()):
         polar = panel_curves[0].style == "polar"

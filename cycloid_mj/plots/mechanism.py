@@ -22,7 +22,7 @@ from cycloid_mj.scene import ContactForces, cams, contact_forces, poses, ring_pl
 CRANK_ANGLE = math.radians(35.0)
 """Default crank angle [rad]."""
 
-LOOKS: dict[str, dict[str, Any]] = {
+PART_STYLES: dict[str, dict[str, Any]] = {
     "ring": {"facecolor": "#D9DFE4", "edgecolor": "#54606B"},
     "pins": {"facecolor": "#F3C969", "edgecolor": "#7A5A00"},
     "gear": {"facecolor": "#8DBFE3", "edgecolor": "#134A73"},
@@ -31,6 +31,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "cam": {"facecolor": "#EDA77C", "edgecolor": "#8A3B00"},
     "shaft": {"facecolor": "#8B9199", "edgecolor": "#3B4046"},
 }
+"""Part -> properties of the patch with which it is drawn."""
 FRONT_OPACITY = 0.55
 """Opacity of discs and cams in front of others."""
 
@@ -111,10 +112,10 @@ def _draw_parts(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None
     design = reducer.design
     solids = parts(reducer, VISUAL_CHORD_ERROR)
     axis = np.zeros(3)
-    disc = float(np.linalg.norm(solids[OUTPUT].prisms[0].outline, axis=1).max())
+    output_disc_radius = float(np.linalg.norm(solids[OUTPUT].prisms[0].outline, axis=1).max())
     draw_region(axes, solids[HOUSING].prisms[0], "ring", axis)
     draw_ring_pins(axes, reducer)
-    draw_disc(axes, axis, disc, "disc")
+    draw_disc(axes, axis, output_disc_radius, "disc")
     for disc, gear in enumerate(gears(design.gear.discs)):
         draw_region(axes, solids[gear].prisms[0], "gear", pose[gear], 1.0 if disc == 0 else FRONT_OPACITY)
     draw_output_pins(axes, reducer, transform(pose[OUTPUT], output_centres(reducer)))
@@ -142,7 +143,10 @@ def draw_output_pins(axes: Axes, reducer: Reducer, centres: Array) -> None:
 
 
 def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None:
-    """Mark the axis and the centres of the discs, and draw arrows for the rotation of crank and front disc."""
+    """Mark the axis and the centres of the discs, and draw arrows for the rotation of crank and front disc.
+
+    `pose` has x [m], y [m] and angle [rad] of each part by name, shape (3,). The disc rotates against the crank.
+    """
     design = reducer.design
     direction = math.copysign(1.0, design.drive.speed)
     centres = [1e3 * pose[gear][:2] for gear in gears(design.gear.discs)]
@@ -160,7 +164,11 @@ def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> Non
 
 
 def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
-    """Draw the forces of ring and output pins on the discs as arrows with a common scale, in a colour for each disc."""
+    """Draw the forces of ring and output pins on the discs as arrows with a common scale, in a colour for each disc.
+
+    Only the first sample of `acting` is drawn, without contacts that have no force. The longest arrow has `MAX_ARROW`
+    of the housing's radius; a reference arrow states the scale [N]. Without any force, nothing is drawn.
+    """
     has_force = acting.size[0] > 0.0
     if not has_force.any():
         return
@@ -176,30 +184,36 @@ def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
 
 
 def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
-    """Draw a region with holes at a pose: x [m], y [m] and angle [rad]."""
+    """Draw the outline and the holes of a prism at a pose: x [m], y [m] and angle [rad, counter-clockwise], in mm.
+
+    `part` is the key of its style in `PART_STYLES`, `opacity` that of its fill, 0 to 1.
+    """
     rings = [1e3 * transform(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
     axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_style_of(part, opacity)))
 
 
 def draw_disc(axes: Axes, centre: Array, radius: float, part: str, opacity: float = 1.0) -> None:
-    """Draw a circular disc of a radius [m] about a centre [m]."""
-    look = _style_of(part, opacity)
-    axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **look))
+    """Draw a filled circle of a radius [m] about a centre [m], in mm; `part` and `opacity` as in `draw_region`."""
+    patch_style = _style_of(part, opacity)
+    axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **patch_style))
 
 
 def _style_of(part: str, opacity: float) -> dict[str, Any]:
     """Return the style of a part with an opacity of its fill."""
-    look = LOOKS[part]
-    return look if opacity == 1.0 else look | {"facecolor": (look["facecolor"], opacity)}
+    patch_style = PART_STYLES[part]
+    return patch_style if opacity == 1.0 else patch_style | {"facecolor": (patch_style["facecolor"], opacity)}
 
 
 def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, sweep: float) -> None:
-    """Draw an arc with an arrow head; angles counter-clockwise from +x [rad], radius [m], centre [mm]."""
+    """Draw an arc with an arrow head about a centre [mm], shape (2,), with a radius [m].
+
+    The arc begins at the angle `start` [rad], counter-clockwise from +x, and covers `sweep` [rad], negative clockwise.
+    """
     angle = np.linspace(start, start + sweep, 60)
     arc = centre + 1e3 * radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    look: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 10.0, "color": BLACK, "linewidth": 1.2}
-    axes.add_patch(FancyArrowPatch(path=Path(arc), **look))
+    patch_style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 10.0, "color": BLACK, "linewidth": 1.2}
+    axes.add_patch(FancyArrowPatch(path=Path(arc), **patch_style))
 
 
 def _list_legend(reducer: Reducer, forces: bool) -> list[Patch]:
@@ -207,6 +221,6 @@ def _list_legend(reducer: Reducer, forces: bool) -> list[Patch]:
     has_pins = reducer.design.ring.kind == "pin"
     names = {"ring": "ring" if has_pins else "internal gear", "pins": "ring pins" if has_pins else ""}
     names |= {"gear": "cycloid disc", "output": "output pins", "cam": "cam", "shaft": "input shaft"}
-    parts = [Patch(label=name, linewidth=0.7, **LOOKS[part]) for part, name in names.items() if name]
+    parts = [Patch(label=name, linewidth=0.7, **PART_STYLES[part]) for part, name in names.items() if name]
     discs = reducer.design.gear.discs if forces else 0
     return parts + [Patch(label=f"force on disc {disc + 1}", color=DISC_COLOURS[disc]) for disc in range(discs)]

@@ -19,8 +19,8 @@ from cycloid_mj.plots.style import (
     add_degree_axis,
     centre_on_zero,
     crank_axis,
+    create_figure,
     legend_above,
-    sheet,
     turn_degrees,
     typeset,
     with_style,
@@ -63,7 +63,7 @@ def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) 
 
     `key` names the signal, `rows` the samples that belong to `x`.
     """
-    figure = sheet(3.6)
+    figure = create_figure(3.6)
     top, bottom = figure.subplots(2, 1, sharex=True, **layout)
     speed, error = SIGNALS[key], SIGNALS[f"{key}_error"]
     if speed.theory:
@@ -82,7 +82,7 @@ def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) 
 @with_style
 def transmission_error_figure(motion: Series) -> Figure:
     """Draw the transmission errors of output and disc over a crank turn, with their means and peak-to-peak values."""
-    figure, degrees = sheet(3.6), turn_degrees(motion)
+    figure, degrees = create_figure(3.6), turn_degrees(motion)
     parts = (("output", "output_te", BLUE), ("cycloid disc", "gear_te", ORANGE))
     for axes, (part, key, color) in zip(figure.subplots(2, 1, sharex=True), parts, strict=True):
         error = SIGNALS[key].simulated(motion)[motion.one_turn]

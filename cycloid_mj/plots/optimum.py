@@ -9,30 +9,46 @@ from matplotlib.figure import Figure
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.plots.explored import figure_words
-from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, in_words, legend_above, sheet, state, with_style
+from cycloid_mj.plots.style import (
+    BLUE,
+    GREY,
+    SKY,
+    VERMILION,
+    add_condition,
+    create_figure,
+    in_words,
+    legend_above,
+    with_style,
+)
 
 MAX_KEYS = 6
 """Keys with a panel."""
 
 POINT: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.5}
-LOOKS: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("feasible", {**POINT, "color": BLUE}),
-    ("infeasible", {**POINT, "color": SKY}),
-    ("start", {**POINT, "color": GREY, "marker": "s", "markersize": 6.0}),
-    ("best", {**POINT, "color": VERMILION, "marker": "*", "markersize": 11.0}),
-)
+FEASIBLE, INFEASIBLE, START, BEST = "feasible", "infeasible", "start", "best"
+MARKERS: dict[str, dict[str, Any]] = {
+    FEASIBLE: {**POINT, "color": BLUE},
+    INFEASIBLE: {**POINT, "color": SKY},
+    START: {**POINT, "color": GREY, "marker": "s", "markersize": 6.0},
+    BEST: {**POINT, "color": VERMILION, "marker": "*", "markersize": 11.0},
+}
+"""Kind of point -> its marker, in the order of the legend."""
+
+COLUMNS = 3
+"""Panels in a row."""
 
 
 @with_style
 def tradeoff_figure(optimum: Optimum) -> Figure:
     """Draw every evaluated point: one objective over the other, or over the evaluations, and over each varied key.
 
-    The axes cover the feasible points and the start.
+    At most `MAX_KEYS` real numbers have a panel; keys with a list of values have none. The axes cover the feasible
+    points and the start.
     """
     objectives, varied_ranges = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
-    rows = -(-len(varied_ranges) // 3)
-    figure = sheet(3.0 + 1.9 * rows)
-    grid = figure.add_gridspec(1 + rows, 3, height_ratios=[3.0, *([1.9] * rows)])
+    rows = -(-len(varied_ranges) // COLUMNS)
+    figure = create_figure(3.0 + 1.9 * rows)
+    grid = figure.add_gridspec(1 + rows, COLUMNS, height_ratios=[3.0, *([1.9] * rows)])
     main_axes = figure.add_subplot(grid[0, :])
     columns = optimum.frame.columns
     if len(objectives) > 1:
@@ -45,10 +61,10 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
         y = np.asarray(columns[objectives[0].key], dtype=float)
         _scatter(main_axes, optimum, np.asarray(columns["evaluation"], dtype=float), y)
         main_axes.set(xlabel="evaluation", ylabel=_axis_label(optimum, objectives[0].key))
-    infeasible = len(optimum.feasible) < np.isfinite(y).sum()
-    legend_above(main_axes, *(marker_style for marker_style in LOOKS if infeasible or marker_style is not LOOKS[1]))
+    has_infeasible = len(optimum.feasible) < np.isfinite(y).sum()
+    legend_above(main_axes, *(item for item in MARKERS.items() if has_infeasible or item[0] != INFEASIBLE))
     for number, key_range in enumerate(varied_ranges):
-        axes = figure.add_subplot(grid[1 + number // 3, number % 3])
+        axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
         _scatter(
             axes,
             optimum,
@@ -57,9 +73,9 @@ def tradeoff_figure(optimum: Optimum) -> Figure:
         )
         axes.set(
             xlabel=_axis_label(optimum, key_range.key),
-            ylabel="" if number % 3 else _axis_label(optimum, objectives[0].key),
+            ylabel="" if number % COLUMNS else _axis_label(optimum, objectives[0].key),
         )
-    state(figure, optimum.words)
+    add_condition(figure, optimum.words)
     return figure
 
 
@@ -69,19 +85,22 @@ def _axis_label(optimum: Optimum, key: str) -> str:
 
 
 def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
-    """Draw the points of an optimisation at coordinates of shape (n,), with start and best point marked."""
+    """Draw the n evaluated points of an optimisation at coordinates of shape (n,), with start and best point marked.
+
+    Points with a coordinate that is not finite are left out. The limits of the axes cover the feasible points and the
+    start.
+    """
     has_values = np.isfinite(x) & np.isfinite(y)
     is_feasible = np.zeros(len(x), dtype=bool)
     is_feasible[optimum.feasible] = True
-    for rows, (_, marker_style) in ((has_values & ~is_feasible, LOOKS[1]), (has_values & is_feasible, LOOKS[0])):
-        axes.plot(x[rows], y[rows], **marker_style)
-    highlighted_points = [(0, LOOKS[2][1]), *([(optimum.best, LOOKS[3][1])] if optimum.best is not None else [])]
-    for row, marker_style in highlighted_points:
-        if has_values[row]:
-            axes.plot(x[row], y[row], **marker_style)
+    for kind, rows in ((INFEASIBLE, has_values & ~is_feasible), (FEASIBLE, has_values & is_feasible)):
+        axes.plot(x[rows], y[rows], **MARKERS[kind])
+    for kind, row in ((START, 0), (BEST, optimum.best)):
+        if row is not None and has_values[row]:
+            axes.plot(x[row], y[row], **MARKERS[kind])
     is_inside = has_values & is_feasible
     is_inside[0] |= has_values[0]
-    for values, limit in ((x[is_inside], axes.set_xlim), (y[is_inside], axes.set_ylim)):
+    for values, set_limits in ((x[is_inside], axes.set_xlim), (y[is_inside], axes.set_ylim)):
         if values.size and np.ptp(values) > 0.0:
             low, high = float(values.min()), float(values.max())
-            limit(low - 0.06 * (high - low), high + 0.06 * (high - low))
+            set_limits(low - 0.06 * (high - low), high + 0.06 * (high - low))

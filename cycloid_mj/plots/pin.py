@@ -16,9 +16,9 @@ from cycloid_mj.plots.style import (
     SIMULATED,
     add_degree_axis,
     crank_axis,
+    create_figure,
     legend_above,
-    sheet,
-    square,
+    set_square_limits,
     turn_degrees,
     with_style,
 )
@@ -31,7 +31,7 @@ CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
 @with_style
 def pin_figure(motion: Series, pin: PinPath) -> Figure:
     """Draw the path of the centre of pin 1 within its clearance, and its distance and spin over a crank turn."""
-    figure = sheet(3.2)
+    figure = create_figure(3.2)
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
     distance, spin, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
     degrees = turn_degrees(motion)
@@ -82,5 +82,5 @@ def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:
     axes.plot(*position.T, **SIMULATED)
     axes.plot(*position[0], marker="o", markersize=4, color=BLUE)
     axes.plot(0.0, 0.0, marker="+", markersize=7, color=BLACK, markeredgewidth=0.7)
-    square(axes, 1.12 * max(float(limit[1].max()), float(np.abs(position).max())))
+    set_square_limits(axes, 1.12 * max(float(limit[1].max()), float(np.abs(position).max())))
     axes.set_title(f"Centre of {part} (dot: start)")

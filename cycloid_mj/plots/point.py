@@ -18,10 +18,10 @@ from cycloid_mj.plots.style import (
     VERMILION,
     centre_on_zero,
     crank_axis,
-    keys,
+    create_figure,
     legend_above,
-    sheet,
-    square,
+    legend_handles,
+    set_square_limits,
     turn_degrees,
     typeset,
     with_style,
@@ -33,7 +33,7 @@ _LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
 @with_style
 def path_figure(motion: Series) -> Figure:
     """Draw the path of point q over a crank turn with Eq. 16, a detail at its largest error, and the error (Fig. 7)."""
-    figure = sheet(5.0)
+    figure = create_figure(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
     degrees, position = turn_degrees(motion), motion.q_position.select(motion.one_turn)
     worst = int(np.argmax(position.error_size))
@@ -47,7 +47,7 @@ def path_figure(motion: Series) -> Figure:
 @with_style
 def velocity_figure(motion: Series) -> Figure:
     """Draw the velocity of point q over a crank turn with Eqs 17 and 18, and its error below (Fig. 8)."""
-    figure = sheet(4.2)
+    figure = create_figure(4.2)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
     degrees, velocity = turn_degrees(motion), motion.q_velocity.select(motion.one_turn)
     x, y = (Compared(velocity.simulated[:, i], velocity.theory[:, i]) for i in range(2))
@@ -77,7 +77,7 @@ def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
     axes.set_xlabel("x from the initial disc centre [mm]")
     axes.set_ylabel("y [mm]")
     axes.set_title(typeset(f"Path of q = ({1e3 * q[0]:.4g}, {1e3 * q[1]:.4g}) mm"))
-    axes.legend(handles=keys(*BOTH), loc="best", frameon=True, framealpha=0.9, edgecolor="none")
+    axes.legend(handles=legend_handles(*BOTH), loc="best", frameon=True, framealpha=0.9, edgecolor="none")
 
 
 def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
@@ -92,7 +92,7 @@ def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
     is_inside = np.abs(theory).max(axis=0) < 3 * half_span
     for start, end in zip(theory.T[is_inside], simulated_path.T[is_inside], strict=True):
         axes.plot(*zip(start, end, strict=True), **ERROR)
-    square(axes, half_span)
+    set_square_limits(axes, half_span)
     axes.set_title("largest difference")
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")

@@ -43,8 +43,7 @@ from cycloid_mj.plots.measure import curves_figure, measurement_figure
 from cycloid_mj.plots.mechanism import mechanism
 from cycloid_mj.plots.optimum import tradeoff_figure
 from cycloid_mj.plots.stress import stress_figures
-from cycloid_mj.plots.style import BLUE, GREY, VERMILION, state, with_style
-from cycloid_mj.plots.style import sheet as empty_figure
+from cycloid_mj.plots.style import BLUE, GREY, VERMILION, add_condition, create_figure, with_style
 from cycloid_mj.plots.tolerance import tolerance_figures
 from cycloid_mj.plots.wear import wear_figure
 from cycloid_mj.reducer import Reducer
@@ -151,7 +150,7 @@ def _of_loop(loop: MeasuredLoop) -> Figures:
 @with_style
 def _of_prediction(prediction: Prediction) -> Figures:
     """Draw measured loops next to those of the model, a panel for each loop."""
-    figure = empty_figure(2.8)
+    figure = create_figure(2.8)
     panels: Sequence[Axes] = figure.subplots(1, len(prediction.loops), squeeze=False)[0]
     for axes, loop, model_angles in zip(panels, prediction.loops, prediction.turns, strict=True):
         axes.plot(loop.torque, loop.deflection / DEGREE, ".", color=GREY, markersize=2.0, label="measured")
@@ -160,7 +159,7 @@ def _of_prediction(prediction: Prediction) -> Figures:
         axes.set_xlabel("torque at the output [N m]")
     panels[0].set_ylabel("deflection [deg]")
     panels[0].legend()
-    state(figure, prediction.line)
+    add_condition(figure, prediction.line)
     return {"loops": figure}
 
 
@@ -257,45 +256,45 @@ def _of_answer(answer: Answer) -> Figures:
     if not answer.drives:
         raise UsageError(f"there is no drive to draw, because no drive meets the requirement: {answer.refusal}")
     keys = [key for key in SIZING_FIGURES if key in answer.drives[0].figures]
-    figure = empty_figure(2.2)
+    figure = create_figure(2.2)
     panels: Sequence[Axes] = figure.subplots(1, len(keys), squeeze=False)[0]
     titles = [drive.title for drive in answer.drives]
     for axes, key in zip(panels, keys, strict=True):
         axes.bar(range(len(titles)), [drive.figures[key] for drive in answer.drives], color=BLUE)
         axes.set_xticks(range(len(titles)), titles, rotation=40, ha="right")
         axes.set_title(figure_words(key))
-    state(figure, answer.line)
+    add_condition(figure, answer.line)
     return {"drives": figure}
 
 
 @with_style
 def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figure:
     """Draw an angle of the output over the torque on it; `label` names the angle with its unit."""
-    figure = empty_figure(2.8)
+    figure = create_figure(2.8)
     axes = figure.subplots()
     axes.plot(torque, angle, color=BLUE)
     axes.set_xlabel("torque at the output [N m]")
     axes.set_ylabel(label)
-    state(figure, condition)
+    add_condition(figure, condition)
     return figure
 
 
 @with_style
 def _draw_stems(order: Array, amplitude: Array, condition: str) -> Figure:
     """Draw the amplitude of each order as a vertical line, arrays of shape (n,)."""
-    figure = empty_figure(2.4)
+    figure = create_figure(2.4)
     axes = figure.subplots()
     axes.vlines(order, 0.0, amplitude, color=BLUE, linewidth=1.0)
     axes.set_xlabel("order [per crank turn]")
     axes.set_ylabel("amplitude [unit of the signal]")
-    state(figure, condition)
+    add_condition(figure, condition)
     return figure
 
 
 @with_style
 def _draw_bars(values: Mapping[str, float], label: str, condition: str, fails_below_1: bool = False) -> Figure:
     """Draw a horizontal bar for each value, the first on top; with `fails_below_1`, a log axis with bars from 1."""
-    figure = empty_figure(RESULT.head + RESULT.row * len(values))
+    figure = create_figure(RESULT.head + RESULT.row * len(values))
     axes = figure.subplots()
     names, numbers = list(values), list(values.values())
     if fails_below_1:
@@ -308,5 +307,5 @@ def _draw_bars(values: Mapping[str, float], label: str, condition: str, fails_be
         axes.barh(names, numbers, color=BLUE, height=0.6)
     axes.invert_yaxis()
     axes.set_xlabel(label)
-    state(figure, condition)
+    add_condition(figure, condition)
     return figure

@@ -21,7 +21,7 @@ from cycloid_mj.parts import circle, gear_solid, housing_solid
 from cycloid_mj.parts.accuracy import SCREEN_CHORD_ERROR
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.parts.polygon import arc
-from cycloid_mj.plots.mechanism import LOOKS, MAX_ARROW
+from cycloid_mj.plots.mechanism import MAX_ARROW, PART_STYLES
 from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import socket_half_angle
@@ -38,20 +38,36 @@ FORCES = {
     "output": ("output pins", BLUE),
 }
 RING = ("pin_gear", "tooth")
-PIN, SOCKET, OTHERS = "pin", "socket", "others"
+PIN, SOCKET, OTHER_DISCS = "pin", "socket", "other_discs"
 DARK = {"color": "#3B4046"}
-SOCKET_LOOK = {"facecolor": "white", "edgecolor": LOOKS["ring"]["edgecolor"], "zorder": 1.2}
+SOCKET_STYLE = {"facecolor": "white", "edgecolor": PART_STYLES["ring"]["edgecolor"], "zorder": 1.2}
 
 
 @dataclass(frozen=True, eq=False)
 class AnimatedFigure:
-    """The figure, and its artists that change from frame to frame."""
+    """The figure, and its artists that change from frame to frame.
+
+    Attributes
+    ----------
+    figure, axes
+        The figure, and its axes with the mechanism [mm].
+    clock
+        Text with crank angle and time.
+    parts
+        Part -> for each copy a list of artists that move together.
+    housing
+        Patch of the housing or internal gear.
+    arrows
+        Kind of contact -> its force arrows.
+    bars, ideal_steps
+        Bars of the forces on the ring, and their closed form; None without such forces.
+    """
 
     figure: Figure
     axes: Axes
     clock: Any
     parts: Mapping[str, list[Any]]
-    wall: Any
+    housing: Any
     arrows: Mapping[str, Any]
     bars: Any
     ideal_steps: Any
@@ -87,7 +103,7 @@ def create_stage(script: Script, width: int) -> AnimatedFigure:
     axis_limit = 1.02e3 * reducer.design.housing.outer_radius
     axes.set(xlim=(-axis_limit, axis_limit), ylim=(-axis_limit, axis_limit))
     axes.axis("off")
-    wall = _draw_wall(axes, reducer)
+    housing = _draw_housing(axes, reducer)
     parts = _draw_parts(axes, reducer, script.drawn)
     arrows = {kind: _draw_arrows(axes, reducer, forces.of(kind)) for kind in FORCES if kind in forces.kinds}
     figure.text(0.025, 0.972, _title(reducer, script.drawn), fontsize=9.5, weight="bold")
@@ -96,26 +112,26 @@ def create_stage(script: Script, width: int) -> AnimatedFigure:
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _add_legend(figure, forces)
     bars, steps = _draw_load_bars(figure, forces.of(*RING), script.ideal)
-    return AnimatedFigure(figure, axes, clock, parts, wall, arrows, bars, steps)
+    return AnimatedFigure(figure, axes, clock, parts, housing, arrows, bars, steps)
 
 
 def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
     """Move parts, arrows and bars of an animation to the frame with index `row`."""
     poses = script.drawn
     _move_part(stage, GEAR, [poses.gear[row]])
-    _move_part(stage, OTHERS, _other_disc_poses(script, row))
+    _move_part(stage, OTHER_DISCS, _other_disc_poses(script, row))
     _move_part(stage, SHAFT, [poses.shaft[row]])
     _move_part(stage, OUTPUT, poses.output_pins[row])
     outwards = np.arctan2(*ring_places(script.reducer).T[::-1])
     _move_part(stage, SOCKET, np.column_stack([poses.sockets[row], outwards]))
     _move_part(stage, PIN, np.column_stack([poses.ring[row], poses.gaps.pin_angle[row]]))
     if script.reducer.design.ring.kind != "pin":
-        _update_ring(stage.wall, script, row)
+        _update_ring(stage.housing, script, row)
     _update_forces(stage, script, row)
 
 
 def _move_part(stage: AnimatedFigure, part: str, poses: Any) -> None:
-    """Move copies of a part to poses: x [m], y [m] and optionally an angle [rad]."""
+    """Move copies of a part to poses, shape (copies, 2 or 3): x [m], y [m] and optionally an angle [rad]."""
     for artists, (x, y, *angle) in zip(stage.parts[part], poses, strict=False):
         transform = Affine2D().rotate(*(angle or [0.0])).translate(1e3 * x, 1e3 * y) + stage.axes.transData
         for artist in artists:
@@ -163,27 +179,28 @@ def _other_disc_poses(script: Script, row: int) -> list[Array]:
     ]
 
 
-def _draw_wall(axes: Axes, reducer: Reducer) -> Any:
-    """Draw the housing: a plain ring below the pins and sockets, or the internal gear."""
-    housing = housing_solid(reducer, SCREEN_CHORD_ERROR).prisms[0]
-    hole = housing.holes[0]
+def _draw_housing(axes: Axes, reducer: Reducer) -> Any:
+    """Draw the housing, and return its patch: a plain ring below the pins and sockets, or the internal gear."""
+    prism = housing_solid(reducer, SCREEN_CHORD_ERROR).prisms[0]
+    hole = prism.holes[0]
     if reducer.design.ring.kind == "pin":
         hole = circle(float(np.linalg.norm(hole, axis=1).min()), SCREEN_CHORD_ERROR)
-    return _draw_region(axes, [housing.outline, hole[::-1]], "ring", 1)
+    return _draw_region(axes, [prism.outline, hole[::-1]], "ring", 1)
 
 
-def _update_ring(wall: Any, script: Script, row: int) -> None:
-    """Update the outline of an internal gear to a frame."""
+def _update_ring(housing: Any, script: Script, row: int) -> None:
+    """Set the outline of an internal gear, the patch `housing`, to the frame with index `row`."""
     ring = sample_ring_by_sagitta(script.reducer.tooth_profile, SCREEN_CHORD_ERROR)
     hole = ring_outline(script.reducer, ring.points, ring.normals, script.drawn, row)
     outline = circle(script.reducer.design.housing.outer_radius, SCREEN_CHORD_ERROR)
-    wall.set_path(_closed_path([outline, hole]))
+    housing.set_path(_closed_path([outline, hole]))
 
 
 def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]:
     """Draw the parts from back to front, each copy in its own frame.
 
-    Return lists of artists that move together, one for each copy, by part.
+    Return lists of artists that move together, a list for each copy, by part. Dots on disc and shaft show their
+    rotation.
     """
     design = reducer.design
     ring, output, gear, radii, disc = design.ring, design.output, design.gear, poses.radii, poses.gaps.disc
@@ -204,12 +221,14 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[
                 _draw_disc(axes, mark_on_disc, DARK, 3),
             ]
         ],
-        OTHERS: [[_dashed_outline(axes, reducer, other)] for other in _other_discs(reducer, disc)],
-        OUTPUT: [[_draw_disc(axes, (0.0, 0.0, radii.output_pin), LOOKS["output"], 3)] for _ in range(output.pins)],
+        OTHER_DISCS: [[_dashed_outline(axes, reducer, other)] for other in _other_discs(reducer, disc)],
+        OUTPUT: [
+            [_draw_disc(axes, (0.0, 0.0, radii.output_pin), PART_STYLES["output"], 3)] for _ in range(output.pins)
+        ],
         SHAFT: [
             [
-                _draw_disc(axes, (float(cam_x), float(cam_y), radii.cam), LOOKS["cam"], 3),
-                _draw_disc(axes, (0.0, 0.0, design.shaft.radius), LOOKS["shaft"], 3),
+                _draw_disc(axes, (float(cam_x), float(cam_y), radii.cam), PART_STYLES["cam"], 3),
+                _draw_disc(axes, (0.0, 0.0, design.shaft.radius), PART_STYLES["shaft"], 3),
                 _draw_disc(axes, (0.0, 0.8 * gear.bore_radius, 0.06 * gear.bore_radius), DARK, 3),
             ]
         ],
@@ -217,41 +236,53 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[
 
 
 def _dashed_outline(axes: Axes, reducer: Reducer, disc: int) -> Any:
-    """Draw the outline of another disc."""
+    """Draw the outline of the disc with the index `disc` as a dashed line, in its own frame, and return its patch."""
     outline = gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0].outline
-    look = {"facecolor": "none", "edgecolor": LOOKS["gear"]["edgecolor"], "linestyle": (0, (4, 2)), "zorder": 1.6}
-    return axes.add_patch(PathPatch(_closed_path([outline]), linewidth=0.5, **look))
+    patch_style = {
+        "facecolor": "none",
+        "edgecolor": PART_STYLES["gear"]["edgecolor"],
+        "linestyle": (0, (4, 2)),
+        "zorder": 1.6,
+    }
+    return axes.add_patch(PathPatch(_closed_path([outline]), linewidth=0.5, **patch_style))
 
 
 def _draw_socket(axes: Axes, radius: float, half_angle: float) -> Any:
-    """Draw the arc of a socket of a half angle [rad] about +x, which points outward."""
+    """Draw the arc of a socket, radius [m] and half angle [rad] about +x, which points outward; return its patch."""
     return axes.add_patch(
-        PathPatch(Path(1e3 * arc(radius, -half_angle, half_angle, SCREEN_CHORD_ERROR)), linewidth=0.6, **SOCKET_LOOK)
+        PathPatch(Path(1e3 * arc(radius, -half_angle, half_angle, SCREEN_CHORD_ERROR)), linewidth=0.6, **SOCKET_STYLE)
     )
 
 
 def _draw_pin(axes: Axes, radius: float) -> list[Any]:
-    """Draw a pin with a line that shows its rotation."""
-    (line,) = axes.plot([0.0, 0.8e3 * radius], [0.0, 0.0], color=LOOKS["pins"]["edgecolor"], linewidth=0.8, zorder=2.1)
-    return [_draw_disc(axes, (0.0, 0.0, radius), LOOKS["pins"], 2), line]
+    """Draw a pin of a radius [m] with a line that shows its rotation; return both artists."""
+    (line,) = axes.plot(
+        [0.0, 0.8e3 * radius], [0.0, 0.0], color=PART_STYLES["pins"]["edgecolor"], linewidth=0.8, zorder=2.1
+    )
+    return [_draw_disc(axes, (0.0, 0.0, radius), PART_STYLES["pins"], 2), line]
 
 
-def _draw_region(axes: Axes, rings: Sequence[Array], look: str, order: float) -> Any:
-    return axes.add_patch(PathPatch(_closed_path(rings), linewidth=0.6, joinstyle="round", zorder=order, **LOOKS[look]))
+def _draw_region(axes: Axes, rings: Sequence[Array], patch_style: str, order: float) -> Any:
+    return axes.add_patch(
+        PathPatch(_closed_path(rings), linewidth=0.6, joinstyle="round", zorder=order, **PART_STYLES[patch_style])
+    )
 
 
 def _closed_path(rings: Sequence[Array]) -> Path:
     return Path.make_compound_path(*(Path(1e3 * np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
 
 
-def _draw_disc(axes: Axes, circle: tuple[float, float, float], look: Mapping[str, Any], order: float) -> Any:
-    """Draw a circle of x, y and radius [m]."""
+def _draw_disc(axes: Axes, circle: tuple[float, float, float], patch_style: Mapping[str, Any], order: float) -> Any:
+    """Draw a filled circle of x, y and radius [m] at a drawing order, and return its patch."""
     x, y, radius = (1e3 * length for length in circle)
-    return axes.add_patch(PathPatch(Path.circle((x, y), radius), linewidth=0.6, zorder=order, **look))
+    return axes.add_patch(PathPatch(Path.circle((x, y), radius), linewidth=0.6, zorder=order, **patch_style))
 
 
 def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
-    """Draw the force arrows of one kind of contact with a common scale, tips at the contacts, and return them."""
+    """Draw the force arrows of one kind of contact in the first frame, tips at the contacts, and return them.
+
+    The largest force of all frames has the length `MAX_ARROW` of the housing's radius.
+    """
     largest = max(float(forces.size.max(initial=0.0)), 1e-9)
     return axes.quiver(
         *(1e3 * forces.point[0]).T,

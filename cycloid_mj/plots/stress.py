@@ -13,7 +13,7 @@ from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.names import GEAR, gears
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, with_style
+from cycloid_mj.plots.style import BLACK, GREY, crank_axis, create_figure, legend_handles, with_style
 from cycloid_mj.stress.field import StressMap
 from cycloid_mj.stress.findings import MAX_CHANGE, StressFindings
 from cycloid_mj.stress.grid import Grid
@@ -53,7 +53,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
         for index, findings_of_design in enumerate(findings)
         if part in findings_of_design
     ]
-    figure = sheet(4.0)
+    figure = create_figure(4.0)
     top, bottom = figure.subplots(2, 1, sharex=True)
     for index, findings_of_design, maxima in studies:
         degrees, line_style = np.degrees(maxima.angle), _look(index)
@@ -76,7 +76,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     ]
     if any(findings_of_design.published_limit(part) for _, findings_of_design, _ in studies):
         entries.append(("range of Hsieh 2014", {"color": GREY, **RANGE}))
-    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
+    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=len(entries))
     return figure
 
 
@@ -119,7 +119,7 @@ def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
 @with_style
 def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     """Draw the largest bulk stress of each part over the unknowns of its grids, relative to the finest grid."""
-    figure = sheet(3.4)
+    figure = create_figure(3.4)
     axes = figure.subplots()
     marks = dict(zip(TITLES, "osspPXD^v", strict=True))
     for index, findings_of_design in enumerate(findings):
@@ -144,7 +144,7 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
         (findings_of_design.design, {"color": _color(index)}) for index, findings_of_design in enumerate(findings)
     ]
     entries += [(TITLES[part], {"color": GREY, "marker": marks[part], **MARK}) for part in parts]
-    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=4)
+    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -171,7 +171,7 @@ def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]
     """Return a figure with a title and a panel for each name, axes in mm, in up to two columns."""
     columns = 2 if len(names) > 1 else 1
     rows = -(-len(names) // columns)
-    figure = sheet(PANEL * rows + 0.4)
+    figure = create_figure(PANEL * rows + 0.4)
     figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
     panels = list(np.ravel(figure.subplots(rows, columns, squeeze=False)))
     for axes in panels[len(names) :]:

@@ -42,6 +42,9 @@ WIDTH = 6.5
 SCREEN_DPI, PIXEL_RATIO = 110, 2
 """Size of a figure in a notebook [px/in], and pixels of its picture for each of these: screens are that fine."""
 
+ROUNDING = 1e-6
+"""Part of a turn by which an angle may miss a complete turn by rounding."""
+
 STYLE: dict[str, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
@@ -94,20 +97,23 @@ class NotebookFigure(Figure):
         return content.getvalue(), {"width": width, "height": height}
 
 
-def sheet(height: float) -> Figure:
-    """Return an empty figure of the width of a page and a height [in]."""
+def create_figure(height: float) -> Figure:
+    """Return an empty figure with the width `WIDTH` and a height [in]."""
     return NotebookFigure(figsize=(WIDTH, height), layout="constrained")
 
 
-def state(figure: Figure, condition: str) -> None:
+def add_condition(figure: Figure, condition: str) -> None:
     """Add design and condition above a figure in small type."""
     figure.suptitle(condition, x=0.008, ha="left", fontsize=7.5, color=GREY)
 
 
 def turn_degrees(motion: Series) -> Array:
-    """Return the crank angle of the samples of one turn [deg], from the start of that turn, shape (n,)."""
+    """Return the crank angle of the samples of the evaluated turn [deg], shape (n,), without complete turns before it.
+
+    The first angle is between -360 and 360 deg, with the sign of the rotation.
+    """
     angle = np.degrees(motion.crank_angle[motion.one_turn])
-    return angle - 360.0 * np.trunc(angle[0] / 360.0 + np.copysign(1e-6, angle[0]))
+    return angle - 360.0 * np.trunc(angle[0] / 360.0 + np.copysign(ROUNDING, angle[0]))
 
 
 def add_degree_axis(axes: Axes) -> None:
@@ -116,7 +122,10 @@ def add_degree_axis(axes: Axes) -> None:
 
 
 def crank_axis(axes: Axes, degrees: Array) -> None:
-    """Set up x as the crank angle [deg], with ticks at multiples of 45 deg if it covers about a turn."""
+    """Set up the x axis as the crank angle of curves at `degrees` [deg]: label, limits at whole degrees, and ticks.
+
+    Ticks are at multiples of 45 deg if the angles cover about a turn (180 to 400 deg).
+    """
     low, high = float(np.floor(degrees.min() + 1e-3)), float(np.ceil(degrees.max() - 1e-3))
     axes.set_xlabel("crank angle [deg]")
     axes.set_xlim(low, max(high, low + 1.0))
@@ -125,15 +134,15 @@ def crank_axis(axes: Axes, degrees: Array) -> None:
 
 
 def centre_on_zero(axes: Axes, *errors: Array) -> None:
-    """Scale an axis of errors symmetrically about zero, and draw a line at zero."""
-    reach = max(float(np.max(np.abs(error), initial=0.0)) for error in errors)
-    axes.set_ylim(-1.15 * (reach or 1.0), 1.15 * (reach or 1.0))
+    """Scale the y axis symmetrically about zero so that it covers all `errors`, and draw a line at zero."""
+    largest = max(float(np.max(np.abs(error), initial=0.0)) for error in errors) or 1.0
+    axes.set_ylim(-1.15 * largest, 1.15 * largest)
     axes.axhline(0.0, color=BLACK, linewidth=0.5)
 
 
-def square(axes: Axes, reach: float) -> None:
-    """Set up both axes in micrometres from -reach to reach."""
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+def set_square_limits(axes: Axes, limit: float) -> None:
+    """Set the limits of both axes to -limit and limit [um], with equal scales and labels in micrometres."""
+    axes.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal")
     axes.set(xlabel=f"x [{MICROMETRE}]", ylabel=f"y [{MICROMETRE}]")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
@@ -159,12 +168,12 @@ def wrap_label(words: str, width: int) -> str:
     return "\n".join(wrap(words, width))
 
 
-def keys(*entries: tuple[str, dict[str, Any]]) -> list[Line2D]:
-    """Return the handles of a legend from labels and line styles."""
-    return [Line2D([], [], label=label, **look) for label, look in entries]
+def legend_handles(*entries: tuple[str, dict[str, Any]]) -> list[Line2D]:
+    """Return the handles of a legend from pairs of a label and the properties of a line."""
+    return [Line2D([], [], label=label, **line_style) for label, line_style in entries]
 
 
 def legend_above(axes: Axes, *entries: tuple[str, dict[str, Any]]) -> None:
     """Add a one-line legend above the axes on the right."""
     anchor: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
-    axes.legend(handles=keys(*entries), ncols=len(entries), **anchor)
+    axes.legend(handles=legend_handles(*entries), ncols=len(entries), **anchor)

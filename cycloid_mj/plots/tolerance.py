@@ -12,7 +12,17 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.explore.constraints import FigureLimit
 from cycloid_mj.explore.tolerances import CONSTANT_RTOL, Tolerances
 from cycloid_mj.figures import figure as row_of
-from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, with_style, wrap_label
+from cycloid_mj.plots.style import (
+    BLACK,
+    BLUE,
+    SKY,
+    VERMILION,
+    add_condition,
+    create_figure,
+    legend_handles,
+    with_style,
+    wrap_label,
+)
 
 
 @dataclass(frozen=True)
@@ -40,52 +50,62 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
 
 @with_style
 def budget_figure(tolerances: Tolerances) -> Figure:
-    """Draw the error budget: the share of each tolerance in the figure's variance as bars, the largest on top."""
-    figure = sheet(1.3 + 0.26 * len(tolerances.budget))
+    """Draw the error budget: the Sobol indices of each tolerance for a figure's variance as bars, the largest on top.
+
+    A wide bar is the total index with its 95 % interval, the narrow bar in it the first-order index (not below 0). The
+    axis ends at 1, or beyond the highest end of an interval.
+    """
+    figure = create_figure(1.3 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()
     rows = np.arange(len(tolerances.budget))
     total = np.array([share.total for share in tolerances.budget])
-    ends = np.array([share.ci95 for share in tolerances.budget])
+    interval_ends = np.array([share.ci95 for share in tolerances.budget])
     axes.barh(rows, total, height=0.66, color=SKY)
     axes.barh(rows, [max(share.first_order, 0.0) for share in tolerances.budget], height=0.3, color=BLUE)
-    interval_lengths = np.maximum(np.abs(ends - total[:, np.newaxis]).T, 0.0)
+    interval_lengths = np.maximum(np.abs(interval_ends - total[:, np.newaxis]).T, 0.0)
     axes.errorbar(total, rows, xerr=interval_lengths, fmt="none", ecolor=BLACK, elinewidth=0.8, capsize=2.0)
     axes.set_yticks(rows, [share.source.replace("_", " ") for share in tolerances.budget])
     axes.invert_yaxis()
-    axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(ends))))
+    axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(interval_ends))))
     axes.grid(visible=False, axis="y")
     axes.set(xlabel="share of the variance [1]", title=f"Error budget: {row_of(tolerances.budget_of).name}")
-    looks = (
+    entries = (
         ("total effect, 95 % confidence interval", {"color": SKY, "linewidth": 6}),
         ("first-order effect", {"color": BLUE, "linewidth": 3}),
     )
-    figure.legend(handles=keys(*looks), loc="outside lower left", ncols=len(looks))
-    state(figure, f"{tolerances.design}, jammed samples excluded")
+    figure.legend(handles=legend_handles(*entries), loc="outside lower left", ncols=len(entries))
+    add_condition(figure, f"{tolerances.design}, jammed samples excluded")
     return figure
 
 
 @with_style
 def distributions_figure(tolerances: Tolerances) -> Figure:
     """Draw a histogram of every figure over the samples that do not jam, with lines at its limits."""
-    keys_of = list(tolerances.figures)
-    rows = -(-len(keys_of) // 3)
-    figure = sheet(1.75 * rows + 0.4)
+    figure_keys = list(tolerances.figures)
+    rows = -(-len(figure_keys) // 3)
+    figure = create_figure(1.75 * rows + 0.4)
     panels = np.ravel(figure.subplots(rows, 3))
-    for axes in panels[len(keys_of) :]:
+    for axes in panels[len(figure_keys) :]:
         axes.remove()
-    for axes, key in zip(panels, keys_of, strict=False):
+    for axes, key in zip(panels, figure_keys, strict=False):
         _draw_histogram(
             axes,
             key,
             tolerances.figures[key][~tolerances.jams],
             [limit for limit in tolerances.limits if limit.key == key],
         )
-    state(figure, f"{tolerances.design}, {tolerances.samples} samples, seed {tolerances.seed}; jammed samples excluded")
+    add_condition(
+        figure, f"{tolerances.design}, {tolerances.samples} samples, seed {tolerances.seed}; jammed samples excluded"
+    )
     return figure
 
 
 def _draw_histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
-    """Draw the histogram of a figure, values of shape (n,), with its limits; a constant figure is stated as text."""
+    """Draw the histogram of the figure `key`, values of shape (n,), with lines at its limits.
+
+    Values that are not finite are dropped, and `HistogramSettings.outlier_share` at either end is cut off. A constant
+    figure, or one without values, is stated as text.
+    """
     axes.set_title(wrap_label(row_of(key).name, HISTOGRAM.name_width), fontsize=8.0)
     axes.set_yticks([])
     axes.grid(visible=False, axis="y")

@@ -16,7 +16,7 @@ from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cut import cut_prism
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.plots.dimension import TEXT, draw_dimension, draw_leader
-from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_output_pins, draw_region, draw_ring_pins
+from cycloid_mj.plots.mechanism import PART_STYLES, draw_disc, draw_output_pins, draw_region, draw_ring_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
 
@@ -25,18 +25,25 @@ HATCHES = {HOUSING: "////", GEAR: "\\\\\\\\", OUTPUT: "////", PIN: "", SHAFT: ""
 PARTS = {HOUSING: "ring", GEAR: "gear", OUTPUT: "output", PIN: "pins", SHAFT: "shaft"}
 """Hatching of a part in the section, and its style."""
 
-STEP = 0.19
+LABEL_ANGLE = math.radians(50.0)
+"""Angle about which the labelled output pin is, counter-clockwise from +x [rad]."""
+
+LINE_SPACING = 0.19
 """Distance between dimension lines, and from the part, relative to the outer radius of the housing."""
 
 
 def draw_views(axes: Axes, reducer: Reducer) -> None:
-    """Draw the dimensioned front view and axial section of a reducer at one scale, at crank angle 0."""
+    """Draw the dimensioned front view and, to its right, the axial section of a reducer in mm, at crank angle 0.
+
+    The front view has the reducer's axis at the origin, the section has it at y = 0.
+    """
     outer, mm = MILLIMETRES * reducer.design.housing.outer_radius, MILLIMETRES
     z = [mm * end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
-    shift = outer * (1.0 + 4.0 * STEP) - min(z)
-    right_end = max(z) + shift + 4.2 * STEP * outer
+    shift = outer * (1.0 + 4.0 * LINE_SPACING) - min(z)
+    right_end = max(z) + shift + 4.2 * LINE_SPACING * outer
     axes.set(
-        xlim=(-outer * (1.0 + 2.0 * STEP), right_end), ylim=(-outer * (1.0 + 4.2 * STEP), outer * (1.0 + 2.6 * STEP))
+        xlim=(-outer * (1.0 + 2.0 * LINE_SPACING), right_end),
+        ylim=(-outer * (1.0 + 4.2 * LINE_SPACING), outer * (1.0 + 2.6 * LINE_SPACING)),
     )
     axes.set_aspect("equal")
     axes.axis("off")
@@ -60,24 +67,26 @@ def _draw_front_view(axes: Axes, reducer: Reducer, outer: float) -> None:
     draw_disc(axes, origin[:2], design.shaft.radius, "shaft")
     for radius in (ring.pin_circle_radius, output.pin_circle_radius):
         axes.add_patch(Circle((0.0, 0.0), mm * radius, fill=False, **AXIS))
-    half_size = outer * (1.0 + 0.4 * STEP)
+    half_size = outer * (1.0 + 0.4 * LINE_SPACING)
     axes.plot((-half_size, half_size), (0.0, 0.0), **AXIS)
     axes.plot((0.0, 0.0), (-half_size, half_size), **AXIS)
-    axes.text(0.0, outer * (1.0 + 2.2 * STEP), "front view, from the output", **{**TEXT, "fontsize": 7.0})
+    axes.text(0.0, outer * (1.0 + 2.2 * LINE_SPACING), "front view, from the output", **{**TEXT, "fontsize": 7.0})
     teeth = f"{ring.teeth} pins Ø{2 * mm * ring.pin_radius:.4g}" if ring.kind == "pin" else f"{ring.teeth} lobes"
     for angle, radius, text, side in (
         (math.radians(128.0), ring.pin_circle_radius, f"{teeth}\non Ø{2 * mm * ring.pin_circle_radius:.5g}", -1.0),
         (_pin_angle(reducer), output.pin_circle_radius, _pins_label(reducer), 1.0),
     ):
         point = (mm * radius * math.cos(angle), mm * radius * math.sin(angle))
-        draw_leader(axes, point, (side * outer * (0.78 + STEP), outer * (0.86 + 1.0 * STEP)), text)
-    draw_dimension(axes, (-outer, outer), -outer * (1.0 + 1.6 * STEP), (0.0, 0.0), f"Ø{2 * outer:.4g}", upright=False)
+        draw_leader(axes, point, (side * outer * (0.78 + LINE_SPACING), outer * (0.86 + 1.0 * LINE_SPACING)), text)
+    draw_dimension(
+        axes, (-outer, outer), -outer * (1.0 + 1.6 * LINE_SPACING), (0.0, 0.0), f"Ø{2 * outer:.4g}", upright=False
+    )
 
 
 def _pin_angle(reducer: Reducer) -> float:
-    """Return the angle of the output pin nearest to 50 deg, counter-clockwise from +x [rad]."""
+    """Return the angle of the output pin with the label: nearest to `LABEL_ANGLE`, counter-clockwise from +x [rad]."""
     angles = math.pi / 2 - 2.0 * math.pi * np.arange(reducer.design.output.pins) / reducer.design.output.pins
-    return float(min(angles, key=lambda angle: abs(angle - math.radians(50.0))))
+    return float(min(angles, key=lambda angle: abs(angle - LABEL_ANGLE)))
 
 
 def _pins_label(reducer: Reducer) -> str:
@@ -100,7 +109,7 @@ def _draw_section(axes: Axes, reducer: Reducer, shift: float) -> None:
     """
     for name, prism, centre, plane in _placed_prisms(reducer):
         part = family(name)
-        patch_style = {**LOOKS[PARTS[part]], "linewidth": 0.6, "hatch": HATCHES[part]}
+        patch_style = {**PART_STYLES[PARTS[part]], "linewidth": 0.6, "hatch": HATCHES[part]}
         for low, high in cut_prism(prism, (float(centre[0]), float(centre[1]))):
             corner = (MILLIMETRES * (prism.z0 + plane) + shift, MILLIMETRES * low)
             axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, MILLIMETRES * (high - low), **patch_style))
@@ -108,7 +117,7 @@ def _draw_section(axes: Axes, reducer: Reducer, shift: float) -> None:
     overhang = 0.08 * (max(ends) - min(ends))
     axes.plot((min(ends) - overhang, max(ends) + overhang), (0.0, 0.0), **AXIS)
     outer = MILLIMETRES * reducer.design.housing.outer_radius
-    axes.text(0.5 * (min(ends) + max(ends)), outer * (1.0 + 2.2 * STEP), "section", **{**TEXT, "fontsize": 7.0})
+    axes.text(0.5 * (min(ends) + max(ends)), outer * (1.0 + 2.2 * LINE_SPACING), "section", **{**TEXT, "fontsize": 7.0})
 
 
 def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
@@ -140,7 +149,7 @@ def _draw_lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> N
         ((min(ends), max(ends)), 3, 0.0),
     )
     for (low, high), row, start in rows:
-        level, text = -outer * (1.0 + row * STEP), f"{high - low:.4g}"
+        level, text = -outer * (1.0 + row * LINE_SPACING), f"{high - low:.4g}"
         starts = (start, start) if row < 3 else (-mm * reducer.design.shaft.radius, -mm * _outer_radius(disc))
         draw_dimension(axes, (low + shift, high + shift), level, starts, text, upright=False)
 
@@ -154,12 +163,12 @@ def _draw_diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, en
     shaft, disc = mm * reducer.design.shaft.radius, body_solids(reducer)[OUTPUT].prisms[0]
     left_end = ends[0] + shift
     draw_dimension(
-        axes, (-shaft, shaft), left_end - STEP * outer, (left_end, left_end), f"Ø{2 * shaft:.4g}", upright=True
+        axes, (-shaft, shaft), left_end - LINE_SPACING * outer, (left_end, left_end), f"Ø{2 * shaft:.4g}", upright=True
     )
     right_end = ends[1] + shift
     disc_radius = mm * _outer_radius(disc)
     for radius, start, row in ((disc_radius, mm * disc.z1 + shift, 1.3), (outer, half_width + shift, 2.8)):
-        level = right_end + row * STEP * outer
+        level = right_end + row * LINE_SPACING * outer
         draw_dimension(axes, (-radius, radius), level, (start, start), f"Ø{2 * radius:.4g}", upright=True)
 
 

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.life.accuracy_life import WearLife
-from cycloid_mj.plots.style import BLACK, BLUE, GREY, VERMILION, sheet, with_style
+from cycloid_mj.plots.style import BLACK, BLUE, GREY, VERMILION, create_figure, with_style
 
 PANEL_HEIGHT = 2.0
 """Height of a panel [in]."""
@@ -16,7 +16,7 @@ PANEL_HEIGHT = 2.0
 def wear_figure(result: WearLife) -> Figure:
     """Draw lost motion over the hours, and below the depth of wear along each surface that wears unevenly."""
     unevenly_worn = [item for item in result.surfaces if item.surface.place is not None]
-    figure = sheet(PANEL_HEIGHT * (1 + len(unevenly_worn)) + 0.4)
+    figure = create_figure(PANEL_HEIGHT * (1 + len(unevenly_worn)) + 0.4)
     panels = figure.subplots(1 + len(unevenly_worn), 1, squeeze=False)[:, 0]
     panels[0].set_title(f"{result.design}: lost motion, {result.condition}", fontsize="small")
     _draw_lost_motion(panels[0], result)

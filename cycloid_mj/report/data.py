@@ -32,6 +32,9 @@ class ChartLimits:
 CHARTS = ChartLimits()
 
 
+SPECTRUM_MARGIN = 1.02
+"""End of a spectrum over the highest mesh order, so that this is inside."""
+
 HEIGHTS = {1: 2.2, 2: 1.1, 3: 0.8}
 """Number of panels of a chart -> relative height of each, so that charts next to each other are about equally high."""
 
@@ -84,7 +87,11 @@ def _theory(key: str) -> str:
 
 
 def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
-    """Return the data of one of `runs` runs on a page: curves, paths, mechanism and spectrum as JSON values."""
+    """Return the data of one of `runs` runs on a page as JSON values: curves, paths, mechanism and spectrum.
+
+    Curves are decimated so that all runs have at most `CHARTS.max_values` values; ``time`` [s] is from ``start``.
+    ``spans`` are the first and last times [s] of the evaluated part, one crank turn, and the run.
+    """
     motion, signals = item.motion, curves(item.motion)
     max_samples = min(CHARTS.max_samples, CHARTS.max_values // (runs * len(signals)))
     time, values = decimate(motion.time, np.stack(list(signals.values()), axis=1), max_samples)
@@ -104,7 +111,10 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
 
 
 def _path_json(key: str, motion: Series) -> dict[str, Any]:
-    """Return a path over one crank turn, shape (m, 2), and the unit of both axes; for pin 1 also its clearance."""
+    """Return the path `key` over one crank turn as JSON values, shape (m, 2), and the unit of both axes.
+
+    A path with a closed form has it as ``theory``; that of pin 1 has its clearance as ``circle`` [um].
+    """
     signal, turn = SIGNALS[key], motion.one_turn
     path = {"unit": signal.unit, "simulated": encode_array(signal.simulated(motion)[turn])}
     if signal.theory:
@@ -117,9 +127,11 @@ def _ends(time: Array) -> list[float]:
 
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
-    """Compute the order spectra of output and disc speed [mrad/s] as JSON values.
+    """Compute the order spectra of output and disc speed [mrad/s] over the crank angle as JSON values.
 
-    Return None if the steady part has no complete crank turn.
+    They are those of the first `CHARTS.max_spectrum_turns` crank turns at constant speed, up to
+    `CHARTS.max_mesh_orders` times the ``mesh`` order. ``order`` is in cycles per crank turn. Return None if there is no
+    complete crank turn at constant speed.
     """
     motion, teeth = item.motion, item.motion.reducer.mesh_periods
     if motion.phase != "hold":
@@ -127,7 +139,7 @@ def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
     turns_since_start = np.abs(motion.crank_angle - motion.crank_angle[motion.hold][0]) / (2.0 * np.pi)
     rows = motion.hold & (turns_since_start < CHARTS.max_spectrum_turns)
     output, gear = (
-        tapered_orders(motion.crank_angle[rows], part.simulated[rows], CHARTS.max_mesh_orders * teeth * 1.02)
+        tapered_orders(motion.crank_angle[rows], part.simulated[rows], CHARTS.max_mesh_orders * teeth * SPECTRUM_MARGIN)
         for part in (motion.output_speed, motion.gear_speed)
     )
     if output is None or gear is None:

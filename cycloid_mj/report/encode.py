@@ -40,9 +40,9 @@ def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array
     spans = -(-count // width)
     # the last span is padded with its last sample, which changes no extreme
     rows = np.minimum(np.arange(spans * width), count - 1).reshape(spans, width)
-    indices = np.empty((2 * spans, values.shape[1]))
+    extreme_values = np.empty((2 * spans, values.shape[1]))
     for column, samples in enumerate(values.T):  # column by column: a copy of all would be as large as the run
         block = samples[rows]
         extreme_indices = np.sort(np.stack([block.argmin(axis=1), block.argmax(axis=1)], axis=1), axis=1)
-        indices[:, column] = np.take_along_axis(block, extreme_indices, axis=1).ravel()
-    return time[rows[:, [0, width // 2]]].ravel(), indices
+        extreme_values[:, column] = np.take_along_axis(block, extreme_indices, axis=1).ravel()
+    return time[rows[:, [0, width // 2]]].ravel(), extreme_values

@@ -110,7 +110,10 @@ def _quantity_table(reduced: ReducedJoint) -> TextTable:
 
 
 def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
-    """Return the data of a chart as JSON values: curves sorted by x, the full model marked as theory."""
+    """Return the data of a chart as JSON values: curves sorted by x, those of the full model marked as ``theory``.
+
+    ``span`` is the range of x over all curves.
+    """
     first_curve = curves[0]
     data = []
     for curve in curves:
@@ -134,7 +137,11 @@ def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
 
 
 def _friction_table(reduced: ReducedJoint) -> TextTable:
-    """Tabulate constant friction and damping at the joint for simulators without other models, by load."""
+    """Tabulate constant friction [N m] and damping [N m s/rad] at the joint for simulators without other models.
+
+    Each row is correct at one of `FRICTION_LOADS` at the rated speed, with the crank driving and with the output
+    driving.
+    """
     rows = []
     for share in FRICTION_LOADS:
         torque, speed = share * reduced.rated_torque, reduced.rated_speed
@@ -191,6 +198,7 @@ def _harmonics_table(reduced: ReducedJoint) -> TextTable:
 
 
 def _bam_table(bam: Mapping[str, Any]) -> TextTable:
+    """Tabulate the parameters of BAM's friction models M3 and M5 (`fit_bam_models`), and their largest errors [N m]."""
     models = [bam["m3"], bam["m5"]]
     keys = [key for key in models[1] if key != "model"]
     keys = list(dict.fromkeys([*(key for key in models[0] if key != "model"), *keys]))

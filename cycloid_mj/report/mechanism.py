@@ -6,6 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
 from cycloid_mj.parts import gear_solid, housing_solid
 from cycloid_mj.parts.accuracy import SCREEN_CHORD_ERROR
@@ -31,7 +32,9 @@ MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
     """Return the outlines of the mechanism [mm] and its motion over one crank turn as JSON values.
 
-    `samples` has the samples of a run that are shown, with forces.
+    `samples` has the samples of a run that are shown, with forces. ``usual`` is the largest of `MAGNIFICATIONS` at
+    which the pins are drawn inside their holes, ``widest`` the widest gap [mm]; for the others see `_outlines_json`
+    and `_frames_json`.
     """
     ring_reducer, ring_columns = (
         Reducer(view_from_ring(reducer.design)),
@@ -40,75 +43,83 @@ def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
     widest = widest_gap(ring_reducer, measure_gaps(ring_reducer, ring_columns))
     return _outlines_json(reducer) | {
         "usual": fitting_magnification(ring_reducer, widest, MAGNIFICATIONS),
-        "widest": 1e3 * widest,
+        "widest": MILLIMETRES * widest,
         "frames": _frames_json(ring_reducer, ring_columns, samples.time),
     }
 
 
 def _outlines_json(reducer: Reducer) -> dict[str, Any]:
-    """Return radii, angles and outlines [mm] of the parts as JSON values.
+    """Return the outlines of the parts as JSON values: lengths in mm, in the frame of the reducer axis or of the part.
 
-    The radii are those at each magnification of clearances.
+    ``angles`` of the ring's pins or lobes are in rad, clockwise from +y (x = sin, y = cos), and so is the ``phase`` of
+    each further disc (``others``) on the crank, counter-clockwise. ``magnifications`` has the radii of the parts at
+    each magnification of the clearances that is possible (``times``). ``wall`` is the inner radius of the housing.
     """
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
-    hole = housing_solid(reducer, SCREEN_CHORD_ERROR).prisms[0].holes[0]
+    housing_hole = housing_solid(reducer, SCREEN_CHORD_ERROR).prisms[0].holes[0]
     largest = largest_magnification(reducer)
     shape = {
         "kind": ring.kind,
         "free": ring.has_sockets,
         "teeth": ring.teeth,
         "angles": np.arctan2(*ring_places(reducer).T).tolist(),
-        "eccentricity": 1e3 * gear.eccentricity,
-        "pinCircle": 1e3 * ring.pin_circle_radius,
-        "pin": 1e3 * ring.pin_radius,
-        "bore": 1e3 * (gear.bore_radius + design.clearance.cam),
+        "eccentricity": MILLIMETRES * gear.eccentricity,
+        "pinCircle": MILLIMETRES * ring.pin_circle_radius,
+        "pin": MILLIMETRES * ring.pin_radius,
+        "bore": MILLIMETRES * (gear.bore_radius + design.clearance.cam),
         "outputPins": output.pins,
-        "outputCircle": 1e3 * output.pin_circle_radius,
-        "hole": 1e3 * (output.hole_radius + design.clearance.output),
-        "shaft": 1e3 * design.shaft.radius,
-        "housing": 1e3 * design.housing.outer_radius,
-        "wall": 1e3 * float(np.linalg.norm(hole, axis=1).min()),
-        "clearance": 1e3 * tooth_clearance(reducer),
-        "gear": encode_array(1e3 * gear_solid(reducer, SCREEN_CHORD_ERROR).prisms[0].outline),
+        "outputCircle": MILLIMETRES * output.pin_circle_radius,
+        "hole": MILLIMETRES * (output.hole_radius + design.clearance.output),
+        "shaft": MILLIMETRES * design.shaft.radius,
+        "housing": MILLIMETRES * design.housing.outer_radius,
+        "wall": MILLIMETRES * float(np.linalg.norm(housing_hole, axis=1).min()),
+        "clearance": MILLIMETRES * tooth_clearance(reducer),
+        "gear": encode_array(MILLIMETRES * gear_solid(reducer, SCREEN_CHORD_ERROR).prisms[0].outline),
         "others": [
             {
                 "phase": phase,
-                "gear": encode_array(1e3 * gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0].outline),
+                "gear": encode_array(MILLIMETRES * gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0].outline),
             }
             for disc, phase in list(enumerate(reducer.phases))[1:]
         ],
         "magnifications": [
-            {"times": times, **{name: 1e3 * radius for name, radius in vars(drawn_radii(reducer, times)).items()}}
-            for times in MAGNIFICATIONS
-            if times <= largest
+            {
+                "times": magnification,
+                **{name: MILLIMETRES * radius for name, radius in vars(drawn_radii(reducer, magnification)).items()},
+            }
+            for magnification in MAGNIFICATIONS
+            if magnification <= largest
         ],
     }
     if ring.kind != "pin":
         outline = sample_ring_by_sagitta(reducer.tooth_profile, SCREEN_CHORD_ERROR)
-        shape |= {"ring": encode_array(1e3 * outline.points), "ringNormals": encode_array(outline.normals)}
+        shape |= {"ring": encode_array(MILLIMETRES * outline.points), "ringNormals": encode_array(outline.normals)}
     return shape
 
 
 def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:
-    """Return the motion [mm, rad] and the forces [N] of each sample as JSON values.
+    """Return the motion and the forces on the first disc of n samples as JSON values, arrays of shape (n, ...).
 
-    `columns` are those of a run in the frame of the ring, shape (n,) each.
+    `columns` are those of a run in the frame of the ring, `time` [s], shape (n,) each. Times [s] are from the first
+    sample, angles in rad, lengths in mm, and forces in N: ``force`` by the groups of `GROUPS`, ``deviation`` of the
+    disc from its ideal pose (x, y, angle), ``opening`` of the ring's gaps, ``outputAway`` of the output pins. Ring pins
+    also have ``away`` (position in the socket), ``pinAngle`` and the ``ideal`` force.
     """
     gap_values, forces = measure_gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
-    deviation = gap_values.deviation * [1e3, 1e3, 1.0]
+    deviation = gap_values.deviation * [MILLIMETRES, MILLIMETRES, 1.0]
     frames = {
         "time": encode_array(time - time[0]),
         "start": float(time[0]),
         "crank": encode_array(np.mod(gap_values.crank_angle, 2 * np.pi * reducer.design.lobes)),
         "deviation": encode_array(deviation),
-        "opening": encode_array(1e3 * gap_values.opening),
-        "outputAway": encode_array(1e3 * gap_values.output_away),
+        "opening": encode_array(MILLIMETRES * gap_values.opening),
+        "outputAway": encode_array(MILLIMETRES * gap_values.output_away),
         "force": {kind: encode_array(forces.of(*kinds).force) for kind, kinds in GROUPS.items()},
     }
     if (ideal := ideal_forces(reducer, columns)) is not None:
         frames |= {
-            "away": encode_array(1e3 * gap_values.away),
+            "away": encode_array(MILLIMETRES * gap_values.away),
             "pinAngle": encode_array(np.mod(gap_values.pin_angle, 2 * np.pi)),
             "ideal": encode_array(ideal),
         }

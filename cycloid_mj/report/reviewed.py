@@ -41,8 +41,8 @@ def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
     motions = [series(run, q, settle) for run in runs.values()]
     names = _names(list(runs), [motion.design.name for motion in motions])
     shown = [motion.run.select(np.isin(np.arange(len(motion.run)), frames(motion))) for motion in motions]
-    each = zip(runs, motions, map(judge, motions, runs), names, PALETTE, shown, strict=False)
-    return [Reviewed(*fields) for fields in each]
+    fields_by_run = zip(runs, motions, map(judge, motions, runs), names, PALETTE, shown, strict=False)
+    return [Reviewed(*fields) for fields in fields_by_run]
 
 
 def _names(logs: Sequence[str], designs: Sequence[str]) -> Sequence[str]:

@@ -42,7 +42,7 @@ def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
 
 
 def _inputs_table(sweep: Sweep) -> Table:
-    """Tabulate the varied keys of a sweep and their values."""
+    """Tabulate the varied keys of a sweep: the range of numbers, the list of words, and the rules of linked keys."""
     rows = []
     for key in sweep.task.keys:
         values = list(dict.fromkeys(sweep[key].tolist()))
@@ -56,7 +56,7 @@ def _inputs_table(sweep: Sweep) -> Table:
 
 
 def _rows(sweep: Sweep, quantities: Sequence[str]) -> Table:
-    """Return the first points with their inputs and quantities."""
+    """Tabulate the first `MAX_ROWS` points with inputs, linked keys, quantities and errors; NaN is an empty cell."""
     follows = (link.key for link in sweep.task.links)
     names = ("point", *sweep.task.keys, *follows, *quantities, "error")
     columns = [sweep[name][:MAX_ROWS].tolist() for name in names]

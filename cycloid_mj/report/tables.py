@@ -47,34 +47,40 @@ def setup(reviewed: Sequence[Reviewed]) -> TextTable:
 
 
 def findings(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Tabulate simulation, closed form and error of each finding in groups, the runs side by side."""
-    tables = [
-        {group.name: {row.quantity: row for row in group.rows} for group in groups(group_tables.findings)}
-        for group_tables in reviewed
+    """Tabulate simulation, closed form and error of each finding: a row for each finding, three columns for each run.
+
+    Findings are in the order of `GROUPS`, each group below its heading; a run without a finding has empty cells.
+    Several runs have their names and conditions in a second head row.
+    """
+    rows_by_run = [
+        {group.name: {row.quantity: row for row in group.rows} for group in groups(item.findings)} for item in reviewed
     ]
-    head = [("quantity", "unit", *("simulated", "closed form", "error") * len(tables))]
-    if len(tables) > 1:
+    head = [("quantity", "unit", *("simulated", "closed form", "error") * len(rows_by_run))]
+    if len(rows_by_run) > 1:
         titles = [f"{item.name}: {item.findings.condition_words}" for item in reviewed]
         head.insert(0, ("", "", *(cell for words in titles for cell in (words, "", ""))))
     rows: list[Sequence[str]] = []
-    for group in (name for name in GROUPS if any(name in table for table in tables)):
-        group_tables = [table.get(group, {}) for table in tables]
-        units = {name: row.unit for group in group_tables for name, row in group.items()}
+    for group in (name for name in GROUPS if any(name in run_groups for run_groups in rows_by_run)):
+        group_rows = [run_groups.get(group, {}) for run_groups in rows_by_run]
+        units = {name: row.unit for run_rows in group_rows for name, row in run_rows.items()}
         rows.append((group,))
         rows += [
-            (name, _unit(unit), *(cell for row in group_tables for cell in _cells(row.get(name))))
+            (name, _unit(unit), *(cell for run_rows in group_rows for cell in _cells(run_rows.get(name))))
             for name, unit in units.items()
         ]
     return TextTable(head, rows)
 
 
 def losses(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Tabulate the friction and contact losses of each mating pair, the runs side by side; no rows without losses."""
+    """Tabulate the mean losses [W] by friction and by contact damping: a row for each run and kind of mating pair.
+
+    The share of the input input_power is empty if the crank takes none. Without losses, the table has no rows.
+    """
     rows = []
     for item in reviewed:
-        power = item.findings.power.input_w
+        input_power = item.findings.power.input_w
         for loss in item.findings.losses:
-            share = f"{100 * (loss.friction_w + loss.normal_w) / power:.3g}" if power > 0 else ""
+            share = f"{100 * (loss.friction_w + loss.normal_w) / input_power:.3g}" if input_power > 0 else ""
             pair = loss.pair.replace("_", "-")
             rows.append((pair, item.name, f"{loss.friction_w:.4g}", f"{loss.normal_w:.4g}", share))
     return TextTable([("mating pair", "run", "friction [W]", "damping [W]", "share of the input [%]")], rows)
@@ -99,7 +105,10 @@ def design_checks(item: Reviewed) -> Checks:
 
 
 def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield name and text of each row in the table of a run's setup: design, drive, load, solver, time step."""
+    """Yield name and text, with units, of each row of a run's setup: design, drive, load, time step, evaluated time.
+
+    The row "accuracy at this time step" is left out if the run does not state it.
+    """
     design, run = item.motion.design, item.motion.run
     ring, drive, load = design.ring, design.drive, design.load
     yield "ring", f"{ring.teeth} {ring.pins} pins" if ring.kind == "pin" else f"internal gear with {ring.teeth} lobes"

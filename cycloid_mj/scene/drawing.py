@@ -32,6 +32,10 @@ class DrawingSettings:
     """Largest width of a drawn gap, as a share of the smallest radius next to it."""
     newton_steps: int = 8
     """Newton steps to a foot point; four suffice except in a valley whose curvature is close to the pin's."""
+    min_curvature: float = 0.2
+    """Smallest second derivative of the squared distance in a Newton step, over that of a line.
+
+    Beyond a centre of curvature the full step diverges."""
 
 
 DRAWING = DrawingSettings()
@@ -126,7 +130,7 @@ def largest_magnification(reducer: Reducer) -> float:
 
 
 def widest_gap(reducer: Reducer, gaps: Separations) -> float:
-    """Return the widest gap between two mating parts in all samples [m]."""
+    """Return an upper bound of the gaps between mating parts in all samples [m]: clearance plus largest deviation."""
     design = reducer.design
     return max(
         tooth_clearance(reducer) + float(np.abs(gaps.opening).max(initial=0.0)),
@@ -212,7 +216,10 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
 
 
 def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0) -> Drawing:
-    """Compute the drawn poses of all parts at n times, with the `gaps` magnified along the ideal normals."""
+    """Compute the drawn poses of all parts at n times, with the `gaps` magnified along the ideal normals.
+
+    Raises UsageError as `drawn_radii`.
+    """
     gear = gaps.gear
     opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gear)
     ring = ring_places(reducer) + opening
@@ -250,33 +257,41 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Draw
 
 
 def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Array:
-    """Compute the distance [m] of pin centres (n, mates, 2) from the trochoid of a disc in poses (n, 3).
+    """Compute the signed distance of pin centres from the trochoid of a disc [m], shape (n, mates), positive outside.
 
-    Newton's method for the foot point, from its ideal position, in steps that stay on the lobe: a pin outside its
-    socket is far from the ideal position.
+    `gear` has the poses of the disc, shape (n, 3), `centres` the pin centres [m], shape (n, mates, 2). Newton's method
+    for the foot point, from its ideal position, in steps that stay on the lobe: a pin outside its socket is far from
+    the ideal position.
     """
     max_increment = 0.5 / centres.shape[1]
     point = rotate(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
     t = np.resize(profile.pin_angles(cycloid), centres.shape[1]) + gear[:, 2:]
     for _ in range(DRAWING.newton_steps):
-        (tangent, second_derivative), difference = (
-            profile.trochoid_derivatives(cycloid, t),
-            profile.trochoid(cycloid, t) - point,
+        tangent, second_derivative = profile.trochoid_derivatives(cycloid, t)
+        difference = profile.trochoid(cycloid, t) - point
+        speed_squared = np.einsum("nik,nik->ni", tangent, tangent)
+        curvature = speed_squared + np.einsum("nik,nik->ni", difference, second_derivative)
+        increment = np.einsum("nik,nik->ni", difference, tangent) / np.maximum(
+            curvature, DRAWING.min_curvature * speed_squared
         )
-        speed = np.einsum("nik,nik->ni", tangent, tangent)
-        stiffness = speed + np.einsum("nik,nik->ni", difference, second_derivative)
-        # beyond a centre of curvature the full Newton step diverges
-        increment = np.einsum("nik,nik->ni", difference, tangent) / np.maximum(stiffness, 0.2 * speed)
         t = t - np.clip(increment, -max_increment, max_increment)
     return np.einsum("nik,nik->ni", point - profile.trochoid(cycloid, t), profile.normals(cycloid, t))
 
 
 def _output_gaps(reducer: Reducer, gear: Array, output: Array) -> Array:
+    """Compute the distance of output pins from the centres of their holes minus the eccentricity [m], shape (n, pins).
+
+    `gear` and `output` are the poses of the disc and the output, shape (n, 3).
+    """
     pins, holes = (transform(pose[:, np.newaxis], output_centres(reducer)) for pose in (output, gear))
     return np.linalg.norm(pins - holes, axis=2) - reducer.design.gear.eccentricity
 
 
 def _displacement(arm: Array, deviation: Array) -> Array:
-    """Compute the displacement of a point of the disc at `arm` [m] from its centre, to first order."""
-    turn = deviation[..., 2]
-    return deviation[..., :2] + np.stack([-turn * arm[..., 1], turn * arm[..., 0]], axis=-1)
+    """Compute the displacement of points of the disc at `arm` from its centre, to first order [m], shape (..., 2).
+
+    `arm` [m] has shape (..., 2), `deviation` the displacement of the disc: x [m], y [m], rotation [rad], shape (...,
+    3).
+    """
+    rotation = deviation[..., 2]
+    return deviation[..., :2] + np.stack([-rotation * arm[..., 1], rotation * arm[..., 0]], axis=-1)

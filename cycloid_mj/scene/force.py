@@ -92,13 +92,13 @@ class ContactForces:
 
     def of(self, *kinds: str) -> "ContactForces":
         """Return the pairs of some kinds."""
-        return self._some([row for row, kind in enumerate(self.kinds) if kind in kinds])
+        return self._select([row for row, kind in enumerate(self.kinds) if kind in kinds])
 
     def of_disc(self, disc: int) -> "ContactForces":
         """Return the pairs of a disc, by its index."""
-        return self._some([row for row, index in enumerate(self.discs) if index == disc])
+        return self._select([row for row, index in enumerate(self.discs) if index == disc])
 
-    def _some(self, rows: list[int]) -> "ContactForces":
+    def _select(self, rows: list[int]) -> "ContactForces":
         names, selected = (tuple(words[row] for row in rows) for words in (self.names, self.kinds))
         return ContactForces(names, selected, self.point[:, rows], self.force[:, rows])
 
@@ -178,30 +178,31 @@ def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
 def reference_force(reducer: Reducer) -> dict[str, float]:
     """Compute a typical force by kind of mating pair [N], from the load, or from the disc's inertia if that is more.
 
-    With the torque T of a disc, half of its N ring contacts share T/(c (N-1)) as a sine: the largest has 4 T/(c N
-    (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
+    With the torque T of a disc and the eccentricity c, half of its N ring contacts share T/(c (N-1)) as a sine: the
+    largest has 4 T/(c N (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
     """
     design = reducer.design
     gear, output, teeth = design.gear, design.output, design.ring.teeth
-    area = np.pi * (design.ring.pin_circle_radius**2 - gear.bore_radius**2 - output.pins * output.hole_radius**2)
-    mass = design.material_of("gear").density * gear.face_width * max(float(area), 0.0)
-    inertia = mass * (gear.eccentricity * design.drive.speed**2 + abs(design.environment.gravity_y))
-    torque = max(abs(design.load.torque) / gear.discs, inertia * gear.eccentricity * design.lobes)
-    cam = torque / (gear.eccentricity * design.lobes)
-    ring, pins = 4 * cam / teeth, 4 * torque / (output.pins * output.pin_circle_radius)
-    return {"pin_gear": ring, "tooth": ring, "pin_socket": ring, "pin_sleeve": ring, "cam": cam, "output": pins}
+    disc_area = np.pi * (design.ring.pin_circle_radius**2 - gear.bore_radius**2 - output.pins * output.hole_radius**2)
+    mass = design.material_of("gear").density * gear.face_width * max(float(disc_area), 0.0)
+    inertia_force = mass * (gear.eccentricity * design.drive.speed**2 + abs(design.environment.gravity_y))
+    torque = max(abs(design.load.torque) / gear.discs, inertia_force * gear.eccentricity * design.lobes)
+    cam_force = torque / (gear.eccentricity * design.lobes)
+    ring_force, pin_force = 4 * cam_force / teeth, 4 * torque / (output.pins * output.pin_circle_radius)
+    on_ring = dict.fromkeys(("pin_gear", "tooth", "pin_socket", "pin_sleeve"), ring_force)
+    return {**on_ring, "cam": cam_force, "output": pin_force}
 
 
 def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
-    """Return the kinds of the pairs that have all columns of a wrench, by name."""
-    end = column("", FORCE_X)
-    stems = (name.removesuffix(end) for name in columns if name.endswith(end))
-    complete = (pair for pair in stems if all(column(pair, part) in columns for part in WRENCH))
-    return {pair: kind for pair in complete if (kind := kind_of(pair))}
+    """Return the kinds of the pairs that have all columns of a wrench, by the name of the pair; skip other pairs."""
+    suffix = column("", FORCE_X)
+    pairs = (name.removesuffix(suffix) for name in columns if name.endswith(suffix))
+    complete_pairs = (pair for pair in pairs if all(column(pair, component) in columns for component in WRENCH))
+    return {pair: kind for pair in complete_pairs if (kind := kind_of(pair))}
 
 
 @dataclass(frozen=True, eq=False)
-class _Inner:
+class _InnerParts:
     """Centres of the inner parts: ring (n, N, 2), cams (n, D, 2), output pins (n, k, 2) [m]; and their radii."""
 
     ring: Array
@@ -229,17 +230,17 @@ class _Inner:
         return surface
 
 
-def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _Inner:
+def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _InnerParts:
     nominal = ring_places(reducer)
     ring = transform(by_part[HOUSING][:, np.newaxis], nominal)
     if pin(1) in by_part:
         ring = np.stack([by_part[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
     pins = transform(by_part[OUTPUT][:, np.newaxis], output_centres(reducer))
-    return _Inner(ring, cams(reducer, by_part[SHAFT]), pins, drawn_radii(reducer))
+    return _InnerParts(ring, cams(reducer, by_part[SHAFT]), pins, drawn_radii(reducer))
 
 
-def _inner_parts_drawn(reducer: Reducer, drawn: Drawing) -> _Inner:
-    return _Inner(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
+def _inner_parts_drawn(reducer: Reducer, drawn: Drawing) -> _InnerParts:
+    return _InnerParts(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
 
 
 def cams(reducer: Reducer, shaft: Array) -> Array:
@@ -256,8 +257,9 @@ def _direction(force: Array) -> Array:
 def _shift_to_action_line(wrench: Array, direction: Array, arm: Array) -> Array:
     """Compute the shift (..., 2) [m] of the point at `arm` from a wrench's origin onto its line of action.
 
-    It is limited to `ARROWS.max_shift`: the moment of a force near zero, or of two contacts, does not determine a
-    point.
+    `wrench` has force x, y [N] and moment [N m], shape (..., 3), `direction` its unit vector, `arm` [m], shape (...,
+    2). The shift is limited to `ARROWS.max_shift`: the moment of a force near zero, or of two contacts, does not
+    determine a point.
     """
     size = np.linalg.norm(wrench[..., :2], axis=-1)
     lever = np.divide(wrench[..., 2], size, out=np.zeros_like(size), where=size > 0)

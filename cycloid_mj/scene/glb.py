@@ -18,8 +18,8 @@ TO_Y_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0,
 METALLIC, ROUGHNESS = 0.1, 0.6
 """Factors of the material: dull, so that no part mirrors the light."""
 
-_FLOAT, _UNSIGNED, _VERTICES, _INDICES = 5126, 5125, 34962, 34963
-"""Types of components and targets of buffer views, by glTF 2.0, 3.6 and 3.7."""
+_FLOAT, _UNSIGNED, _VERTICES, _INDICES, _TRIANGLES = 5126, 5125, 34962, 34963, 4
+"""Types of components, targets of buffer views, and mode of a primitive, by glTF 2.0, 3.6 and 3.7."""
 
 
 def encode_glb(pieces: Sequence[Piece]) -> bytes:
@@ -36,7 +36,7 @@ class _File:
 
     def __init__(self) -> None:
         self._buffer = b""
-        self._of: dict[str, list[Any]] = {
+        self._sections: dict[str, list[Any]] = {
             key: [] for key in ("nodes", "meshes", "materials", "accessors", "bufferViews")
         }
 
@@ -44,19 +44,19 @@ class _File:
         """Add the mesh of a piece: points and normals (n, 3) as 32-bit floats, faces (m, 3) as 32-bit integers."""
         attributes = {"POSITION": self._accessor(points, "VEC3"), "NORMAL": self._accessor(normals, "VEC3")}
         indices = self._accessor(faces.ravel(), "SCALAR")
-        number = len(self._of["meshes"])
-        primitive = {"attributes": attributes, "indices": indices, "material": number, "mode": 4}
-        self._of["meshes"].append({"name": piece.name, "primitives": [primitive]})
-        self._of["materials"].append(_material(piece))
-        self._of["nodes"].append({"name": piece.name, "mesh": number, "matrix": TO_Y_UP.T.ravel().tolist()})
+        number = len(self._sections["meshes"])
+        primitive = {"attributes": attributes, "indices": indices, "material": number, "mode": _TRIANGLES}
+        self._sections["meshes"].append({"name": piece.name, "primitives": [primitive]})
+        self._sections["materials"].append(_material(piece))
+        self._sections["nodes"].append({"name": piece.name, "mesh": number, "matrix": TO_Y_UP.T.ravel().tolist()})
 
     def encode(self) -> bytes:
         """Return the file as bytes: header, JSON chunk with the description, binary chunk with the buffer."""
         description = {
             "asset": {"version": "2.0", "generator": "cycloid_mj"},
             "scene": 0,
-            "scenes": [{"nodes": list(range(len(self._of["nodes"])))}],
-            **self._of,
+            "scenes": [{"nodes": list(range(len(self._sections["nodes"])))}],
+            **self._sections,
             "buffers": [{"byteLength": len(self._buffer)}],
         }
         text = json.dumps(description, separators=(",", ":")).encode()
@@ -66,15 +66,18 @@ class _File:
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
     def _accessor(self, values: Any, kind: str) -> int:
-        """Append an array to the buffer, with its buffer view and accessor; return the number of the accessor."""
+        """Append an array to the buffer, with its buffer view and accessor; return the index of the accessor.
+
+        `kind` is the type of an element: "SCALAR" for indices, "VEC3" for points and normals.
+        """
         is_index = kind == "SCALAR"
         view = {"buffer": 0, "byteOffset": len(self._buffer), "byteLength": values.nbytes}
-        self._of["bufferViews"].append(view | {"target": _INDICES if is_index else _VERTICES})
+        self._sections["bufferViews"].append(view | {"target": _INDICES if is_index else _VERTICES})
         self._buffer += values.tobytes()
         limits = values.reshape(len(values), -1)
-        self._of["accessors"].append(
+        self._sections["accessors"].append(
             {
-                "bufferView": len(self._of["bufferViews"]) - 1,
+                "bufferView": len(self._sections["bufferViews"]) - 1,
                 "componentType": _UNSIGNED if is_index else _FLOAT,
                 "count": len(values),
                 "type": kind,
@@ -82,12 +85,12 @@ class _File:
                 "max": limits.max(axis=0).tolist(),
             }
         )
-        return len(self._of["accessors"]) - 1
+        return len(self._sections["accessors"]) - 1
 
 
 def _material(piece: Piece) -> dict[str, Any]:
-    """Describe the material of a piece; glTF's colours are linear, those of a piece sRGB."""
+    """Describe the material of a piece; glTF's colours are linear, those of a piece sRGB (IEC 61966-2-1)."""
     *colour, opacity = piece.colour
     linear = [((part + 0.055) / 1.055) ** 2.4 if part > 0.04045 else part / 12.92 for part in colour]
-    looks = {"baseColorFactor": [*linear, opacity], "metallicFactor": METALLIC, "roughnessFactor": ROUGHNESS}
-    return {"name": piece.name, "pbrMetallicRoughness": looks} | ({"alphaMode": "BLEND"} if opacity < 1.0 else {})
+    factors = {"baseColorFactor": [*linear, opacity], "metallicFactor": METALLIC, "roughnessFactor": ROUGHNESS}
+    return {"name": piece.name, "pbrMetallicRoughness": factors} | ({"alphaMode": "BLEND"} if opacity < 1.0 else {})

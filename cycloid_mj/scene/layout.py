@@ -28,7 +28,7 @@ def viewer_layout(reducer: Reducer) -> dict[str, Any]:
     pins = all_numbered(PIN, design.ring.mates) if design.ring.kind == "pin" else ()
     frames = (ROOT, HOUSING, SHAFT, *gears(design.gear.discs), OUTPUT, *pins)
     plot = content["configById"]["Plot!speed"]
-    disc_path, *other_paths = plot["paths"]
+    disc_path, *other_paths = plot["paths"]  # one path is repeated for each disc
     discs = [disc_path | {"value": f"/reducer.{planar_speeds(gear)[2]}"} for gear in gears(design.gear.discs)]
     plot["paths"] = [*discs, *other_paths]
     view["transforms"] = {f"frame:{frame}": {"visible": False} for frame in frames}

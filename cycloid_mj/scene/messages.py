@@ -133,7 +133,7 @@ class Scene:
         time
             Shape (k,), [s].
         columns
-            Values by name, shape (k,), in SI units.
+            Values by name, shape (k,), in SI units. Times at which a pose is not finite are skipped.
         """
         poses_by_part = poses(self.reducer, columns)
         pose = np.stack(list(poses_by_part.values()), axis=1)
@@ -154,9 +154,12 @@ class Scene:
             yield FORCES, stamps[row], self._forces(rows_by_kind, arrows[row], stamps[row])
 
     def _transforms(self, parts: list[str], poses: Array, stamp: int) -> bytes:
-        """Encode the transforms of parts in poses (parts, 3) [m, rad] at a time stamp [ns]."""
-        message, turn = FrameTransforms(), 0.5 * poses[:, 2]
-        values = np.column_stack([poses[:, :2], np.sin(turn), np.cos(turn)]).tolist()
+        """Encode the transforms of parts at a time stamp [ns], with a quaternion about z.
+
+        `poses` has x [m], y [m] and angle [rad], shape (parts, 3).
+        """
+        message, half_angle = FrameTransforms(), 0.5 * poses[:, 2]
+        values = np.column_stack([poses[:, :2], np.sin(half_angle), np.cos(half_angle)]).tolist()
         for part, (x, y, sine, cosine) in zip(parts, values, strict=True):
             transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
             transform.timestamp.FromNanoseconds(stamp)
@@ -167,7 +170,8 @@ class Scene:
     def _forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, stamp: int) -> bytes:
         """Encode the arrows of all forces at a time stamp [ns]: an entity per kind of pair, an arrow per force.
 
-        `arrows` are those of `_arrows` at this time, shape (k, 7).
+        `arrows` are those of `_arrows` at this time, shape (k, 7), `rows_by_kind` the rows of each kind of pair. Forces
+        of zero have no arrow.
         """
         message, thickness = SceneUpdate(), ARROWS.thickness * self.design.ring.pin_circle_radius
         for kind, rows in rows_by_kind.items():
@@ -185,17 +189,18 @@ class Scene:
         return bytes(message.SerializeToString(deterministic=True))
 
     def _arrows(self, forces: ContactForces) -> Array:
-        """Compute the arrows of k forces at n times, shape (n, k, 7).
+        """Compute the arrows of k forces at n times, shape (n, k, 7); their tips are at the contacts.
 
-        They are position of the tail [m], sine and cosine of half the angle, and lengths of shaft and head [m].
+        The last axis has position x, y, z of the tail [m], sine and cosine of half the angle from +x, and the lengths
+        of shaft and head [m].
         """
         scale = np.array([self._scales[kind] for kind in forces.kinds])
         tail = forces.point - forces.force * scale[:, np.newaxis]
-        angle = 0.5 * np.arctan2(forces.force[..., 1], forces.force[..., 0])
-        height = np.broadcast_to([arrow_heights(self.reducer)[disc] for disc in forces.discs], angle.shape)
+        half_angle = 0.5 * np.arctan2(forces.force[..., 1], forces.force[..., 0])
+        height = np.broadcast_to([arrow_heights(self.reducer)[disc] for disc in forces.discs], half_angle.shape)
         length = forces.size * scale
         head = np.minimum(3.0 * ARROWS.thickness * self.design.ring.pin_circle_radius, 0.5 * length)
-        values = (tail[..., 0], tail[..., 1], height, np.sin(angle), np.cos(angle), length - head, head)
+        values = (tail[..., 0], tail[..., 1], height, np.sin(half_angle), np.cos(half_angle), length - head, head)
         return np.stack(values, axis=-1)
 
     @cached_property

@@ -98,7 +98,11 @@ def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier: Arra
 
 
 def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> Array:
-    """Compute the poses of all ring pins, shape (N, n, 3), of a ring rotated by `ring` (n,) [rad]."""
+    """Compute the poses of all ring pins (x [m], y [m], angle [rad]), shape (N, n, 3), of a ring at the angles `ring`.
+
+    `columns` and `ring` [rad] have shape (n,). Columns have the displacements in the frame of the ring; a pin without
+    columns does not move in it. Massless pins are displaced by their clearance against the force on the discs.
+    """
     nominal = ring_places(reducer)
     numbers, zeros = range(1, len(nominal) + 1), np.zeros_like(ring)
     displacements = np.array(

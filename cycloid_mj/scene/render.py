@@ -54,7 +54,7 @@ def render(
     run, reducer
         The run, with its ``model.xml``, and its reducer.
     sample
-        Number of the sample.
+        Index of the sample.
     size
         Width and height [pixels].
     view
@@ -83,7 +83,15 @@ def render_part(
     size: tuple[int, int] = (IMAGE.width, IMAGE.height),
     view: tuple[float, float] = (VIEW.azimuth, VIEW.elevation),
 ) -> Image:
-    """Render only some bodies of a run's model, in their poses at its start; for parameters and errors see `render`."""
+    """Render only some bodies of a run's model, by name, in their poses at its start; other parameters as of `render`.
+
+    The camera points at the middle of the bodies, from `IMAGE.part_distance` times their radius.
+
+    Raises
+    ------
+    UsageError
+        The model has none of the bodies, or the size is out of range; further errors as of `render`.
+    """
     model = replay_model(run)
     data = mujoco.MjData(model)
     set_sample(model, data, run, 0)
@@ -128,7 +136,11 @@ def render_model(
 
 
 def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
-    """Return tail, tip, width [m] and colour of an arrow for each contact force of a sample, on a face of its disc."""
+    """Return tail and tip (x, y, z), width [m] and colour of an arrow for each contact force of a sample.
+
+    The tip is at the contact, on a face of the disc. The largest force of each kind has the length `ARROWS.length`;
+    forces of zero have no arrow.
+    """
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
     forces, ring_radius, faces = (
         shown_forces(reducer, columns),
@@ -151,7 +163,10 @@ def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
 
 
 def _add_arrow(scene: Any, tail: Any, tip: Any, width: float, colour: Any) -> None:
-    """Add an arrow from tail to tip [m] to a MuJoCo scene; do nothing if the scene is full."""
+    """Add an arrow from tail to tip [m], shape (3,), to a MuJoCo scene; do nothing if the scene is full.
+
+    `colour` is RGBA from 0 to 1.
+    """
     if scene.ngeom >= scene.maxgeom:
         return
     geom, arrow = scene.geoms[scene.ngeom], mujoco.mjtGeom.mjGEOM_ARROW

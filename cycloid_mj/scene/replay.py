@@ -86,7 +86,7 @@ def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
 
 
 def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
-    """Return the column of a run for each joint of its model; raise LogError if it has none."""
+    """Return the column of a run for each joint of its model that has one; raise LogError if none has."""
     joints = [model.joint(number).name for number in range(model.njnt)]
     columns = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
     if not columns:

@@ -51,20 +51,24 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
 
 
 def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, poses_by_part: Mapping[str, Array]) -> None:
-    """Log the meshes of the parts, and their poses over time; parts that do not move are logged once."""
+    """Log the meshes of the parts, and their poses over time; parts that do not move are logged once.
+
+    `rr` is the module ``rerun``, `time` the time column of n samples; poses have x [m], y [m] and angle [rad], shape
+    (n, 3).
+    """
     pieces_by_part = shapes(reducer)
     for part, pose in poses_by_part.items():
         entity = f"{MECHANISM}/{part}"
         for piece in pieces_by_part["pin" if part.startswith("pin_") else part]:
             recording.log(f"{entity}/{piece.name}", _rerun_mesh(rr, piece), static=True)
         translation = np.column_stack([pose[:, :2], np.zeros(len(pose))])
-        turn = np.zeros((len(pose), 4))
-        turn[:, 2], turn[:, 3] = np.sin(0.5 * pose[:, 2]), np.cos(0.5 * pose[:, 2])
+        quaternion = np.zeros((len(pose), 4))
+        quaternion[:, 2], quaternion[:, 3] = np.sin(0.5 * pose[:, 2]), np.cos(0.5 * pose[:, 2])
         if np.ptp(pose, axis=0).any():
-            transforms = rr.Transform3D.columns(translation=translation, quaternion=turn)
+            transforms = rr.Transform3D.columns(translation=translation, quaternion=quaternion)
             recording.send_columns(entity, indexes=[time], columns=transforms)
         else:
-            recording.log(entity, rr.Transform3D(translation=translation[0], quaternion=turn[0]), static=True)
+            recording.log(entity, rr.Transform3D(translation=translation[0], quaternion=quaternion[0]), static=True)
 
 
 def _rerun_mesh(rr: Any, piece: Piece) -> Any:
@@ -80,7 +84,10 @@ def _colour_bytes(colour: Colour) -> list[int]:
 
 
 def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, forces: ContactForces) -> None:
-    """Log the arrows of each kind of mating pair over time, with their tips at the contacts, on a disc face."""
+    """Log the arrows of each kind of mating pair over time, with their tips at the contacts, on a disc face.
+
+    The largest force of a kind over all times has the length `ARROWS.length` of the pin-circle radius.
+    """
     ring_radius, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
     for kind in dict.fromkeys(forces.kinds):
         forces_of_kind = forces.of(kind)

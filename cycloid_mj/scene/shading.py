@@ -34,8 +34,8 @@ def shade(mesh: Mesh) -> ShadedMesh:
     is_smooth = np.einsum("ij,ij->i", face_normals[adjacent[:, 0]], face_normals[adjacent[:, 1]]) >= np.cos(CREASE)
     surface = _components(adjacent[is_smooth], len(mesh.faces))
     vertex_keys = surface[:, np.newaxis] * len(mesh.vertices) + mesh.faces
-    unique_keys, numbers = np.unique(vertex_keys, return_inverse=True)
-    faces = numbers.reshape(-1, 3)
+    unique_keys, vertex_indices = np.unique(vertex_keys, return_inverse=True)
+    faces = vertex_indices.reshape(-1, 3)
     weighted_normals = (_corner_angles(corners)[..., np.newaxis] * face_normals[:, np.newaxis]).reshape(-1, 3)
     sums = np.stack(
         [np.bincount(faces.ravel(), weights=part, minlength=len(unique_keys)) for part in weighted_normals.T], axis=1
@@ -53,17 +53,17 @@ def _adjacent_faces(faces: Faces) -> Integers:
 
 
 def _components(pairs: Integers, count: int) -> Integers:
-    """Return for each of `count` nodes the smallest node that pairs (k, 2) connect it with: connected components.
+    """Label connected components: return for each of `count` nodes the smallest node that it is connected with.
+
+    `pairs` are the connected nodes, shape (k, 2).
 
     Each round hooks roots onto smaller neighbours and then shortens all paths (Shiloach & Vishkin 1982).
     """
     root = np.arange(count)
-    first_faces, second_faces = pairs.T
+    first_nodes, second_nodes = pairs.T
     while True:
-        smaller, larger = (
-            np.minimum(root[first_faces], root[second_faces]),
-            np.maximum(root[first_faces], root[second_faces]),
-        )
+        first_roots, second_roots = root[first_nodes], root[second_nodes]
+        smaller, larger = np.minimum(first_roots, second_roots), np.maximum(first_roots, second_roots)
         if (smaller == larger).all():
             return root
         np.minimum.at(root, larger, smaller)
