@@ -161,9 +161,10 @@ def _strongest_order(ripple: Ripple) -> float:
 
 
 def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
-    """Compare backlash, lost motion and wind-up at rest under a series of torques with a locked crank.
+    """Compare backlash, lost motion and wind-up [arcmin] at rest under a series of torques with a locked crank.
 
-    `play` is the full model's play and wind-up. Return the quantities, and the curves of the torsional hysteresis loop.
+    `play` is the full model's play and wind-up. The backlash is extrapolated to zero from two small torques on either
+    side. Return the quantities, and the curves of the output's angle over the torque, which have no hysteresis.
     """
     scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold()
@@ -202,12 +203,12 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
     joint_angles = np.array([rest_angle(share) for share in loop_shares])
     shares = np.array([0.0, *sorted(play.wind_up)])
     wind_ups = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
-    branches = [(play.stops[1] + wind_ups, shares * rated_torque), (play.stops[0] - wind_ups, -shares * rated_torque)]
-    loop = [np.concatenate([branches[1][i][::-1], branches[0][i]]) for i in (0, 1)]
+    full_model_angles = np.concatenate([(play.stops[0] - wind_ups)[::-1], play.stops[1] + wind_ups])
+    full_model_torques = rated_torque * np.concatenate([-shares[::-1], shares])
     axes = "torque on the output [N m]", "turn [arcmin]"
     panel = "hysteresis loop, crank locked"
     return rows, [
-        Curve(panel, "full model", loop[1], loop[0] / ARCMINUTE, *axes, "theory"),
+        Curve(panel, "full model", full_model_torques, full_model_angles / ARCMINUTE, *axes, "theory"),
         Curve(panel, "joint", loop_shares * rated_torque, joint_angles / ARCMINUTE, *axes),
     ]
 
@@ -274,7 +275,7 @@ def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
 
 
 def _measure_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Measure the efficiency of the joint in MuJoCo from its friction power, under a share of the nominal torque.
+    """Measure the efficiency (0 to 1) of the joint in MuJoCo at the rated speed, under a share of the nominal torque.
 
     `driving` is True if the crank drives, False if the output does; the result is 0 for a self-locking joint.
     """
@@ -294,8 +295,9 @@ def _compare_transmission_error(
 ) -> tuple[list[Quantity], list[Curve]]:
     """Compare the harmonics of the transmission error at nominal torque over a full, slow turn of the output.
 
-    `direction` of the crank is 1 or -1, and `name` its name. Return the amplitude of each strong harmonic [arcsec], and
-    the curves over one turn of the crank.
+    `direction` of the crank is 1 or -1, and `name` its name. Compared are harmonics of at least
+    `COMPARISON.min_harmonic` of the largest. Return the amplitude of each [arcsec], and the curves over one turn of the
+    crank.
     """
     errors = solve_error(reducer, 1.0, direction)
     fine, _ = compute_amplitudes(errors)

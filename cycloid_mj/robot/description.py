@@ -70,11 +70,11 @@ class LinkInertia:
 
 
 def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> dict[str, LinkInertia]:
-    """Compute mass and inertia of the links `housing`, `drive` and `output` from those of the drive's parts.
+    """Compute mass [kg] and inertia [kg m2] of the links `housing`, `drive` and `output` from the drive's parts.
 
     The housing is a solid cylinder with the drive's diameter and length, and its mass without output and crank; covers
-    are included if the casing fits. With `armature`, the simulator adds the crank's reflected inertia to the joint, so
-    that no link has it.
+    are included if the casing fits. At the level `rigid` there is no `drive`, and the output has its inertia. With
+    `armature`, the simulator adds the crank's reflected inertia to the joint, so that no link has it.
     """
     masses = moving_masses(reducer)
     output_body, crank = masses[reducer.mechanism.turning], masses[names.SHAFT]
@@ -142,7 +142,8 @@ def list_description_files(name: str, file_format: Format) -> tuple[str, ...]:
 def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> str:
     """Return the URDF of a joint: links with inertia, the actuated joint `drive`, and the play as the joint `output`.
 
-    With `armature`, the simulator adds the crank's reflected inertia to the actuated joint, so that no link has it.
+    With `armature`, the simulator adds the crank's reflected inertia to the actuated joint, so that no link has it, and
+    the play joint is named `PLAY`. All values are in SI units; at the level `rigid` there is no play.
     """
     robot = ElementTree.Element("robot", name=reduced.name)
     robot.append(ElementTree.Comment(_describe_joint(reduced)))
@@ -172,7 +173,10 @@ def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -
 
 
 def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
-    """Return the SDFormat model of a joint; the ends of the play have the stiffness of the drive."""
+    """Return the SDFormat model of a joint (`SDF_VERSION`): links with inertia, the driven joint, and the play.
+
+    The ends of the play have the stiffness of the drive [N m/rad]. All values are in SI units.
+    """
     root = ElementTree.Element("sdf", version=SDF_VERSION)
     model = ElementTree.SubElement(root, "model", name=reduced.name)
     model.append(ElementTree.Comment(_describe_joint(reduced)))
@@ -206,15 +210,21 @@ def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
 
     Torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed. The
     motor stands in for that of the robot: its torque constant and resistance are those at the joint, not at the crank.
+
+    Returns
+    -------
+    dict
+        Torque constant ``kt`` [N m/A], ``resistance`` [ohm], ``error_gain``, the voltage over the supply per position
+        error [1/rad], and ``max_current`` [A].
     """
-    stall = MJCF.motor_peak * reduced.rated_torque
+    stall_torque = MJCF.motor_peak * reduced.rated_torque
     no_load_speed = reduced.rated_speed / reduced.ratio / (1.0 - 1.0 / MJCF.motor_peak)
-    constant = DESCRIPTION.supply / no_load_speed
+    torque_constant = DESCRIPTION.supply / no_load_speed
     return {
-        "kt": constant,
-        "resistance": DESCRIPTION.supply * constant / stall,
+        "kt": torque_constant,
+        "resistance": DESCRIPTION.supply * torque_constant / stall_torque,
         "error_gain": 1.0 / DESCRIPTION.full_voltage_error,
-        "max_current": stall / constant,
+        "max_current": stall_torque / torque_constant,
     }
 
 

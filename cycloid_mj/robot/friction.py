@@ -40,7 +40,11 @@ class FrictionMap:
 
 
 def joint_powers(useful: float, lost: float, driving: bool) -> Powers:
-    """Return the powers of a joint at a crank speed of 1 rad/s, from load and friction torque on the crank [N m]."""
+    """Return the powers of a joint [W] at a crank speed of 1 rad/s.
+
+    `useful` is the load's torque on the crank without friction [N m], `lost` the friction torque there [N m]; `driving`
+    is True if the crank drives, False if the output does.
+    """
     return Powers(lost + useful if driving else lost - useful, -useful if driving else useful, {"joint": lost})
 
 

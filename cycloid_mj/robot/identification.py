@@ -200,13 +200,14 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
     springs = springs_of(resting_reducer, turn_evenly(reducer, poses), friction=False)
 
     def mean_output_angle(share: float) -> float:
+        """Compute the mean rotation of the output [rad] under a share of the nominal torque."""
         return float(loads(resting_reducer, springs, share * rated_torque).output_turn.mean())
 
     low, high = (
         2.0 * mean_output_angle(sign * GRID.small) - mean_output_angle(2.0 * sign * GRID.small) for sign in (-1.0, 1.0)
     )
-    # preloaded halves leave no play: both lines end in the same angle, except for their curvature
-    low, high = (low, high) if low <= high else (0.5 * (low + high),) * 2
+    if low > high:  # preloaded halves leave no play: both lines end in the same angle, except for their curvature
+        low = high = 0.5 * (low + high)
     shares = sorted({*GRID.springs, *GRID.polynomial, *STRAIGHT})
     wind_up = {share: 0.5 * (mean_output_angle(share) - high + low - mean_output_angle(-share)) for share in shares}
     return Play(rated_torque, (low, high) if reducer.member.sense > 0 else (-high, -low), wind_up)
@@ -226,7 +227,11 @@ def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
 
 
 def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
-    """Compute friction torques on the crank over output torque and speed; `on_step` is called after each point."""
+    """Compute friction torques on the crank [N m] over output torque and crank speed, at the points of `GRID`.
+
+    Positive torques are those against which the crank drives, negative ones drive the crank. `on_step` is called after
+    each point. Raises RunError where the crank cannot turn against a load.
+    """
     speed, rated_torque = reducer.design.drive.speed, reducer.design.rated_torque
     rows_by_sign: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
     for share in GRID.speeds:
@@ -251,7 +256,8 @@ def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> Fric
 def _compute_no_load_torque(reducer: Reducer) -> float:
     """Compute the friction torque on the crank without a load [N m].
 
-    It is that at a small torque, or extrapolated linearly from larger torques where friction jams small loads.
+    It is that at the first of the torques `GRID.no_load` with a static balance, extrapolated linearly to zero (not
+    below) if that is not the smallest. It is 0 if friction jams the parts at all of them.
     """
     rated_torque = reducer.design.rated_torque
     for torque in GRID.no_load:
@@ -268,9 +274,10 @@ def _compute_no_load_torque(reducer: Reducer) -> float:
     return 0.0
 
 
-def _extrapolate_to_zero(first: tuple[float, float], second: tuple[float, float]) -> float:
-    """Extrapolate the line through two points to 0."""
-    return first[1] - (second[1] - first[1]) * first[0] / (second[0] - first[0])
+def _extrapolate_to_zero(point: tuple[float, float], farther_point: tuple[float, float]) -> float:
+    """Extrapolate the line through two points (x, y) to x = 0, and return its y there."""
+    (x, y), (farther_x, farther_y) = point, farther_point
+    return y - (farther_y - y) * x / (farther_x - x)
 
 
 def _compute_friction_torque(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda: None) -> float:
@@ -292,9 +299,10 @@ def _compute_friction_torque(reducer: Reducer, torque: float, on_step: Callable[
 def _compute_damping(reducer: Reducer) -> float:
     """Compute the damping of the wind-up [N m s/rad] between carrier and ring.
 
-    For slow motion, springs with parallel dampers in series have c = k^2 sum (C/K) s, with the time constant C/K of a
-    contact and its compliance s at the output [rad/N m]. Pin and seat in series have shares by compliance. Bending of
-    pins and twist are in series with the contacts of the output.
+    For slow motion, springs with parallel dampers in series have c = k^2 sum (C/K) s, with the stiffness k of all in
+    series, the time constant C/K of a contact (damping C, stiffness K) and its compliance s at the output [rad/(N m)].
+    Pin and seat in series have shares by compliance. Bending of pins and twist are in series with the contacts of the
+    output.
     """
     contact_laws_by_pair, rated_torque = contact_laws(reducer), reducer.design.rated_torque
     compliances = [

@@ -96,8 +96,8 @@ def run_impact(scene: TrialScene, load: ImpactLoad) -> float | None:
 def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[float, float]:
     """Integrate the motion of the output under the load T cos(2 pi f t) from rest on the upper stop, by LSODA.
 
-    Return the time at which the output reaches the lower stop [s], infinity if it does not, and its largest wind-up
-    beyond that stop [rad]. `inertia` is the external inertia [kg m2], `frequency` f [Hz].
+    T is the nominal torque. Return the time at which the output reaches the lower stop [s], infinity if it does not,
+    and its largest wind-up beyond that stop [rad]. `inertia` is the external inertia [kg m2], `frequency` f [Hz].
     """
     from scipy.integrate import odeint
 

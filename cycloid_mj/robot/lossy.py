@@ -82,7 +82,8 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
     """Fit a brake shoe in MJCF to a joint's load-dependent friction, with crank or output driving.
 
     A leading shoe has the friction S/(1 - t), a trailing shoe S/(1 + t); their harmonic mean is S, a sum of the
-    springs' torques. S is fitted by nonnegative least squares up to the nominal torque.
+    springs' torques. S is fitted by nonnegative least squares at `SHOE.fitted` of the nominal torque, at the rated
+    speed, to the friction beyond that of no load. t is limited to `SHOE.max_leading`, beyond which the shoe could lock.
     """
     from scipy.optimize import nnls
 
@@ -164,7 +165,10 @@ armature="{xml_number(shoe.armature * lever**2)}" limited="false"/>
 
 
 def lossy_scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float) -> str:
-    """Return `scene_xml` for lossy_joint.xml: elliptic cones, and an integrator with which the shoe does not drift."""
+    """Return `scene_xml` for lossy_joint.xml: elliptic cones, and an integrator with which the shoe does not drift.
+
+    `load_inertia` is in kg m2, `timestep` in seconds.
+    """
     scene = scene_xml(reduced, load_inertia, timestep, "discrete")
     return scene.replace("joint.xml", "lossy_joint.xml").replace("<option ", '<option cone="elliptic" ')
 
@@ -213,7 +217,7 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
 
 
 def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Measure the efficiency of the lossy joint in MuJoCo alone, at rated speed under a share of the nominal torque.
+    """Measure the efficiency (0 to 1) of the lossy joint in MuJoCo alone, at rated speed under a share of its torque.
 
     `driving` is True if the crank drives, False if the output does; the result is 0 for a self-locking joint.
     """

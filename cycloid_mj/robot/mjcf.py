@@ -70,7 +70,10 @@ def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
 
 
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
-    """Return the MJCF of a reducer for inclusion in a robot's model: crank, springs to the hinge `joint`, and motor."""
+    """Return the MJCF of a reducer for inclusion in a robot's model: crank, springs to the hinge `joint`, and motor.
+
+    At the level `rigid` it has neither crank nor springs: friction and inertia are those of the hinge.
+    """
     name = reduced.name.replace("--", "- -")  # which would end a comment
     body = (
         _elements_without_springs(reduced, joint)

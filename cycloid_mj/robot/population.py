@@ -34,6 +34,9 @@ the crank under the nominal torque beyond that of no load, as a share of the nom
 VARIED = ("friction", "stiffness")
 """Tables of the design whose values are drawn from their stated ranges."""
 
+INPUT_STREAM = 10_000
+"""Number of the random stream of the inputs; tolerances use lower numbers."""
+
 QUANTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
 """Percentiles that are reported."""
 
@@ -138,7 +141,7 @@ class Population(Tabular):
         return {
             "mean": float(np.mean(values)),
             "std": float(np.std(values, ddof=1)),
-            **{f"p{round(share):02d}": item for share, item in zip(QUANTILES, quantiles, strict=True)},
+            **{f"p{round(percent):02d}": value for percent, value in zip(QUANTILES, quantiles, strict=True)},
         }
 
 
@@ -193,7 +196,8 @@ def draw_population(
 def _centred_range(reducer: Reducer, input_range: Input) -> Input:
     """Shift the range of an assumed input to the design's own value if that lies outside; the ends keep their ratio.
 
-    The ranges are those of lubricated steel. A value outside was chosen for other conditions.
+    The ranges are those of lubricated steel. A value outside was chosen for other conditions; its range is centred
+    geometrically on it. Ranges of stiffness are not shifted.
     """
     table = getattr(reducer.design, input_range.table)
     factors = {}
@@ -221,9 +225,9 @@ def compute_parameters(reducer: Reducer) -> dict[str, float]:
     rated_torque = reducer.design.rated_torque
     loaded_reducer = reducer.but(load={"torque": rated_torque}).working_at(rated_torque)
     values = {key: figure(key).value(loaded_reducer) for key in PARAMETERS if key != LOSS}
-    share = reducer.design.reduction / rated_torque
-    # as a share of the crank's torque; no-load friction is a separate parameter
-    loss = 100.0 / figure("efficiency").value(loaded_reducer) - 1.0 - share * values[FRICTION]
+    # as a share of the ideal torque on the crank; no-load friction is a separate parameter
+    no_load_share = values[FRICTION] * reducer.design.reduction / rated_torque
+    loss = 100.0 / figure("efficiency").value(loaded_reducer) - 1.0 - no_load_share
     return {key: 100.0 * loss if key == LOSS else values[key] for key in PARAMETERS}
 
 
@@ -232,15 +236,15 @@ def _draw_drive(
 ) -> tuple[dict[str, float], dict[str, float]] | None:
     """Draw drive number `number` of a population: random errors within the tolerances, and inputs within their ranges.
 
-    Return the parameters of its joint and the drawn values, both by key, or None if the drive cannot be assembled.
+    Inputs are log-uniform within their ranges. Return the parameters of its joint (`PARAMETERS`) and the drawn values,
+    both by key, or None if the drive cannot be assembled or balanced.
     """
     zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.SAMPLING.block)
     batch = sampling.Batch(block, 1, row)
-    # tolerances use lower numbers of streams
-    shares = np.random.default_rng([seed, 10_000, number]).random(len(ranges)).tolist()
+    uniform_numbers = np.random.default_rng([seed, INPUT_STREAM, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}
-    for input_range, share in zip(ranges, shares, strict=True):
-        changes.setdefault(input_range.table, {}).update(input_range.between(share))
+    for input_range, position in zip(ranges, uniform_numbers, strict=True):
+        changes.setdefault(input_range.table, {}).update(input_range.between(position))
     try:
         sampled_reducer = Reducer(
             sampling.design_of_sample(

@@ -69,7 +69,10 @@ def _describe_ranges(population: Population) -> str:
 
 
 def _isaaclab_events(reduced: ReducedJoint, population: Population) -> str:
-    """Return a Python module with Isaac Lab's event terms: drawn friction of the drive and limits of the play."""
+    """Return a Python module with Isaac Lab's event terms: factors of the friction, and limits of the play [rad].
+
+    The play stays about the middle of that of `reduced`.
+    """
     ranges = factor_ranges(population)
     play_middle, half_play = reduced.middle, 0.5 * reduced.backlash
     smallest, largest = (half_play * factor for factor in ranges["play"])

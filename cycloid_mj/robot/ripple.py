@@ -48,9 +48,11 @@ class Ripple:
         return np.asarray(waves @ np.concatenate([np.cos(phases), np.sin(phases)]))
 
     def harmonics(self, sense: int, rated: float) -> Iterator[dict[str, Any]]:
-        """Yield amplitude [arcsec] and phase of each harmonic, by load and direction of the crank, as JSON values.
+        """Yield amplitude [arcsec] and phase [deg] of each harmonic as JSON values, by load and direction of the crank.
 
-        `sense` is 1 if the output turns as the crank does, else -1; `rated` is the nominal torque on the output [N m].
+        The error is the amplitude times cos(order * crank angle + phase). Under a braking load, the
+        output is at the stop opposite to its rotation. `sense` is 1 if the output turns as the crank does,
+        else -1; `rated` is the nominal torque on the output [N m].
         """
         for direction, high in (("forward", sense < 0), ("reverse", sense > 0)):
             stop_name = "high" if high else "low"

@@ -41,6 +41,9 @@ class StabilitySettings:
     energy."""
     min_vibration: float = 1e-3
     """Range of a vibration over the wind-up below which it has decayed."""
+    min_crossings: int = 3
+    min_steps_per_period: float = 8.0
+    """Smallest number of upward zero crossings, and of time steps in a period, from which a frequency is computed."""
     static_rtol: float = 0.01
     """Allowed relative error of the static wind-up."""
     impact_rtol: float = 0.05
@@ -126,11 +129,12 @@ class StepTrial:
 
 
 def study_time_steps(reduced: ReducedJoint) -> tuple[StepTrial, ...]:
-    """Try all levels, integrators and inertias at `STUDY.steps`, and at `STUDY.finer_steps` where none is accurate."""
+    """Try all levels, integrators and `INERTIAS` at `STUDY.steps`, and at `STUDY.finer_steps` if the shortest fails."""
     trials: list[StepTrial] = []
     for level, integrator in itertools.product(LEVELS, INTEGRATORS):
-        for load, share in INERTIAS.items():
-            trials += _try_time_steps(reduced.at(level), integrator, load, share * reduced.reflected_inertia)
+        for load, relative_inertia in INERTIAS.items():
+            inertia = relative_inertia * reduced.reflected_inertia
+            trials += _try_time_steps(reduced.at(level), integrator, load, inertia)
     return tuple(trials)
 
 
@@ -303,14 +307,15 @@ def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, in
 
 
 def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
-    """Return whether a vibration with a free crank does not grow, while the motor balances the torque.
+    """Return whether a vibration with a free crank does not grow, while the motor balances the nominal torque.
 
-    Crank and output then move against each other, faster than the output alone: k (1/J + 1/(i^2 J_rotor)).
+    Crank and output then move against each other, faster than the output alone. The squared angular frequency is k (1/J
+    + 1/(i^2 J_rotor)), with the stiffness k, the ratio i, and the inertia J of output and load (`inertia` [kg m2]).
     """
     reduced, torque = scene.reduced, scene.reduced.rated_torque
-    wind_up, load_inertia = reduced.wind_up(torque), inertia + reduced.output_inertia
-    reduced_inertia = load_inertia / (1.0 + load_inertia / (reduced.ratio**2 * reduced.rotor_inertia))
-    steps = _count_steps(np.sqrt(reduced.stiffness(torque) / reduced_inertia), float(scene.model.opt.timestep))
+    wind_up, output_inertia = reduced.wind_up(torque), inertia + reduced.output_inertia
+    effective_inertia = 1.0 / (1.0 / output_inertia + 1.0 / (reduced.ratio**2 * reduced.rotor_inertia))
+    steps = _count_steps(np.sqrt(reduced.stiffness(torque) / effective_inertia), float(scene.model.opt.timestep))
     scene.press_to_stop(torque)
     scene.data.qpos[scene.addresses.output_angle] -= (1.0 - STUDY.start) * wind_up
     scene.data.ctrl[:] = reduced.coefficient * torque
@@ -319,13 +324,17 @@ def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
 
 
 def _count_steps(frequency: float, timestep: float) -> int:
-    """Return the number of time steps of a run that shows a vibration of this frequency [rad/s]."""
+    """Return the number of time steps [s] of a run over `STUDY.periods` of a vibration, at least `STUDY.min_steps`.
+
+    `frequency` is its angular frequency [rad/s].
+    """
     return max(STUDY.min_steps, math.ceil(2.0 * np.pi * STUDY.periods / frequency / timestep))
 
 
 def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
-    """Simulate a rigid joint under its rated input torque, and compare the speed with that of the total inertia.
+    """Simulate a rigid joint from rest under its rated input torque, and compare its speed with the closed form.
 
+    That is (torque - friction) t / J with the inertia J of reducer and load; `inertia` is that of the load [kg m2].
     Return whether the simulation is stable, the relative error of the speed, and NaN for the frequency.
     """
     reduced, step = scene.reduced, float(scene.model.opt.timestep)
@@ -343,19 +352,23 @@ def _analyse_vibration(angles: Array, timestep: float) -> tuple[float, float]:
     """Compute the mean angle of a vibration [rad] and its angular frequency [rad/s] from its upward zero crossings.
 
     `angles` are those after each time step [rad], shape (n,). The frequency is NaN if the vibration has decayed, or has
-    fewer than 3 crossings or 8 time steps in a period.
+    fewer than `STUDY.min_crossings` or fewer than `STUDY.min_steps_per_period`. The mean is that over complete periods;
+    without them, of the second half, or the last angle of a decayed vibration.
     """
     midpoint = 0.5 * (float(angles.max()) + float(angles.min()))
     if np.ptp(angles) < STUDY.min_vibration * abs(midpoint):
         return float(angles[-1]), np.nan
     is_above = angles > midpoint
     upward_crossings = np.flatnonzero(~is_above[:-1] & is_above[1:])
-    if len(upward_crossings) < 3 or (upward_crossings[-1] - upward_crossings[0]) / (len(upward_crossings) - 1) < 8.0:
+    count = len(upward_crossings)
+    if (
+        count < STUDY.min_crossings
+        or (upward_crossings[-1] - upward_crossings[0]) / (count - 1) < STUDY.min_steps_per_period
+    ):
         return float(angles[-len(angles) // 2 :].mean()), np.nan
     crossings = upward_crossings + (midpoint - angles[upward_crossings]) / (
         angles[upward_crossings + 1] - angles[upward_crossings]
     )
     periods = slice(int(upward_crossings[0]), int(upward_crossings[-1]))
-    return float(angles[periods].mean()), 2.0 * np.pi * (len(upward_crossings) - 1) / float(
-        crossings[-1] - crossings[0]
-    ) / timestep
+    period = timestep * float(crossings[-1] - crossings[0]) / (count - 1)
+    return float(angles[periods].mean()), 2.0 * np.pi / period
