@@ -14,7 +14,7 @@ from matplotlib.patches import Circle, Polygon, Wedge
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope, kinematics, profile
 from cycloid_mj.geometry.modification import tooth_profile
-from cycloid_mj.plots.mechanism import LOOKS
+from cycloid_mj.plots.mechanism import PART_STYLES
 from cycloid_mj.plots.style import BLUE, GREEN, GREY, STYLE, VERMILION
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, springs_of
@@ -67,9 +67,9 @@ def ring_pin(axes: Axes) -> None:
 
 def internal_gear(axes: Axes) -> None:
     """Draw the disc in the internal gear: the envelope of all its positions."""
-    axes.add_patch(Circle((0.0, 0.0), 38.0, **LOOKS["ring"]))
+    axes.add_patch(Circle((0.0, 0.0), 38.0, **PART_STYLES["ring"]))
     ring = 1e3 * envelope.sample_ring(GEAR, OUTLINE_POINTS).points
-    axes.add_patch(Polygon(ring, facecolor="white", edgecolor=LOOKS["ring"]["edgecolor"]))
+    axes.add_patch(Polygon(ring, facecolor="white", edgecolor=PART_STYLES["ring"]["edgecolor"]))
     _disc(axes)
 
 
@@ -77,8 +77,8 @@ def eccentric(axes: Axes) -> None:
     """Draw the cam, whose centre lies next to the axis of the crank by the eccentricity, three times as large."""
     scale = 5.0
     centre = scale * ECCENTRICITY * np.array([-math.sin(CRANK_ANGLE), math.cos(CRANK_ANGLE)])
-    axes.add_patch(Circle(tuple(centre), 24.0, **LOOKS["cam"]))
-    axes.add_patch(Circle((0.0, 0.0), 9.0, **LOOKS["shaft"]))
+    axes.add_patch(Circle(tuple(centre), 24.0, **PART_STYLES["cam"]))
+    axes.add_patch(Circle((0.0, 0.0), 9.0, **PART_STYLES["shaft"]))
     axes.plot([0.0, centre[0]], [0.0, centre[1]], color=VERMILION, marker="o", markersize=3.0)
     axes.annotate("c", centre / 2.0, (5.0, 8.0), color=VERMILION)
     axes.text(0.0, -24.0, "cam", ha="center")
@@ -87,9 +87,9 @@ def eccentric(axes: Axes) -> None:
 
 def output_pin(axes: Axes) -> None:
     """Draw an output pin in its hole, which is wider by the eccentricity on each side."""
-    axes.add_patch(Polygon([(-38, -38), (38, -38), (38, 38), (-38, 38)], facecolor=LOOKS["gear"]["facecolor"]))
-    axes.add_patch(Circle((0.0, 0.0), 28.0, facecolor="white", edgecolor=LOOKS["gear"]["edgecolor"]))
-    axes.add_patch(Circle((-9.9, -9.9), 14.0, **LOOKS["output"]))
+    axes.add_patch(Polygon([(-38, -38), (38, -38), (38, 38), (-38, 38)], facecolor=PART_STYLES["gear"]["facecolor"]))
+    axes.add_patch(Circle((0.0, 0.0), 28.0, facecolor="white", edgecolor=PART_STYLES["gear"]["edgecolor"]))
+    axes.add_patch(Circle((-9.9, -9.9), 14.0, **PART_STYLES["output"]))
     axes.annotate("", (0.0, 0.0), (-9.9, -9.9), arrowprops=DIMENSION)
     axes.text(1.0, -5.0, "c", color=VERMILION)
     axes.text(-14.0, -14.0, "pin", ha="center", va="center", color="white")
@@ -98,8 +98,8 @@ def output_pin(axes: Axes) -> None:
 
 def clearance(axes: Axes) -> None:
     """Draw a pin apart from the flank of a disc."""
-    axes.add_patch(Wedge((0.0, -62.0), 60.0, 20.0, 160.0, facecolor=LOOKS["gear"]["facecolor"], edgecolor="none"))
-    axes.add_patch(Circle((0.0, 21.0), 15.0, **LOOKS["pins"]))
+    axes.add_patch(Wedge((0.0, -62.0), 60.0, 20.0, 160.0, facecolor=PART_STYLES["gear"]["facecolor"], edgecolor="none"))
+    axes.add_patch(Circle((0.0, 21.0), 15.0, **PART_STYLES["pins"]))
     axes.annotate("", (0.0, -2.0), (0.0, 6.0), arrowprops=DIMENSION)
     axes.text(3.0, 0.0, "clearance δ", color=VERMILION)
     axes.text(0.0, 21.0, "pin", ha="center", va="center")
@@ -149,7 +149,7 @@ def contact_pressure(axes: Axes) -> None:
     """Draw the pressure between a pin and a flank: half an ellipse over the width of the contact."""
     x = np.linspace(-20.0, 20.0, 101)
     pressure = 34.0 * np.sqrt(1.0 - (x / 20.0) ** 2)
-    axes.add_patch(Polygon([(-40, 0), (40, 0), (40, -30), (-40, -30)], facecolor=LOOKS["gear"]["facecolor"]))
+    axes.add_patch(Polygon([(-40, 0), (40, 0), (40, -30), (-40, -30)], facecolor=PART_STYLES["gear"]["facecolor"]))
     axes.fill_between(x, pressure, color=VERMILION, alpha=0.35)
     axes.plot(x, pressure, color=VERMILION)
     axes.annotate("", (-20.0, -5.0), (20.0, -5.0), arrowprops=DIMENSION)
@@ -161,9 +161,9 @@ def contact_pressure(axes: Axes) -> None:
 def socket(axes: Axes) -> None:
     """Draw a pin in a half-open and in a closed socket."""
     for x, first, last, name in ((-20.0, 0.0, 180.0, "half-open"), (20.0, 0.0, 360.0, "closed")):
-        axes.add_patch(Wedge((x, 0.0), 17.0, first, last, width=4.0, facecolor=LOOKS["ring"]["facecolor"]))
-        axes.add_patch(Wedge((x, 0.0), 13.0, first, last, width=0.01, edgecolor=LOOKS["ring"]["edgecolor"]))
-        axes.add_patch(Circle((x, 0.0), 11.5, **LOOKS["pins"]))
+        axes.add_patch(Wedge((x, 0.0), 17.0, first, last, width=4.0, facecolor=PART_STYLES["ring"]["facecolor"]))
+        axes.add_patch(Wedge((x, 0.0), 13.0, first, last, width=0.01, edgecolor=PART_STYLES["ring"]["edgecolor"]))
+        axes.add_patch(Circle((x, 0.0), 11.5, **PART_STYLES["pins"]))
         axes.text(x, 24.0, name, ha="center")
     axes.text(0.0, -30.0, "the disc is below", ha="center", color=GREY)
 
@@ -172,7 +172,7 @@ def two_discs(axes: Axes) -> None:
     """Draw two discs, half a turn apart on the crank."""
     axes.add_patch(Polygon(_disc_points(crank=CRANK_ANGLE + math.pi, turn=math.pi / GEAR.lobes), facecolor="#C9D8E4",
                            edgecolor=GREY))  # fmt: skip
-    axes.add_patch(Polygon(_disc_points(), facecolor=LOOKS["gear"]["facecolor"], alpha=0.7, edgecolor="#134A73"))
+    axes.add_patch(Polygon(_disc_points(), facecolor=PART_STYLES["gear"]["facecolor"], alpha=0.7, edgecolor="#134A73"))
     _pins(axes)
 
 
@@ -203,14 +203,14 @@ def _span(angle: float) -> tuple[float, float]:
 
 
 def _disc(axes: Axes) -> None:
-    axes.add_patch(Polygon(_disc_points(), **LOOKS["gear"]))
+    axes.add_patch(Polygon(_disc_points(), **PART_STYLES["gear"]))
     centre = 1e3 * kinematics.gear_centre(GEAR, CRANK_ANGLE)
     axes.add_patch(Circle(tuple(centre), 1e3 * FEW.gear.bore_radius, facecolor="white", edgecolor="#134A73"))
 
 
 def _pins(axes: Axes, radius: float = PIN_RADIUS) -> None:
     for angle in profile.pin_angles(GEAR):
-        axes.add_patch(Circle(tuple(PIN_CIRCLE * profile.unit(angle)), radius, **LOOKS["pins"]))
+        axes.add_patch(Circle(tuple(PIN_CIRCLE * profile.unit(angle)), radius, **PART_STYLES["pins"]))
 
 
 SKETCHES: Iterable[Callable[[Axes], None]] = (

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cycloid_mj.base.memory import look_rarely
+from cycloid_mj.base.memory import collect_rarely
 from cycloid_mj.reducer import Reducer
 
 try:
@@ -15,7 +15,7 @@ try:
 except ImportError:  # Windows: each worker compiles for itself
     fcntl = None
 
-look_rarely()
+collect_rarely()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -25,6 +25,9 @@ SOURCES = (
 )
 """Files with compiled functions, and with what is compiled into them."""
 
+MAX_FOLDERS = 3
+"""Folders of compiled code that are kept: that of the current sources, and two of earlier ones."""
+
 
 @cache
 def cache_folder() -> Path | None:
@@ -46,9 +49,9 @@ def cache_folder() -> Path | None:
 
 
 def _remove_old_folders(parent: Path) -> None:
-    """Keep the three latest folders of compiled code; another process may remove the others at the same time."""
+    """Remove all but the `MAX_FOLDERS` latest folders of compiled code; another process may do so at the same time."""
     with suppress(OSError):
-        for old in sorted(parent.glob("kernels-*"), key=lambda path: path.stat().st_mtime)[:-3]:
+        for old in sorted(parent.glob("kernels-*"), key=lambda path: path.stat().st_mtime)[:-MAX_FOLDERS]:
             shutil.rmtree(old, ignore_errors=True)
 
 
@@ -71,7 +74,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         try:
             return super().load_overload(signature, target)
         except Exception:  # whatever a damaged pickle raises
-            say_compiling(
+            log_compilation(
                 f"the compile cache in {cache_folder()} is damaged: compiling again, which takes some seconds"
             )
             with suppress(OSError):
@@ -83,8 +86,8 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         try:
             super().save_overload(signature, compiled)
         except OSError as problem:
-            _say_once(
-                "kept",
+            _log_once(
+                "storage",
                 f"compiled code cannot be stored in {cache_folder()} ({problem.strerror}) and is used for this run "
                 "only: free disk space, or set NUMBA_CACHE_DIR to a writable folder",
             )
@@ -95,15 +98,15 @@ def _digest_of_sources() -> str:
     return hashlib.sha256(b"".join(sources)).hexdigest()[:16]
 
 
-def say_compiling(why: str) -> None:
-    """Log once in a process (level info) that code is compiled, and why."""
-    _say_once("compiling", why)
+def log_compilation(why: str) -> None:
+    """Log once in a process (level info) that code is compiled, with the text `why`."""
+    _log_once("compiling", why)
 
 
-_said: set[str] = set()
+_logged_topics: set[str] = set()
 
 
-def _say_once(of: str, text: str) -> None:
-    if of not in _said:
-        _said.add(of)
+def _log_once(topic: str, text: str) -> None:
+    if topic not in _logged_topics:
+        _logged_topics.add(topic)
         _log.info(text)

@@ -8,7 +8,7 @@ import numba
 from numba.core import event, sigutils
 from numba.core.ccallback import CFunc
 
-from cycloid_mj.base.compile_cache import KernelCache, cache_folder, say_compiling
+from cycloid_mj.base.compile_cache import KernelCache, cache_folder, log_compilation
 from cycloid_mj.base.interrupt import defer_signals
 
 Function = Callable[..., Any]
@@ -69,11 +69,11 @@ def announce_compilation() -> Iterator[None]:
 
 class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
     def on_start(self, event: Any) -> None:
-        """Log that code is being compiled, with the reason; only once, see `say_compiling`."""
+        """Log that code is being compiled, with the reason; only once, see `log_compilation`."""
         if cacheable():
-            say_compiling("compiling the contact code, once per installation; this takes some seconds")
+            log_compilation("compiling the contact code, once per installation; this takes some seconds")
         else:
-            say_compiling(
+            log_compilation(
                 "compiling the contact code for this run only, because no cache folder is writable: set "
                 "NUMBA_CACHE_DIR to a writable folder"
             )

@@ -12,7 +12,7 @@ from typing import Any
 STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 """The signals that ask a program to end; Windows has no SIGHUP."""
 
-LARGEST_ACTION = 1024
+SIGACTION_SIZE = 1024
 """Bytes, more than any system's `struct sigaction` has."""
 
 _to_stop: ContextVar[threading.Event | None] = ContextVar("to_stop", default=None)
@@ -58,7 +58,7 @@ def preserve_handlers() -> Iterator[None]:
         yield
         return
     system = ctypes.CDLL(None)
-    saved_handlers = {number: ctypes.create_string_buffer(LARGEST_ACTION) for number in STOPPING}
+    saved_handlers = {number: ctypes.create_string_buffer(SIGACTION_SIZE) for number in STOPPING}
     for number, saved_handler in saved_handlers.items():
         system.sigaction(number, None, saved_handler)
     try:

@@ -31,39 +31,39 @@ class MemorySettings:
 MEMORY = MemorySettings()
 
 
-def look_rarely() -> None:
-    """Make the garbage collector run rarely, which saves up to a quarter of a short command."""
+def collect_rarely() -> None:
+    """Make the garbage collector run rarely (`MEMORY`), which saves up to a quarter of a short command."""
     gc.set_threshold(MEMORY.first, *MEMORY.thresholds[1:])
-    gc.callbacks.append(_after_the_first)
+    gc.callbacks.append(_set_usual_thresholds)
 
 
-def _after_the_first(phase: str, _: object) -> None:
-    """Look as often as is to be, once the first look has begun."""
+def _set_usual_thresholds(phase: str, _: object) -> None:
+    """Set the usual thresholds once the first collection has begun; a callback of `gc`."""
     gc.set_threshold(*MEMORY.thresholds)
-    gc.callbacks.remove(_after_the_first)
+    gc.callbacks.remove(_set_usual_thresholds)
 
 
-def keep_freed() -> None:
+def keep_freed_memory() -> None:
     """Make the C library keep freed memory, where possible: new pages from the system cost time."""
-    if tune := _of_c_library("mallopt"):
+    if tune := _c_function("mallopt"):
         for parameter, value in MEMORY.mallopt:
             tune(parameter, value)
 
 
-def give_back() -> None:
-    """Hand free memory back to the system, where the C library can."""
-    if trim := _of_c_library("malloc_trim"):
+def return_free_memory() -> None:
+    """Return free memory to the system, where the C library can (glibc's ``malloc_trim``)."""
+    if trim := _c_function("malloc_trim"):
         trim(0)
 
 
-def _of_c_library(name: str) -> Any:
+def _c_function(name: str) -> Any:
     """Find a function of the C library; None where it has no such function."""
     import ctypes
 
     return getattr(ctypes.CDLL(None), name, None) if sys.platform != "win32" else None
 
 
-def leave_circles() -> None:
+def freeze_objects() -> None:
     """Exempt all objects from the last garbage collection, unless duckdb is loaded, which would report leaks."""
     if "duckdb" not in sys.modules:
         gc.freeze()

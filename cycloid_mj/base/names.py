@@ -83,7 +83,7 @@ def number_of(pair: str) -> int:
 
 @cache
 def disc_of(pair: str) -> int:
-    """Return the index of the disc that a mating pair is of, by its name: 0, 1, ...; 0 where it is of none."""
+    """Return the index of the disc of a mating pair by its name: 0, 1, ...; 0 if the pair has no disc."""
     match = _OF_DISC.match(pair)
     return int(match.group(1)) - 1 if match else 0
 
@@ -104,7 +104,7 @@ def numbered_name(stem: str, number: int) -> str:
 
 
 def all_numbered(stem: str, count: int) -> tuple[str, ...]:
-    """Name all of them."""
+    """Return the names of the parts with the numbers 1 to `count`: ``pin_1``, ``pin_2``, ..."""
     return tuple(numbered_name(stem, number) for number in range(1, count + 1))
 
 
@@ -122,10 +122,10 @@ def gears(discs: int) -> tuple[str, ...]:
 
 
 def planar_joints(body: str) -> tuple[str, str, str]:
-    """Name the joints of a body that moves in the plane: x, y and its turn. They are columns of the log, too."""
+    """Name the joints of a body that moves in the plane: x, y and its rotation. They are columns of the log, too."""
     return column(body, "x"), column(body, "y"), column(body, "angle")
 
 
 def planar_speeds(body: str) -> tuple[str, str, str]:
-    """Name the columns of their speeds."""
+    """Name the columns of the speeds of a body that moves in the plane: along x and y, and of its rotation."""
     return column(body, "vx"), column(body, "vy"), column(body, "speed")

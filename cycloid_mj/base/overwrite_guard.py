@@ -191,7 +191,10 @@ def describe_file(path: Path) -> str:
 
 
 def _require_same_kind(path: Path) -> None:
-    """Raise TakenError if an existing file is of another type than the ending of its name says."""
+    """Raise TakenError if an existing file is of another type than the ending of its name says.
+
+    Empty files, and files whose start does not identify a type, are accepted under a name without a fixed start.
+    """
     head, wanted_kind = _head(path), _own_kind(path)
     if not head or (wanted_kind.start and _begins(head, wanted_kind)):
         return
@@ -212,7 +215,7 @@ def _begins(head: bytes, kind: Kind) -> bool:
 
 
 def _kind(head: bytes) -> str:
-    """Return the type of a file by its first bytes; empty if they are ambiguous."""
+    """Return the type of a file in words by its first bytes; empty if no type with a fixed start matches."""
     return next((kind.name for kind in KINDS.values() if kind.start and _begins(head, kind)), "")
 
 
@@ -226,8 +229,9 @@ def _head(path: Path) -> bytes:
 
 
 def _identity(path: Path) -> tuple[int, int]:
-    there = path.stat()
-    return there.st_dev, there.st_ino
+    """Return device and inode of a file, which are the same under all of its names; raise OSError without a file."""
+    status = path.stat()
+    return status.st_dev, status.st_ino
 
 
 def _real(path: Path) -> Path:

@@ -21,10 +21,10 @@ class Powers:
     crank, output
         Into the reducer through each shaft; negative where power flows out.
     friction, normal
-        Kind of pair, or part, -> what sliding, rolling and seals take, and what the normal forces take: damping, and
-        elastic energy.
+        Kind of pair, or part -> power lost to sliding, rolling and seals; and to normal forces by damping, with the
+        growth of elastic energy.
     stored
-        Growth of kinetic and potential energy.
+        Growth of kinetic and potential energy per time.
     """
 
     crank: float

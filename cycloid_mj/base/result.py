@@ -105,7 +105,7 @@ def by_key(*groups: Iterable[Quantity]) -> dict[str, Quantity]:
 
 
 def quantity_frame(quantities: Mapping[str, Quantity]) -> "Frame":
-    """Return quantities as a frame, a row each."""
+    """Return quantities as a frame, a row each; intervals are left out."""
     from cycloid_mj.base.frame import make_frame  # which takes NumPy, that no help page needs
 
     rows = [{"key": key, **quantity.as_json()} for key, quantity in quantities.items()]
@@ -114,7 +114,10 @@ def quantity_frame(quantities: Mapping[str, Quantity]) -> "Frame":
 
 
 def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
-    """Return a table with a row per quantity: name, value, unit, numerical error, closed form and source."""
+    """Return a table with a row per quantity: name, value, unit, numerical error, closed form and source.
+
+    A value that is NaN is a dash; a missing error or closed form is an empty cell.
+    """
     rows = (
         (
             quantity.name,

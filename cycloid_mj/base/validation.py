@@ -90,7 +90,7 @@ class ValidationPart:
 def relative(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Return a row judged by |ours/reference - 1|, with `bound` in percent."""
+    """Return a row judged by |ours/reference - 1|, with `bound` in percent; it fails if the reference is 0."""
     error = 100.0 * abs(ours / reference - 1.0) if reference else float("nan")
     return ValidationRow(_as_quantity(quantity, ours, reference, unit, source, note), float(error), "%", bound)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TextIO
 
 from cycloid_mj.base.interrupt import end_on_signals, exit_code, raise_on_signals, signal_name
-from cycloid_mj.base.memory import leave_circles, look_rarely
+from cycloid_mj.base.memory import collect_rarely, freeze_objects
 
 SUBSTITUTING = "cycloid_mj.substitute"
 """Name of the handler of characters that a stream cannot encode."""
@@ -112,13 +112,13 @@ def run() -> None:
     code = 1
     if first_start(sys.argv[1:]):
         sys.stderr.write("first start: Python compiles its modules, which takes some seconds\n")
-    look_rarely()
+    collect_rarely()
     # pydantic looks for plugins in every package that is installed; no command has a use for one
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # matrices are small here, or sparse: threads that share them cost more than they do, an eighth of `stress`
     if not BLAS_THREADS & os.environ.keys():
         os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    atexit.register(leave_circles)
+    atexit.register(freeze_objects)
     try:
         raise_on_signals()
         code = main()

@@ -194,13 +194,13 @@ def stress(
     """
     names = (*designs, *design)
     _require_consistent(names, log, has_changes=bool(set_ or load_nm is not None))
-    from cycloid_mj.base.memory import keep_freed
+    from cycloid_mj.base.memory import keep_freed_memory
     from cycloid_mj.stress.packages import import_package
     from cycloid_mj.stress.study import QUICK, StudySettings
 
     for module in ("gmsh", "skfem"):
         import_package(module)
-    keep_freed()
+    keep_freed_memory()
     if springs or mounts is not None:
         _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
         loaded_designs = [load_design(name, set_, (), at_c) for name in names]

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.memory import give_back
+from cycloid_mj.base.memory import return_free_memory
 from cycloid_mj.design.model import Material
 from cycloid_mj.stress.grid import Grid, mapping_of
 from cycloid_mj.stress.packages import import_package
@@ -317,7 +317,7 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
 
     By LDL^T of rslab if it is installed, which is much faster, else by SuperLU.
     """
-    give_back()  # a factor needs its memory in one piece
+    return_free_memory()  # a factor needs its memory in one piece
     try:
         ldlt = importlib.import_module("rslab").ldlt
     except (ImportError, OSError, AttributeError):  # it is young: a later release may have other names

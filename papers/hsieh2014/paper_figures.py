@@ -12,7 +12,17 @@ from matplotlib.patches import Circle
 from cycloid_mj.analysis import Series
 from cycloid_mj.base.array import Array
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import BLACK, GREY, THEORY, WIDTH, crank_axis, keys, sheet, turn_degrees, with_style
+from cycloid_mj.plots.style import (
+    BLACK,
+    GREY,
+    THEORY,
+    WIDTH,
+    crank_axis,
+    create_figure,
+    legend_handles,
+    turn_degrees,
+    with_style,
+)
 from hsieh2014.peaks import middle
 from hsieh2014.stated import SHOWN
 
@@ -28,7 +38,7 @@ HEIGHT: dict[str, Any] = {"linestyle": (0, (6, 3)), "linewidth": 0.9}
 @with_style
 def speeds_figure(motions: Sequence[Series]) -> Figure:
     """Draw the gear's speed over a crank turn, all designs in one plot, in deg/s as the paper, and rad/s (Fig. 6)."""
-    figure = sheet(3.4)
+    figure = create_figure(3.4)
     axes = figure.subplots()
     first = motions[0].gear_speed.select(motions[0].one_turn)
     axes.plot(turn_degrees(motions[0]), np.degrees(first.theory), **THEORY)
@@ -47,7 +57,7 @@ def speeds_figure(motions: Sequence[Series]) -> Figure:
 @with_style
 def paths_figure(motions: Sequence[Series]) -> Figure:
     """Draw the path of q over a crank turn with Eq. 16, all designs in one plot, and its error (Fig. 7)."""
-    figure = sheet(3.6)
+    figure = create_figure(3.6)
     path, error = figure.subplots(1, 2, width_ratios=[1, 1.5])
     theory = motions[0].q_position.select(motions[0].one_turn).theory
     path.plot(*(1e3 * theory.T), **THEORY)
@@ -69,7 +79,7 @@ def paths_figure(motions: Sequence[Series]) -> Figure:
 @with_style
 def velocities_figure(motions: Sequence[Series]) -> Figure:
     """Draw the velocity of q over a crank turn with Eq. 18, all designs in one plot, and its error (Fig. 8)."""
-    figure = sheet(4.4)
+    figure = create_figure(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
     theory = motions[0].q_velocity.size.select(motions[0].one_turn).theory
     top.plot(turn_degrees(motions[0]), 1e3 * theory, **THEORY)
@@ -94,7 +104,7 @@ def pins_figure(motions: Mapping[str, Series]) -> Figure:
     Displacements are magnified so that the largest of a run is `FARTHEST` of the pin's radius; rotations are not. The
     circle marks the clearance; in a half-open socket, the pin can leave it.
     """
-    figure = sheet(1.75 * len(motions) + 0.5)
+    figure = create_figure(1.75 * len(motions) + 0.5)
     panels = figure.subplots(len(motions), len(SHOWN), squeeze=False)
     for row, (name, motion) in zip(panels, motions.items(), strict=True):
         rows = motion.one_turn
@@ -128,7 +138,7 @@ def heights_figure(
     marks
         Crank angles of the paper's peaks [deg].
     """
-    figure = sheet(3.6)
+    figure = create_figure(3.6)
     axes = figure.subplots()
     names = list(dict.fromkeys(label.partition(", ")[0] for label in curves))
     laws = list(dict.fromkeys(label.partition(", ")[2] for label in curves))
@@ -151,7 +161,7 @@ def heights_figure(
     axes.set_ylabel("von Mises stress, largest in bulk [MPa]")
     crank_axis(axes, np.array([0.0, 360.0]))
     # two rows: a column for each design, one for the paper
-    figure.legend(handles=keys(*looks.items()), loc="outside lower center", ncols=math.ceil(len(looks) / 2))
+    figure.legend(handles=legend_handles(*looks.items()), loc="outside lower center", ncols=math.ceil(len(looks) / 2))
     return figure
 
 
@@ -159,7 +169,7 @@ def heights_figure(
 def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
     """Draw the cam's force over a crank turn: a panel for each design, a line for each ``design, case``."""
     names = list(dict.fromkeys(label.partition(", ")[0] for label in curves))
-    figure = sheet(3.0)
+    figure = create_figure(3.0)
     panels = figure.subplots(1, len(names), sharey=True, squeeze=False)[0]
     cases = list(dict.fromkeys(label.partition(", ")[2] for label in curves))
     for panel, name in zip(panels, names, strict=True):
@@ -172,7 +182,7 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
         crank_axis(panel, np.array([0.0, 360.0]))
     panels[0].set_ylim(0.0, 1.05 * max(float(force.max()) for force in curves.values()))
     panels[0].set_ylabel("force of the cam [N]")
-    handles = keys(*((case, _look(number)) for number, case in enumerate(cases)))
+    handles = legend_handles(*((case, _look(number)) for number, case in enumerate(cases)))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(cases))
     return figure
 
@@ -185,7 +195,7 @@ def torques_figure(
 
     A dashed line is the torque without losses.
     """
-    figure = sheet(2.2)
+    figure = create_figure(2.2)
     panels = figure.subplots(1, len(ours), sharex=True, sharey=True, squeeze=False)[0]
     for number, (panel, (name, torques)) in enumerate(zip(panels, ours.items(), strict=True)):
         bars = {**torques, **stated[name]}
@@ -211,7 +221,7 @@ def picture_figure(pictures: Mapping[str, Any]) -> Figure:
     """Draw rendered pictures, shape (height, width, 3) each, with their names, up to three side by side."""
     columns = min(len(pictures), 3)
     rows = math.ceil(len(pictures) / columns)
-    figure = sheet((WIDTH / columns + 0.25) * rows)
+    figure = create_figure((WIDTH / columns + 0.25) * rows)
     panels = figure.subplots(rows, columns, squeeze=False).flat
     for panel, (name, picture) in zip(panels, pictures.items(), strict=False):
         panel.imshow(picture)
@@ -241,4 +251,4 @@ def _look(number: int) -> dict[str, Any]:
 
 def _legend(figure: Figure, motions: Sequence[Series]) -> None:
     entries = [("closed form", THEORY), *((motion.design.name, _look(number)) for number, motion in enumerate(motions))]
-    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
+    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=len(entries))

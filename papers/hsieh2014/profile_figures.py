@@ -11,7 +11,17 @@ from matplotlib.patches import Circle
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope, kinematics, profile
 from cycloid_mj.geometry.profile import CycloidGear
-from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, keys, sheet, with_style
+from cycloid_mj.plots.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    VERMILION,
+    create_figure,
+    legend_handles,
+    with_style,
+)
 
 CRANK = np.radians(25.0)
 """Crank angle of the drawings of contact [rad]."""
@@ -62,14 +72,14 @@ def rolling_figure(gear: CycloidGear) -> Figure:
         ("path of a pin's centre", TROCHOID),
         ("gear", GEAR),
     )
-    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=4)
+    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=4)
     return figure
 
 
 @with_style
 def gear_figure(gear: CycloidGear) -> Figure:
     """Draw the gear as the inner envelope of a pin in all its positions, and the gear's curvature along a lobe."""
-    figure = sheet(3.3)
+    figure = create_figure(3.3)
     near, bend = figure.subplots(1, 2, width_ratios=[1.25, 1])
     lobe = 2 * np.pi / gear.lobes
     for turn in np.linspace(-lobe, lobe, 2 * 41 - 1):
@@ -88,7 +98,7 @@ def gear_figure(gear: CycloidGear) -> Figure:
     bend.set_xticks(range(0, 181, 45))
     bend.set_title(f"Curvature (inflection at {inflection:.2f} deg)")
     entries = (("pin", PIN), ("path of its centre", TROCHOID), ("gear", GEAR))
-    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=3)
+    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=3)
     return figure
 
 
@@ -121,7 +131,7 @@ def meshing_figure(gear: CycloidGear) -> Figure:
         ("common normals", {"color": GREY, "linewidth": 0.6}),
         ("pitch point", {"color": GREEN, **DOT}),
     )
-    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=5)
+    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=5)
     return figure
 
 
@@ -158,12 +168,12 @@ def ring_figure(gear: CycloidGear) -> Figure:
         ("gear", GEAR),
         ("gear on its orbit", {"color": "#C8D9E8"}),
     )
-    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=5)
+    figure.legend(handles=legend_handles(*entries), loc="outside lower center", ncols=5)
     return figure
 
 
 def _pair() -> tuple[Figure, Axes, Axes]:
-    figure = sheet(3.7)
+    figure = create_figure(3.7)
     left, right = figure.subplots(1, 2)
     for axes in (left, right):
         axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")

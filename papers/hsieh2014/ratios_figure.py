@@ -7,7 +7,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, keys, sheet, with_style
+from cycloid_mj.plots.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    create_figure,
+    legend_handles,
+    with_style,
+)
 from hsieh2014.decisions import Varied
 from hsieh2014.ranking import Ranking
 
@@ -20,7 +31,7 @@ def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sw
 
     `conditions` maps each load [N m] to the title of its panel.
     """
-    figure = sheet(3.6)
+    figure = create_figure(3.6)
     loads = sorted(conditions)
     panels = figure.subplots(1, len(loads), sharey=True, squeeze=False)[0]
     first = ranked[0]
@@ -44,7 +55,7 @@ def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sw
         (name, {"color": color, "marker": mark, "linestyle": "none", "markersize": 4.5})
         for name, (color, mark) in zip(names, MARKS, strict=False)
     ]
-    figure.legend(handles=keys(*looks), loc="outside lower center", ncols=3, handlelength=1.0)
+    figure.legend(handles=legend_handles(*looks), loc="outside lower center", ncols=3, handlelength=1.0)
     return figure
 
 

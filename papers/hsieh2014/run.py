@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 from time import monotonic
 
-from cycloid_mj.base.memory import give_back
+from cycloid_mj.base.memory import return_free_memory
 from hsieh2014.authors import authors
 from hsieh2014.geometry import equal, geometry
 from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
@@ -50,7 +50,7 @@ def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()
         progress = partial(_progress, report, step, ends, later)
         progress("")
         stages.append(run_step(step, plan, runs, progress))
-        give_back()
+        return_free_memory()
     return stages
 
 

@@ -7,7 +7,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from cycloid_mj.comparison import StartSpread
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import WIDTH, NotebookFigure, keys, with_style
+from cycloid_mj.plots.style import WIDTH, NotebookFigure, legend_handles, with_style
 from hsieh2014.ranking import Ranked
 
 TICKS = 6
@@ -42,5 +42,5 @@ def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], 
     panels[-1].set_xlim(-0.5, len(cases) - 0.5)
     panels[-1].set_xticks(range(len(cases)), list(cases), rotation=45, ha="right")
     looks = [(name, {"color": COLORS[number], "marker": "o", "linestyle": ""}) for number, name in enumerate(names)]
-    figure.legend(handles=keys(*looks), loc="outside lower center", ncols=len(names))
+    figure.legend(handles=legend_handles(*looks), loc="outside lower center", ncols=len(names))
     return figure

@@ -45,7 +45,7 @@ def kernels(tmp_path, monkeypatch, caplog):
     caplog.set_level(logging.INFO, logger="cycloid_mj")
 
     def used():
-        monkeypatch.setattr(compile_cache, "_said", set())
+        monkeypatch.setattr(compile_cache, "_logged_topics", set())
         caplog.clear()
         spec = importlib.util.spec_from_file_location("kernels", tmp_path / "kernels.py")
         module = importlib.util.module_from_spec(spec)

@@ -31,7 +31,7 @@ def test_first_run_states_that_it_compiles_and_the_next_has_it(tmp_path):
 
 def test_compilation_is_reported_once_and_not_when_quiet(capsys, monkeypatch, tmp_path):
     for quiet, lines in ((), 1), (("--quiet",), 0):
-        monkeypatch.setattr(compile_cache, "_said", set())
+        monkeypatch.setattr(compile_cache, "_logged_topics", set())
 
         def build(*given):
             for number in range(2):
@@ -46,7 +46,7 @@ def test_compilation_is_reported_once_and_not_when_quiet(capsys, monkeypatch, tm
 
 
 def test_compilation_of_planar_steps_and_c_functions_is_reported(capsys, caplog, monkeypatch, tmp_path):
-    monkeypatch.setattr(compile_cache, "_said", set())
+    monkeypatch.setattr(compile_cache, "_logged_topics", set())
 
     def advance(*given):
         njit(lambda x: x)(1)
@@ -55,7 +55,7 @@ def test_compilation_of_planar_steps_and_c_functions_is_reported(capsys, caplog,
     monkeypatch.setattr("cycloid_mj.dynamics.planar.stepper._compile_steps", lambda: advance)
     assert main([*RUN, "--solver", "planar", "--out", str(tmp_path)]) == 1
     assert capsys.readouterr().err.count("compiling the contact code") == 1
-    monkeypatch.setattr(compile_cache, "_said", set())
+    monkeypatch.setattr(compile_cache, "_logged_topics", set())
     caplog.clear()
     with caplog.at_level("INFO"):
         called = njit(lambda x: x)

@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from cycloid_mj.base.memory import look_rarely
+from cycloid_mj.base.memory import collect_rarely
 
 
 @pytest.fixture
@@ -17,12 +17,12 @@ def as_before():
 
 @pytest.mark.usefixtures("as_before")
 def test_the_first_collection_of_cycles_waits_for_more_objects():
-    look_rarely()
+    collect_rarely()
     first, *older = gc.get_threshold()
     gc.collect(0)
     assert gc.get_threshold() == (first // 4, *older)
-    look_rarely()
-    look_rarely()
+    collect_rarely()
+    collect_rarely()
     gc.collect(0)
     gc.collect(0)
     assert gc.get_threshold() == (first // 4, *older)

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 R = TypeVar("R")
 
-SECONDS_BETWEEN_LOOKS = 1.0
+PARENT_CHECK_INTERVAL = 1.0
 """Interval of checks whether the parent process exists [s]; on POSIX, joblib's workers cannot wait for it."""
 
 
@@ -27,14 +27,14 @@ def _exit_with_parent(parent_pid: int) -> None:
     sentinel = getattr(multiprocessing.parent_process(), "sentinel", None)
     while os.getppid() == parent_pid:
         if sentinel is None:
-            time.sleep(SECONDS_BETWEEN_LOOKS)
-        elif wait([sentinel], SECONDS_BETWEEN_LOOKS):
+            time.sleep(PARENT_CHECK_INTERVAL)
+        elif wait([sentinel], PARENT_CHECK_INTERVAL):
             break
     os.kill(os.getpid(), signal.SIGTERM)
 
 
-class _Left(Exception):
-    """Nobody waits for what is left."""
+class _ResultsAbandoned(Exception):
+    """The caller does not need the remaining results."""
 
 
 def forward_results(results: Generator[R, None, None]) -> Iterator[R]:
@@ -46,6 +46,6 @@ def forward_results(results: Generator[R, None, None]) -> Iterator[R]:
         for result in results:  # noqa: UP028  # `yield from` would close it itself
             yield result
     except GeneratorExit:
-        with suppress(_Left):
-            results.throw(_Left())
+        with suppress(_ResultsAbandoned):
+            results.throw(_ResultsAbandoned())
         raise

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from cycloid_mj.base.engine.housekeeping import forward_results, serve_parent
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.memory import look_rarely
+from cycloid_mj.base.memory import collect_rarely
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -78,8 +78,8 @@ def _run_pool(
 
 def _begin() -> None:
     serve_parent()
-    look_rarely()
+    collect_rarely()
 
 
-def _piece(work: Callable[[T], R], place: int, item: T) -> tuple[int, R]:
-    return place, work(item)
+def _piece(work: Callable[[T], R], index: int, item: T) -> tuple[int, R]:
+    return index, work(item)
