@@ -123,7 +123,8 @@ def reducer_at_reference(reducer: Reducer) -> Reducer:
 def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     """Describe the drive with its covers as JSON values: size, mass, bill of materials, consumables, order of assembly.
 
-    If the covers do not fit, ``reason`` says why, and the bill is that of the mechanism.
+    If the covers do not fit, ``reason`` says why, bill and mass are those of the mechanism, consumables and order are
+    empty, and the keys of motor and size are missing. ``printed`` says whether the parts are of plastic.
 
     Raises
     ------

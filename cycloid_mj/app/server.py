@@ -179,7 +179,7 @@ def open_socket(port: int) -> socket.socket:
     Raises
     ------
     CycloidError
-        The port is in use.
+        The port is in use, or this user may not listen on it.
     """
     listener = socket.socket()
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

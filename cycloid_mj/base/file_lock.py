@@ -43,7 +43,10 @@ def lock_file(path: Path) -> Callable[[], None]:
 
 
 def _lock_sidecar(path: Path) -> Callable[[], None]:
-    """Lock an empty file next to `path`, with the ending ``.lock``, by filelock; return the unlocking function."""
+    """Lock an empty file next to `path`, with the ending ``.lock``, by filelock; return the unlocking function.
+
+    Raise BlockingIOError if another process has the lock.
+    """
     from filelock import FileLock, Timeout
 
     lock = FileLock(f"{path}.lock", timeout=0, thread_local=False)

@@ -29,6 +29,10 @@ class LoopSettings:
     """Share of its range by which the torque returns after a reversal."""
     median_window: int = 5
     """Number of neighbours whose median locates a reversal, so that single outliers are none."""
+    max_noise: float = 3.0
+    max_steps: float = 2.0
+    """Multiples of the typical noise, and of the typical step between two points, whose sum is the largest distance of a
+    reversal's torque from the median there; beyond, it is an outlier."""
     lead_distance: float = 1.0 / 3.0
     """Distance of the first points from the loop's branch, over its width there, from which they lead to the loop."""
     end_torque: float = 0.9
@@ -369,7 +373,8 @@ def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
     """
     neighbours = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
     outermost = float(neighbours.max() if medians[index] >= np.median(neighbours) else neighbours.min())
-    tolerance = 3.0 * float(np.median(np.abs(torque - medians))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
+    noise, step = float(np.median(np.abs(torque - medians))), float(np.median(np.abs(np.diff(torque))))
+    tolerance = SETTINGS.max_noise * noise + SETTINGS.max_steps * step
     return float(np.clip(outermost, medians[index] - tolerance, medians[index] + tolerance))
 
 

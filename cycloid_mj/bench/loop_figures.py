@@ -249,14 +249,15 @@ def _mean_stiffness(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
 def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coulomb: LoopFigure) -> LoopFigure:
     """Compute the rotation between both loading lines at the Coulomb torque of their sides [rad], with its interval.
 
-    `positive_line` and `negative_line` are the lines of positive and negative torque; NaN without one of them.
+    `positive_line` and `negative_line` are the lines of positive and negative torque; NaN without one of them. The
+    interval covers the scatter of both lines and that of the Coulomb torque, which moves the ends along the lines.
     """
     if positive_line is None or negative_line is None or math.isnan(coulomb.value):
         return NO_FIGURE
     (upper, upper_variance), (lower, lower_variance) = positive_line.at(coulomb.value), negative_line.at(-coulomb.value)
     quantile = _quantile(min(positive_line.freedom, negative_line.freedom))
-    torque_part = (positive_line.slope + negative_line.slope) * 0.5 * (coulomb.high - coulomb.low)
-    half_width = math.hypot(quantile * (upper_variance + lower_variance) ** 0.5, torque_part)
+    coulomb_part = (positive_line.slope + negative_line.slope) * 0.5 * (coulomb.high - coulomb.low)
+    half_width = math.hypot(quantile * (upper_variance + lower_variance) ** 0.5, coulomb_part)
     return LoopFigure.about(upper - lower, half_width)
 
 

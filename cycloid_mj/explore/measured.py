@@ -229,6 +229,7 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def _require_figure(name: str) -> None:
+    """Raise UsageError unless the catalogue has a figure of this name."""
     try:
         figure(name)
     except UsageError as error:

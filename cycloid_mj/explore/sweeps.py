@@ -32,6 +32,8 @@ TABLE, PARQUET = "sweep.csv", "sweep.parquet"
 SECONDS_BETWEEN_TABLES = 10.0
 """Shortest time between two writings of the table while the sweep runs [s]."""
 
+MAX_WRITE_SHARE = 0.05
+"""Largest share of the time for writing the table while the sweep runs."""
 
 PROCESSES = Engine()
 """All cores of this machine."""
@@ -233,8 +235,8 @@ def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, pr
             journal.add(index, replace(row, assumptions=()) if has_assumptions else row)
             if (start := monotonic()) > next_write:
                 write_csv(Sweep(task, points, journal.rows).frame, folder / TABLE)
-                # writing takes 5 % of the time at most
-                next_write = monotonic() + max(SECONDS_BETWEEN_TABLES, 20.0 * (monotonic() - start))
+                write_time = monotonic() - start
+                next_write = monotonic() + max(SECONDS_BETWEEN_TABLES, write_time / MAX_WRITE_SHARE)
 
         try:
             _evaluate_missing(task, points, journal.rows, record, engine, progress)

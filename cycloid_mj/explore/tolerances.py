@@ -413,6 +413,8 @@ def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[Fi
 
     Raises
     ------
+    DesignError
+        The ring is in two halves, which press the discs without a load.
     UsageError
         The design has no tolerances, a limit is not valid, or limits contradict each other.
     """

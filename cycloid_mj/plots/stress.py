@@ -56,7 +56,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     figure = create_figure(4.0)
     top, bottom = figure.subplots(2, 1, sharex=True)
     for index, findings_of_design, maxima in studies:
-        degrees, line_style = np.degrees(maxima.angle), _look(index)
+        degrees, line_style = np.degrees(maxima.angle), _line_style(index)
         top.plot(degrees, maxima.bulk / MEGAPASCAL, **line_style)
         peak = maxima.bulk_peak
         top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **line_style)
@@ -118,7 +118,10 @@ def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
 
 @with_style
 def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
-    """Draw the largest bulk stress of each part over the unknowns of its grids, relative to the finest grid."""
+    """Draw the largest bulk stress of each part over the unknowns of its grids, as deviation from the finest grid [%].
+
+    The grey band is the allowed change per refinement, `MAX_CHANGE`.
+    """
     figure = create_figure(3.4)
     axes = figure.subplots()
     marks = dict(zip(TITLES, "osspPXD^v", strict=True))
@@ -130,7 +133,7 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
                 100 * (largest / largest[-1] - 1.0),
                 marker=marks[maxima.part],
                 markersize=4.0,
-                **_look(index),
+                **_line_style(index),
             )
     axes.axhspan(-100 * MAX_CHANGE, 100 * MAX_CHANGE, color="#EFEFEF", zorder=0)
     axes.axhline(0.0, color=BLACK, linewidth=0.5)
@@ -159,7 +162,7 @@ def stress_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
     return maxima_figures(findings) | {"stress_refinement": refinement_figure(findings)}
 
 
-def _look(number: int) -> dict[str, Any]:
+def _line_style(number: int) -> dict[str, Any]:
     return {"color": _color(number), "linewidth": 1.0}
 
 
@@ -234,9 +237,10 @@ def _split_quadratic(cells: Integers) -> Integers:
 
 
 def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
-    """Project the surface of a solid part in its view.
+    """Project the surface of a solid part in its view (`VIEWS`).
 
-    Return the nodes [mm], shape (n, 2), the visible faces from far to near, shape (f, 6), and their depth, shape (f,).
+    `points` are the nodes [m], shape (n, 3), `cells` the quadratic tetrahedra, shape (m, 10). Return the nodes [mm],
+    shape (n, 2), the visible faces from far to near, shape (f, 6), and their depth, shape (f,).
     """
     view = VIEWS.get(part, FRONT)
     right_axis = view[0] / np.linalg.norm(view[0])
@@ -257,7 +261,8 @@ def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
     """Find the outer faces of quadratic tetrahedra: those that belong to one tetrahedron only.
 
     `cells` are node indices, shape (m, 10), midside nodes on the edges 01, 12, 02, 03, 13, 23. Return the faces, shape
-    (f, 6), and for each the corner opposite to it in its tetrahedron, shape (f,).
+    (f, 6), three corners and then three midside nodes, and for each the corner opposite to it in its tetrahedron, shape
+    (f,).
     """
     sides = ((0, 1, 2, 4, 5, 6, 3), (0, 1, 3, 4, 8, 7, 2), (1, 2, 3, 5, 9, 8, 0), (0, 2, 3, 6, 9, 7, 1))
     faces = np.concatenate([cells[:, side] for side in sides])

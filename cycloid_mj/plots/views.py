@@ -25,8 +25,8 @@ HATCHES = {HOUSING: "////", GEAR: "\\\\\\\\", OUTPUT: "////", PIN: "", SHAFT: ""
 PARTS = {HOUSING: "ring", GEAR: "gear", OUTPUT: "output", PIN: "pins", SHAFT: "shaft"}
 """Hatching of a part in the section, and its style."""
 
-LABEL_ANGLE = math.radians(50.0)
-"""Angle about which the labelled output pin is, counter-clockwise from +x [rad]."""
+LABEL_ANGLE, RING_LABEL_ANGLE = math.radians(50.0), math.radians(128.0)
+"""Angle about which the labelled output pin is, and angle of the label of the ring pins, from +x [rad]."""
 
 LINE_SPACING = 0.19
 """Distance between dimension lines, and from the part, relative to the outer radius of the housing."""
@@ -54,7 +54,10 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
 
 
 def _draw_front_view(axes: Axes, reducer: Reducer, outer: float) -> None:
-    """Draw ring, pins, last disc, output pins and cam with their dimensions; `outer` is the housing's radius [mm]."""
+    """Draw ring, pins, last disc, output pins and cam, seen from the output, with their dimensions [mm].
+
+    `outer` is the housing's radius [mm]. Labels state number and diameter of ring pins (or lobes) and output pins.
+    """
     design = reducer.design
     solids, ring, output, mm = parts(reducer, VISUAL_CHORD_ERROR), design.ring, design.output, MILLIMETRES
     origin, name = np.zeros(3), gears(design.gear.discs)[-1]
@@ -73,7 +76,7 @@ def _draw_front_view(axes: Axes, reducer: Reducer, outer: float) -> None:
     axes.text(0.0, outer * (1.0 + 2.2 * LINE_SPACING), "front view, from the output", **{**TEXT, "fontsize": 7.0})
     teeth = f"{ring.teeth} pins Ø{2 * mm * ring.pin_radius:.4g}" if ring.kind == "pin" else f"{ring.teeth} lobes"
     for angle, radius, text, side in (
-        (math.radians(128.0), ring.pin_circle_radius, f"{teeth}\non Ø{2 * mm * ring.pin_circle_radius:.5g}", -1.0),
+        (RING_LABEL_ANGLE, ring.pin_circle_radius, f"{teeth}\non Ø{2 * mm * ring.pin_circle_radius:.5g}", -1.0),
         (_pin_angle(reducer), output.pin_circle_radius, _pins_label(reducer), 1.0),
     ):
         point = (mm * radius * math.cos(angle), mm * radius * math.sin(angle))
@@ -135,22 +138,22 @@ def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]
 
 
 def _draw_lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> None:
-    """Draw the axial dimensions below the section: stack of discs, output disc, total length.
+    """Draw the axial dimensions below the section, from the top: stack of discs, output disc, total length [mm].
 
     `shift` is that of the section and `outer` the housing's radius [mm].
     """
     mm, half_width = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     solids = body_solids(reducer)
-    disc = solids[OUTPUT].prisms[0]
+    output_disc = solids[OUTPUT].prisms[0]
     ends = [mm * end for solid in solids.values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     rows = (
         ((-half_width, half_width), 1, -outer),
-        ((mm * disc.z0, mm * disc.z1), 2, -mm * _outer_radius(disc)),
+        ((mm * output_disc.z0, mm * output_disc.z1), 2, -mm * _outer_radius(output_disc)),
         ((min(ends), max(ends)), 3, 0.0),
     )
     for (low, high), row, start in rows:
         level, text = -outer * (1.0 + row * LINE_SPACING), f"{high - low:.4g}"
-        starts = (start, start) if row < 3 else (-mm * reducer.design.shaft.radius, -mm * _outer_radius(disc))
+        starts = (start, start) if row < 3 else (-mm * reducer.design.shaft.radius, -mm * _outer_radius(output_disc))
         draw_dimension(axes, (low + shift, high + shift), level, starts, text, upright=False)
 
 

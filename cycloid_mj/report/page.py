@@ -70,7 +70,11 @@ def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
 
 
 def _main_figures(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield name and text of the main figures of a run."""
+    """Yield name and text, with unit, of the main figures of a run: efficiency, errors of output and disc, contacts.
+
+    The efficiency is a text without a load or in a ramp. Backlash and stiffness are those of the static equilibrium,
+    and are left out if there is none.
+    """
     findings = item.findings
     no_value_text = "not evaluated in a ramp" if findings.condition.load else "no load"
     yield "efficiency", no_value_text if findings.efficiency is None else f"{100 * findings.efficiency:.2f} %"

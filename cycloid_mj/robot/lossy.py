@@ -217,9 +217,10 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
 
 
 def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Measure the efficiency (0 to 1) of the lossy joint in MuJoCo alone, at rated speed under a share of its torque.
+    """Measure the efficiency (0 to 1) of the lossy joint in MuJoCo alone, at its rated speed.
 
-    `driving` is True if the crank drives, False if the output does; the result is 0 for a self-locking joint.
+    `share` is the torque on the output over the nominal one. `driving` is True if the crank drives, False if the output
+    does; the result is 0 for a self-locking joint.
     """
     scene = lossy_scene_xml(reduced, reduced.reflected_inertia, SHOE.trial_step)
     files = {"lossy_joint.xml": lossy_joint_xml(reduced).encode()}

@@ -224,7 +224,10 @@ class ReducedJoint(Presented):
         return stops
 
     def bends(self, angle: float) -> Array:
-        """Return the deviations L [rad] between which the torque is linear, at a crank angle [rad], shape (n,)."""
+        """Return the deviations L [rad], increasing, between which the torque is linear at a crank angle [rad], (n,).
+
+        At the level `full`, the transmission error moves them.
+        """
         if self.level == "full":
             (_, lower), (_, upper) = self._stop_deviations(angle)
             return np.unique([*-lower, *upper])
