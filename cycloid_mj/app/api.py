@@ -24,6 +24,9 @@ from cycloid_mj.statics.sheet import load_of
 
 Content = Mapping[str, Any]
 
+MAX_NAME_LENGTH = 80
+"""Characters of a file's name in messages."""
+
 
 def draw(content: Content) -> dict[str, Any]:
     """Apply ``changes`` to a ``design``, and return everything that is shown at once (`view`)."""
@@ -46,12 +49,20 @@ def overview(content: Content) -> dict[str, Any]:
 
 
 def _design_to_open(content: Content) -> Design:
-    """Return the design of a ``preset``, or of the ``text`` of a design file with a ``name``."""
+    """Return the design of a ``preset``, or of the ``text`` of a design file with a ``name``.
+
+    Raises
+    ------
+    UsageError
+        There is no such preset, and no text.
+    DesignError
+        The text is not a valid design file.
+    """
     text, preset = content.get("text"), content.get("preset")
     if isinstance(preset, str) and preset in PRESETS:
         return PRESETS[preset]
     if isinstance(text, str):
-        return loads(text, str(content.get("name", "the file"))[:80])
+        return loads(text, str(content.get("name", "the file"))[:MAX_NAME_LENGTH])
     raise UsageError(f"unknown preset {preset!r}: choose one of {', '.join(PRESETS)}")
 
 

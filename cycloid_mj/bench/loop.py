@@ -31,7 +31,7 @@ class LoopSettings:
     """Number of neighbours whose median locates a reversal, so that single outliers are none."""
     max_noise: float = 3.0
     max_steps: float = 2.0
-    """Multiples of the typical noise, and of the typical step between two points, whose sum is the largest distance of a
+    """Multiples of the typical noise, and of the typical step between points. Their sum is the largest distance of a
     reversal's torque from the median there; beyond, it is an outlier."""
     lead_distance: float = 1.0 / 3.0
     """Distance of the first points from the loop's branch, over its width there, from which they lead to the loop."""

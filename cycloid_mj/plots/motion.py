@@ -29,6 +29,9 @@ from cycloid_mj.plots.style import (
 SPEED_SPAN = 0.01
 """Half the span of the axis of the disc speed, relative to the speed: shows the error at its true size."""
 
+SPAN_MARGIN, MIN_SPAN = 1.2, 1e-9
+"""Half the span over the largest deviation from the mean, at least; and its smallest value [rad/s]."""
+
 
 @with_style
 def input_figure(motion: Series) -> Figure:
@@ -50,7 +53,7 @@ def gear_speed_figure(motion: Series) -> Figure:
     speed = motion.gear_speed.select(motion.one_turn)
     mean_speed = float(np.mean(speed.theory))
     largest_deviation = max(float(np.abs(values - mean_speed).max()) for values in (speed.theory, speed.simulated))
-    half_span = max(SPEED_SPAN * abs(mean_speed), 1.2 * largest_deviation, 1e-9)
+    half_span = max(SPEED_SPAN * abs(mean_speed), SPAN_MARGIN * largest_deviation, MIN_SPAN)
     top.set_ylim(mean_speed - half_span, mean_speed + half_span)
     top.set_title("Speed of the cycloid disc")
     crank_axis(bottom, degrees)

@@ -29,6 +29,10 @@ from cycloid_mj.plots.style import (
 class HistogramSettings:
     """Settings of the histograms and of the error budget."""
 
+    columns: int = 3
+    """Histograms in a row."""
+    row_height: float = 1.75
+    """Height of a row [in]."""
     max_bins: int = 60
     """Bins of a histogram."""
     name_width: int = 34
@@ -82,9 +86,9 @@ def budget_figure(tolerances: Tolerances) -> Figure:
 def distributions_figure(tolerances: Tolerances) -> Figure:
     """Draw a histogram of every figure over the samples that do not jam, with lines at its limits."""
     figure_keys = list(tolerances.figures)
-    rows = -(-len(figure_keys) // 3)
-    figure = create_figure(1.75 * rows + 0.4)
-    panels = np.ravel(figure.subplots(rows, 3))
+    rows = -(-len(figure_keys) // HISTOGRAM.columns)
+    figure = create_figure(HISTOGRAM.row_height * rows + 0.4)
+    panels = np.ravel(figure.subplots(rows, HISTOGRAM.columns))
     for axes in panels[len(figure_keys) :]:
         axes.remove()
     for axes, key in zip(panels, figure_keys, strict=False):

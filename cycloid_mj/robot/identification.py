@@ -402,9 +402,9 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
 
 def _efficiency_error(reducer: Reducer, share: float) -> float:
-    """Compute the change of the efficiency by more crank angles, under a share of the nominal torque.
+    """Compute the numerical error of the efficiency: its change by `GRID.angles_factor` times the crank angles.
 
-    The share is negative if the output drives.
+    `share` is the output torque over the nominal one, negative if the output drives.
     """
     torque = share * reducer.design.rated_torque
     return abs(
