@@ -373,10 +373,8 @@ def run_into_log(
         note = "; ".join(_record_samples(blocks(compiled, reducer), log, progress))
         wall = time.perf_counter() - start
         progress.judging()
-        log.flush()
         not_evaluated = LogError(f"the run in {log.name} has not been evaluated: evaluate it with `cycloid-mj analyze`")
-        is_rv = isinstance(reducer, RvReducer)
-        findings, run = _evaluate(log, note, with_forces=is_rv) if viewable else (not_evaluated, None)
+        findings, run = _evaluate(log, note, isinstance(reducer, RvReducer)) if viewable else (not_evaluated, None)
         findings_file = {} if isinstance(findings, CycloidError) else _findings_attachment(findings)
         log.close(note, attachments=findings_file)
     kept_run = replace(run, attachments={**run.attachments, **findings_file}) if run and keep_run else None
@@ -424,13 +422,14 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
 
 
 def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
-    """Evaluate a log that is written but not closed; return its findings, or an error, and the run without forces.
+    """Flush and evaluate a log that is not closed; return its findings, or an error, and the run without forces.
 
     The run is None if it cannot be evaluated. That of an RV reducer has the forces, which its findings include.
     """
     from cycloid_mj.analysis import analyze
     from cycloid_mj.log import read
 
+    log.flush()
     try:
         run = replace(read(log.path, without=() if with_forces else (FORCES,)), complete=True, note=note)
         return analyze(run, log=str(log.name)), run
@@ -439,6 +438,7 @@ def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings
 
 
 def _findings_attachment(findings: "Findings") -> dict[str, bytes]:
+    """Return the attachment of a log with the findings as JSON: name -> content."""
     return {"findings.json": dumps(findings.as_json(), indent=2).encode()}
 
 

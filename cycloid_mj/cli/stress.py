@@ -189,8 +189,7 @@ def stress(
     or twice the distance from corners. If the nominal stress times the notch factor of a fillet is larger, the safety
     factor is that of the fillet.
 
-    stress.json, a VTU file of each part for ParaView, and the selected figures are written to --out. Requires the extra
-    `fem`: gmsh, scikit-fem.
+    stress.json, a VTU file of each part for ParaView, and the figures are written to --out. Requires the extra `fem`.
     """
     names = (*designs, *design)
     _require_consistent(names, log, has_changes=bool(set_ or load_nm is not None))
@@ -203,8 +202,7 @@ def stress(
     keep_freed_memory()
     if springs or mounts is not None:
         _require_springs(springs, has_selection=bool(log or part or figure or solid or angle_deg is not None))
-        loaded_designs = [load_design(name, set_, (), at_c) for name in names]
-        return _write_springs(loaded_designs, load_nm, mounts, delivery)
+        return _write_springs([load_design(name, set_, (), at_c) for name in names], load_nm, mounts, delivery)
     angle = None if angle_deg is None else math.radians(angle_deg)
     settings = replace(QUICK if quick else StudySettings(), solid=solid, map_angle=angle)
     if log:

@@ -193,21 +193,11 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     lock_note = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the crank"
     contacts = f"contacts, {drag_assumption(reducer)}; the bearings of the shafts are neglected"
     unloaded_point, coasting = efficiency_map.unloaded, efficiency_map.coasting
-    moving_torque, moving_torque_error, moving_torque_note = (
-        math.nan,
-        None,
-        f"{SELF_LOCKING} with no torque on the crank",
-    )
+    moving_torque, moving_error, moving_note = math.nan, None, f"{SELF_LOCKING} with no torque on the crank"
     if coasting is not None:
-        moving_torque, moving_torque_error, moving_torque_note = (
-            ratio * coasting.drag,
-            ratio * coasting.drag_shift,
-            contacts,
-        )
+        moving_torque, moving_error, moving_note = ratio * coasting.drag, ratio * coasting.drag_shift, contacts
     static_names = "back_driving_torque_static", "back-driving torque from rest, crank free"
-    static_torque, static_torque_error = (
-        (start_from_rest.torque, start_from_rest.error) if start_from_rest.exceeds_error else (math.nan, None)
-    )
+    static = (start_from_rest.torque, start_from_rest.error) if start_from_rest.exceeds_error else (math.nan, None)
     moving_names = "back_driving_torque_moving", "back-driving torque at speed, crank free"
     return [
         Quantity(
@@ -218,8 +208,8 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
             unloaded_point.drag_shift,
             note=contacts,
         ),
-        Quantity(*moving_names, moving_torque, "N m", moving_torque_error, note=moving_torque_note),
-        Quantity(*static_names, static_torque, "N m", static_torque_error, note=start_from_rest.note),
+        Quantity(*moving_names, moving_torque, "N m", moving_error, note=moving_note),
+        Quantity(*static_names, static[0], "N m", static[1], note=start_from_rest.note),
         Quantity(
             "back_driving_torque_rated",
             f"output torque that drives against {design.drive.torque:g} N m on the crank",
