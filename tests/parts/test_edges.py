@@ -12,6 +12,7 @@ from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export import casing, read_volume, step_part
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.edges import EDGES, broken_edges
+from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.parts.export.step import BrokenEdge
 from cycloid_mj.reducer import Reducer
 
@@ -49,6 +50,14 @@ def test_shoulders_of_the_crank_have_the_fillet_that_its_fatigue_assumes():
             for outer in (collar.outline.radius, assumed)
         )
         assert drawn < rated, "the counterweight, which the rating assumes, is the larger step"
+
+
+def test_fillets_that_keep_a_bearing_off_its_shoulder_are_reported():
+    assert list(describe_violations(PIN, casing(PIN))) == []
+    rounder = Reducer(PRESETS["pin"].but(shaft={"fillet_radius": 0.8e-3}))
+    (text,) = describe_violations(rounder, casing(rounder))
+    assert "0.8 mm" in text
+    assert "shaft.fillet_radius_mm" in text
 
 
 def test_a_step_without_room_for_a_chamfer_stays_sharp():

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design.model import BEARING_CORNER
 from cycloid_mj.parts.export.casing import (
     OUTPUT_COVER,
     Casing,
@@ -23,7 +24,7 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
 
     Parts that move against each other are apart by the axial play; each part can pass those that are there before;
     covers are centred by dowels, a plastic ring is keyed to them; threads in a plastic have an insert, pressed and
-    turning parts a fit; and a motor is not bolted to a cover that turns.
+    turning parts a fit; bearings reach their shoulders; and a motor is not bolted to a cover that turns.
     """
     for gap in running_gaps(reducer, sizes):
         if not gap.keeps(sizes.play):
@@ -45,6 +46,12 @@ def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
         for thread in joint.threads:
             if is_plastic(reducer) and not thread.insert:
                 yield f"M{MILLIMETRES * thread.thread:g} in {thread.part}, a plastic, has no standard insert"
+    fillet = reducer.design.shaft.shoulder_fillet
+    if reducer.design.gear.discs == 1 and fillet > BEARING_CORNER:
+        yield (
+            f"the fillets of {MILLIMETRES * fillet:.3g} mm at the shoulders of the crank keep its bearings off them, "
+            f"whose corners have a radius of {MILLIMETRES * BEARING_CORNER:g} mm: reduce shaft.fillet_radius_mm"
+        )
     if reducer.member.ring_and_carrier(1.0)[0]:
         teeth = reducer.design.ring.teeth
         yield (
