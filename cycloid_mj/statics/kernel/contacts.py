@@ -163,7 +163,10 @@ def largest_play(springs: KernelSprings) -> float:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def scale_clearances(springs: KernelSprings, share: float, scaled_room: Array) -> KernelSprings:
-    """Return springs with a share of their clearances; those of the contacts are written to `scaled_room` (n,) [m]."""
+    """Return springs with a share of their clearances; cams with negative clearance (a preload) keep it.
+
+    The clearances of the contacts are written to `scaled_room` (n,) [m], a workspace.
+    """
     for i in range(scaled_room.size):
         scaled_room[i] = share * springs.room[i]
     return KernelSprings(
@@ -223,8 +226,10 @@ def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveOffset:
     """Compute the offset of two curves at their ideal contact, with finite rotations to the second order.
 
-    In the frame of a profile that rotates with its disc by phi, its mate rotates the other way, q + i p as e^(i phi);
-    the centre of a round hole rotates about that of the disc, and the output pin about that of the output.
+    `k` is the index of the crank angle, `i` that of the contact. q is along the normal, p along the tangent of the
+    ideal contact [m]. In the frame of a profile that rotates with its disc by phi, its mate rotates the other way, q +
+    i p as e^(i phi); the centre of a round hole rotates about that of the disc, and the output pin about that of the
+    output.
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
@@ -249,7 +254,7 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveO
 def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOffset, use_foot_point: bool) -> Gap:
     """Compute the gap of contact `i` at crank angle `k`, and its gradients, from the result of `curve_offset`.
 
-    The profile is expanded to the third order, unless `use_foot_point` or the expansion is not accurate.
+    The profile is expanded to the third order, unless `use_foot_point` is set or the expansion is not accurate.
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
@@ -287,11 +292,26 @@ def _curve_distance(
     rotates: bool,
     use_foot_point: bool,
 ) -> tuple[float, float, float, float]:
-    """Compute the distance of two curves [m], cosine and sine of the rotation of the normal, and its rate [1/m].
+    """Compute the distance of two curves, from the offset of their points of ideal contact.
 
-    The offset is q along the normal and p along the tangent [m]. Where the third-order expansion is not valid, the foot
-    point on the trochoid is used; if there is none nearby, as for parts that are far apart, the profile is approximated
-    by its circle of curvature.
+    Where the third-order expansion is not valid, the foot point on the trochoid is used; if there is none nearby, as
+    for parts that are far apart, the profile is approximated by its circle of curvature.
+
+    Parameters
+    ----------
+    trochoid, phase
+        As in `KernelSprings`, for contacts of a profile.
+    curvature, curvature_rate
+        Relative curvature at the ideal contact [1/m], and its rate along the arc [1/m2].
+    q, p
+        Offset along the normal and along the tangent [m].
+    rotates
+        Whether the contact is that of a profile, and not of a round hole.
+
+    Returns
+    -------
+    tuple of float
+        Distance [m], cosine and sine of the rotation of the normal, and rotation of the normal per offset p [1/m].
     """
     normal_component, tangent_component = 1.0 + curvature * q, curvature * p
     is_accurate = _is_expansion_valid(trochoid, curvature, curvature_rate, p)
@@ -324,7 +344,7 @@ def _curve_distance(
 def _is_expansion_valid(
     trochoid: tuple[float, float, float], curvature: float, curvature_rate: float, p: float
 ) -> bool:
-    """Return whether curvature and its rate describe the trochoid accurately up to the arc p [m]."""
+    """Return whether curvature [1/m] and its rate [1/m2] describe the trochoid accurately up to the arc p [m]."""
     max_curvature = _valley_curvature(trochoid)
     if abs(max_curvature * p) >= _EXPANSION.max_arc or abs(p) >= _EXPANSION.max_shift * trochoid[0]:
         return False
@@ -344,11 +364,12 @@ def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
 def _find_foot_point(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, normal_component: float
 ) -> tuple[bool, float, float, float, float]:
-    """Find the foot point of a point on the trochoid; return whether there is one, and the values of `_curve_distance`.
+    """Find the foot point of a point on the trochoid E u(t) - c u(N t); return success, then as `_curve_distance`.
 
-    The point is at q along the normal and p along the tangent from the curve's point at the `phase` (N - 1) t, where
-    the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method, safeguarded
-    by bisection, starts from the foot point on the circle of curvature, at the arc p over `normal_component`.
+    The point is at q along the normal and p along the tangent [m] from the curve's point at the `phase` (N - 1) t,
+    where the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method,
+    safeguarded by bisection, starts from the foot point on the circle of curvature, at the arc p over
+    `normal_component`.
     """
     E, c, N = trochoid
     sine, cosine = math.sin(phase), math.cos(phase)

@@ -100,15 +100,15 @@ def solve_by_arclength(
     float
         Residual norm [N]; infinity if the path is lost, or wedges the parts.
     """
-    number, end_parameter, path = z.size, 1.0 + abs(order), allocate_path(springs, z.size, order)
+    unknown_count, end_parameter, path = z.size, 1.0 + abs(order), allocate_path(springs, z.size, order)
     point, next_point, path_tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * tolerance
     newton(scale_clearances(springs, 0.0, path.room), k, load, z, 1.0, 0.0, TRUE, tolerance, 0.0, FALSE, TRUE, system)
-    for j in range(number):
+    for j in range(unknown_count):
         point[j] = z[j] / path.unit
-    path.tangent[number] = path.last_axis[number] = 1.0
+    path.tangent[unknown_count] = path.last_axis[unknown_count] = 1.0
     norm, length = augmented_residual(springs, k, load, point, path, system), 0.5
     sign = _update_tangent(springs, k, load, point, 1.0, path, system)
-    for j in range(number + 1):
+    for j in range(unknown_count + 1):
         path.tangent[j] *= sign
     farthest = _CONTINUATION.max_distance * (1.0 + largest(point)) + springs.trochoid[1] / path.unit
     for _ in range(_CONTINUATION.max_points if norm <= path_tolerance else 0):
@@ -119,9 +119,9 @@ def solve_by_arclength(
             length = _pass_corner(springs, k, load, sign, path_tolerance, path, system)
             if length == 0.0:
                 break
-        if next_point[number] >= end_parameter:
-            share = (end_parameter - point[number]) / (next_point[number] - point[number])
-            for j in range(number):
+        if next_point[unknown_count] >= end_parameter:
+            share = (end_parameter - point[unknown_count]) / (next_point[unknown_count] - point[unknown_count])
+            for j in range(unknown_count):
                 z[j] = (point[j] + share * (next_point[j] - point[j])) * path.unit
             norm = newton(springs, k, load, z, 1.0, 1.0, TRUE, tolerance, 0.0, FALSE, FALSE, system)
             if norm <= tolerance:
@@ -130,7 +130,9 @@ def solve_by_arclength(
             length *= 0.5
             continue
         copy(next_point, point)
-        if largest(point) > farthest or (point[number] < _CONTINUATION.corner_step and path.tangent[number] < 0.0):
+        if largest(point) > farthest or (
+            point[unknown_count] < _CONTINUATION.corner_step and path.tangent[unknown_count] < 0.0
+        ):
             break
         length *= 2.0
     return math.inf
@@ -146,21 +148,21 @@ def _shares(order: float, parameter: float) -> tuple[float, float]:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def allocate_path(springs: KernelSprings, number: int, order: float) -> _Path:
-    """Allocate a path of a number of displacements."""
+def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> _Path:
+    """Allocate a path of `unknown_count` displacements with an order of its parameters."""
     return _Path(
         order,
         largest_play(springs),
         np.zeros(springs.disc.size),
-        np.zeros(number + 1),
-        np.zeros(number + 1),
-        np.zeros(number + 1),
-        np.zeros(number + 1),
-        np.zeros(number + 1),
-        np.zeros(number + 1),
-        np.zeros(number + 1),
-        np.zeros(number),
-        np.zeros((number + 1, number + 1)),
+        np.zeros(unknown_count + 1),
+        np.zeros(unknown_count + 1),
+        np.zeros(unknown_count + 1),
+        np.zeros(unknown_count + 1),
+        np.zeros(unknown_count + 1),
+        np.zeros(unknown_count + 1),
+        np.zeros(unknown_count + 1),
+        np.zeros(unknown_count),
+        np.zeros((unknown_count + 1, unknown_count + 1)),
     )
 
 
@@ -171,29 +173,29 @@ def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array
     `k` is the index of the crank angle. The point consists of displacements over `path.unit` and the parameter, shape
     (u + 1,).
     """
-    number, matrix, residual, z = load.size, path.matrix, system.residual, system.back
-    for j in range(number):
+    unknown_count, matrix, residual, z = load.size, path.matrix, system.residual, system.back
+    for j in range(unknown_count):
         z[j] = point[j] * path.unit
-    parameter, rate, order = point[number], path.rate, path.order
+    parameter, rate, order = point[unknown_count], path.rate, path.order
     friction, clearance = _shares(order, parameter)
     scaled_springs, friction_grows = scale_clearances(springs, clearance, path.room), (parameter < 1.0) == (order > 0.0)
     if order == 0.0 or friction_grows:
         assemble(scaled_springs, k, load, z, 1.0, friction + 1.0, TRUE, TRUE, system)
-        for j in range(number):
+        for j in range(unknown_count):
             path.residual[j] = residual[j]
     assemble(scaled_springs, k, load, z, 1.0, friction, TRUE, TRUE, system)
     clear(rate)
     if order == 0.0 or friction_grows:
-        for j in range(number):
+        for j in range(unknown_count):
             rate[j] = path.residual[j] - residual[j]
     if order == 0.0 or not friction_grows:
         _add_clearance_rate(springs, scaled_springs, k, z, friction, rate, system)
-    for j in range(number):
+    for j in range(unknown_count):
         path.residual[j] = residual[j]
-        for column in range(number):
+        for column in range(unknown_count):
             matrix[j, column] = system.tangent[j, column] * path.unit
         matrix[j, j] += RIGID_BODY_STIFFNESS * springs.cam_stiffness * path.unit
-        matrix[j, number] = -path.rate[j]
+        matrix[j, unknown_count] = -path.rate[j]
     return largest(residual)
 
 
@@ -211,12 +213,12 @@ def _add_clearance_rate(
 
     `scaled_springs` are the springs with the present share of clearance.
     """
-    number, has_friction = z.size, springs.rubbing.shape[0] > 0
+    unknown_count, has_friction = z.size, springs.rubbing.shape[0] > 0
     for i in range(springs.disc.size):
         if system.pressed[i] == 0.0:
             continue
         for component in range(4):
-            unknown = 3 * springs.disc[i] + component if component < 3 else number - 1
+            unknown = 3 * springs.disc[i] + component if component < 3 else unknown_count - 1
             friction_rate = friction * springs.rubbing[k, i, unknown] if has_friction else 0.0
             rate[unknown] -= system.row[i, RATE] * springs.room[i] * (system.row[i, component] + friction_rate)
     for disc in range(springs.cam_place.shape[1]):
@@ -236,17 +238,20 @@ def _add_clearance_rate(
 def _update_tangent(
     springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: _Path, system: System
 ) -> float:
-    """Write the tangent of the path at a `point` to `path`; return the sign of its determinant, 0 if it is singular."""
-    number = load.size
+    """Write the unit tangent of the path at a `point` to `path`; return the sign of its determinant, 0 if singular.
+
+    `sign` is that of the determinant at the beginning of the path, by which the tangent is directed.
+    """
+    unknown_count = load.size
     augmented_residual(springs, k, load, point, path, system)
-    copy(path.tangent, path.matrix[number])
+    copy(path.tangent, path.matrix[unknown_count])
     determinant = solve_linear(path.matrix, path.last_axis, path.step, 0.0)
     length = 0.0
-    for j in range(number + 1):
+    for j in range(unknown_count + 1):
         length += path.step[j] * path.step[j]
     length = math.sqrt(length)
     if determinant != 0.0 and length < math.inf:
-        for j in range(number + 1):
+        for j in range(unknown_count + 1):
             path.tangent[j] = path.step[j] * (determinant * sign / length)
     return determinant
 
@@ -262,7 +267,11 @@ def _predict_and_correct(
     path: _Path,
     system: System,
 ) -> bool:
-    """Compute the next point of the path at a `length`, and its tangent there; return whether the path advances."""
+    """Compute the next point of the path at a `length` [1] from the last one, and its tangent there.
+
+    `sign` is that of `_update_tangent`, `tolerance` that of the residual norm [N]. Returns whether the path advances;
+    if not, the tangent is unchanged.
+    """
     copy(path.tangent, path.previous_tangent)
     if not _correct(springs, k, load, length, tolerance, path, system):
         return False
@@ -279,23 +288,32 @@ def _predict_and_correct(
 def _correct(
     springs: KernelSprings, k: int, load: Array, length: float, tolerance: float, path: _Path, system: System
 ) -> bool:
-    """Compute the next point at a `length` from the predictor by Newton's method; return whether it converges."""
-    number, point, next_point, tangent, residual = load.size, path.point, path.next_point, path.tangent, path.residual
+    """Compute the next point at a `length` [1] from the predictor by Newton's method; return whether it converges.
+
+    It fails if the residual norm stays above `tolerance` [N], or the point deviates too far from the predictor.
+    """
+    unknown_count, point, next_point, tangent, residual = (
+        load.size,
+        path.point,
+        path.next_point,
+        path.tangent,
+        path.residual,
+    )
     is_corner = length <= _CONTINUATION.corner_step
     max_deviation = _CONTINUATION.corner_deviation if is_corner else _CONTINUATION.max_deviation
-    for j in range(number + 1):
+    for j in range(unknown_count + 1):
         next_point[j] = point[j] + length * tangent[j]
     for _ in range(_CONTINUATION.max_corrections):
         if augmented_residual(springs, k, load, next_point, path, system) <= tolerance:
             return True
-        copy(tangent, path.matrix[number])
-        residual[number] = length
-        for j in range(number + 1):
-            residual[number] -= tangent[j] * (next_point[j] - point[j])
+        copy(tangent, path.matrix[unknown_count])
+        residual[unknown_count] = length
+        for j in range(unknown_count + 1):
+            residual[unknown_count] -= tangent[j] * (next_point[j] - point[j])
         if solve_linear(path.matrix, residual, path.step, 0.0) == 0.0:
             return False
         deviation = 0.0
-        for j in range(number + 1):
+        for j in range(unknown_count + 1):
             next_point[j] += path.step[j]
             deviation += (next_point[j] - point[j] - length * tangent[j]) ** 2
         if not deviation < (max_deviation * length) ** 2:
@@ -307,15 +325,15 @@ def _correct(
 def _pass_corner(
     springs: KernelSprings, k: int, load: Array, sign: float, tolerance: float, path: _Path, system: System
 ) -> float:
-    """Find a point of the path beyond a corner, where it may turn back; return the length of the step [1], 0 for none.
+    """Find a point of the path beyond a corner, where a contact opens or closes and the path may turn back.
 
-    A contact opens or closes at the corner. Tangents at several trial distances are tried, with shorter and shorter
-    steps.
+    Tangents are taken at trial distances from 1e-7 to 1e-3, and steps of 1e-2 to 1e-6 along them are tried. Returns the
+    length of the step [1], 0 if none succeeds.
     """
-    number = load.size
+    unknown_count = load.size
     tangent = path.tangent.copy()
     for power in range(-7, -2):
-        for j in range(number + 1):
+        for j in range(unknown_count + 1):
             path.next_point[j] = path.point[j] + 10.0**power * tangent[j]
         if _update_tangent(springs, k, load, path.next_point, sign, path, system) != 0.0:
             for shorter in range(2, 7):

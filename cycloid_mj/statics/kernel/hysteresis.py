@@ -157,26 +157,26 @@ def follow_path(
     tuple of Residual and int
         Residual of force 0, or of a step without equilibrium relative to the largest load; and the number of rows.
     """
-    count, number = path.shape
+    count, unknowns = path.shape
     elements = rubbing.stick.size
-    old, new = _allocate_state(elements, number), _allocate_state(elements, number)
-    increment = _allocate_increment(elements, number)
+    old, new = _allocate_state(elements, unknowns), _allocate_state(elements, unknowns)
+    increment = _allocate_increment(elements, unknowns)
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     copy(z[0], old.z)
     scale, rows, spare_rows = 0.0, 0, positions.size - count
     min_share = 1.0 / MAX_SUBSTEPS if spare_rows > 0 else 1.0
-    for m in range(count):
-        scale = max(scale, largest(path[m]))
+    for load_index in range(count):
+        scale = max(scale, largest(path[load_index]))
     tolerance = PATH_RESIDUAL_RTOL * scale
-    for m in range(count):
+    for load_index in range(count):
         share, done, min_step = 1.0, 0.0, min_share
         while done < 1.0:
             share = min(share, 1.0 - done)
-            _interpolate_load(path, m, done + share, increment.load)
+            _interpolate_load(path, load_index, done + share, increment.load)
             _update_slip(springs, rubbing, old)
             norm = _solve_newton(springs, rubbing, tolerance, increment, old, new) / scale
-            is_rejected = not norm <= PATH_RESIDUAL_RTOL or abs(new.z[number - 1] - old.z[number - 1]) > max_motion
-            if is_rejected and m > 0 and share > min_step and spare_rows > 0:
+            is_rejected = not norm <= PATH_RESIDUAL_RTOL or abs(new.z[unknowns - 1] - old.z[unknowns - 1]) > max_motion
+            if is_rejected and load_index > 0 and share > min_step and spare_rows > 0:
                 share *= 0.5
                 continue
             if not norm <= PATH_RESIDUAL_RTOL and increment.work[0] <= _HYSTERESIS.work_per_step * count:
@@ -195,9 +195,9 @@ def follow_path(
             done += share
             share *= 2.0
             old, new = new, old
-            if done >= 1.0 or (m > 0 and spare_rows > 0):
+            if done >= 1.0 or (load_index > 0 and spare_rows > 0):
                 copy(old.z, z[rows])
-                positions[rows] = float(m) if done >= 1.0 else m - 1.0 + done
+                positions[rows] = float(load_index) if done >= 1.0 else load_index - 1.0 + done
                 spare_rows -= 0 if done >= 1.0 else 1
                 rows += 1
     return Residual(0.0, 0, increment.work[0]), rows
@@ -220,13 +220,13 @@ def assemble_after(
     Neither needs to be an equilibrium. The friction limits follow from the normal forces at z, as in `follow_path`, or
     are fixed by those at `middle`: then the residual is the descent of the energy.
     """
-    number, elements = z.size, rubbing.stick.size
+    unknown_count, elements = z.size, rubbing.stick.size
     rest, old, new = (
-        _allocate_state(elements, number),
-        _allocate_state(elements, number),
-        _allocate_state(elements, number),
+        _allocate_state(elements, unknown_count),
+        _allocate_state(elements, unknown_count),
+        _allocate_state(elements, unknown_count),
     )
-    increment = _allocate_increment(elements, number)
+    increment = _allocate_increment(elements, unknown_count)
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     _update_slip(springs, rubbing, rest)
     copy(middle, old.z)
@@ -240,33 +240,33 @@ def assemble_after(
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _allocate_increment(elements: int, number: int) -> _Increment:
-    """Allocate a step of friction elements with a number of unknowns."""
+def _allocate_increment(elements: int, unknown_count: int) -> _Increment:
+    """Allocate a step with a number of friction elements and of unknowns."""
     return _Increment(
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros((number, number)),
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros(number),
+        np.zeros(unknown_count),
+        np.zeros(unknown_count),
+        np.zeros((unknown_count, unknown_count)),
+        np.zeros(unknown_count),
+        np.zeros(unknown_count),
+        np.zeros(unknown_count),
         np.zeros(elements),
         np.zeros(elements),
         np.zeros(1),
         np.zeros(1, np.int64),
-        np.zeros((number, number)),
+        np.zeros((unknown_count, unknown_count)),
     )
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _allocate_state(elements: int, number: int) -> _ElastoplasticState:
-    """Allocate the state of friction elements at rest, with a number of unknowns."""
+def _allocate_state(elements: int, unknown_count: int) -> _ElastoplasticState:
+    """Allocate the state at rest of a number of friction elements, with a number of unknowns."""
     return _ElastoplasticState(
-        np.zeros(number),
+        np.zeros(unknown_count),
         np.zeros(elements),
         np.zeros(elements),
         np.zeros(elements),
         np.zeros(elements),
-        np.zeros((elements, number)),
+        np.zeros((elements, unknown_count)),
     )
 
 
@@ -426,7 +426,8 @@ def _assemble_step(
 ) -> tuple[float, float]:
     """Assemble residual and tangent at the displacements of `new`; return the residual norm [N] and the energy [J].
 
-    With fixed friction limits there is an energy, and the tangent is symmetric.
+    `old` is the state before the step. The forces of springs, friction and material are written to `new`. With
+    `fixed_limits` of friction there is an energy, and the tangent is symmetric.
     """
     increment.work[0] += 1
     unknown_count, contacts, z = increment.load.size, springs.disc.size, new.z
@@ -500,7 +501,10 @@ def _add_cam(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add the contact of a disc and its cam, with its friction, to a step; return the energy [J]."""
+    """Add the contact of a disc and its cam, with its friction, to a step; return their energy [J].
+
+    The arguments are those of `_assemble_step`.
+    """
     x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
     cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
     clear(gradient)
@@ -528,7 +532,11 @@ def _add_contact(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add contact `i` of a deflection `depth` [m], its material and friction to a step; return their energy [J]."""
+    """Add contact `i` of a deflection `depth` [m], its material and friction to a step; return their energy [J].
+
+    The material retains a share of the force by a spring along the normal that slips at a limit. The other arguments
+    are those of `_assemble_step`, with `increment.gradient` of the depth.
+    """
     spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
     new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
     energy, force, rate = 0.5 * spring * depth, spring, stiffness
@@ -562,30 +570,31 @@ def _add_friction(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add the friction of surface `i` with a limit [N] and its rate by depth [N/m] to a step; return its energy [J].
+    """Add the friction of element `i` with a limit [N] to a step; return its energy [J].
 
-    Return mapping: the elastic trial force is limited.
+    Return mapping: the elastic trial force is limited. `rate` is that of the limit by the depth of its contact [N/m].
+    The friction force is written to ``new.side``.
     """
-    slip, stick, number = old.slip[i], rubbing.stick[i], increment.load.size
+    slip, stick, unknown_count = old.slip[i], rubbing.stick[i], increment.load.size
     new.side[i] = 0.0
     if not limit > 0.0:
         return 0.0
     trial = old.side[i]
-    for j in range(number):
+    for j in range(unknown_count):
         trial += stick * slip[j] * (new.z[j] - old.z[j])
     energy = _slip_energy(trial, limit, stick)
     if abs(trial) > limit:
         sign = 1.0 if trial > 0.0 else -1.0
         trial = sign * limit
-        for j in range(number):
-            for column in range(number):
+        for j in range(unknown_count):
+            for column in range(unknown_count):
                 increment.tangent[j, column] -= sign * rate * slip[j] * increment.gradient[column]
     else:
-        for j in range(number):
-            for column in range(number):
+        for j in range(unknown_count):
+            for column in range(unknown_count):
                 increment.tangent[j, column] += stick * slip[j] * slip[column]
     new.side[i] = trial
-    for j in range(number):
+    for j in range(unknown_count):
         increment.residual[j] -= trial * slip[j]
     return energy
 

@@ -87,7 +87,7 @@ def newton(
     active set). With `use_backtracking`, without friction, steps are shortened until the energy falls (Armijo).
     """
     cam_stiffness, max_length = stiffness_factor * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
-    residual, step, start, number = system.residual, system.step, system.start, z.size
+    residual, step, start, unknown_count = system.residual, system.step, system.start, z.size
     norm, energy, share, predicted_decrease = math.inf, math.inf, 1.0, math.inf
     use_line_search = warm_start and springs.rubbing.shape[0] == 0
     for i in range(system.warm.size):
@@ -113,7 +113,7 @@ def newton(
                 break
             share, predicted_decrease = min(1.0, max_length / max(largest(step), 1e-300)), _product(step, residual)
             copy(z, start)
-        for j in range(number):
+        for j in range(unknown_count):
             z[j] = start[j] + share * step[j]
         for i in range(system.warm.size if warm_start else 0):
             system.warm[i] = False
@@ -159,34 +159,34 @@ def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: fl
     `diagonal` is added to the diagonal (regularization of rigid-body modes). `solution` may be `right_side`. Returns
     the sign of the determinant, or 0 if the matrix is singular.
     """
-    number, sign = right_side.size, 1.0
-    for j in range(number):
+    unknown_count, sign = right_side.size, 1.0
+    for j in range(unknown_count):
         matrix[j, j] += diagonal
         solution[j] = right_side[j]
-    for j in range(number):
+    for j in range(unknown_count):
         pivot = j
-        for i in range(j + 1, number):
+        for i in range(j + 1, unknown_count):
             if abs(matrix[i, j]) > abs(matrix[pivot, j]):
                 pivot = i
         if pivot != j:
             sign = -sign
             solution[j], solution[pivot] = solution[pivot], solution[j]
-            for row in range(j, number):
+            for row in range(j, unknown_count):
                 matrix[j, row], matrix[pivot, row] = matrix[pivot, row], matrix[j, row]
         if not abs(matrix[j, j]) > 0.0:
             return 0.0
         sign = sign if matrix[j, j] > 0.0 else -sign
         share = 1.0 / matrix[j, j]
-        for i in range(j + 1, number):
+        for i in range(j + 1, unknown_count):
             factor = matrix[i, j] * share
             if factor == 0.0:
                 continue
-            for row in range(j + 1, number):
+            for row in range(j + 1, unknown_count):
                 matrix[i, row] -= factor * matrix[j, row]
             solution[i] -= factor * solution[j]
-    for j in range(number - 1, -1, -1):
+    for j in range(unknown_count - 1, -1, -1):
         value = solution[j]
-        for row in range(j + 1, number):
+        for row in range(j + 1, unknown_count):
             value -= matrix[j, row] * solution[row]
         solution[j] = value / matrix[j, j]
     return sign
@@ -198,8 +198,8 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
 
     Only the lower half is read; `diagonal` is added to its diagonal.
     """
-    number = right_side.size
-    for j in range(number):
+    unknown_count = right_side.size
+    for j in range(unknown_count):
         pivot = matrix[j, j] + diagonal
         for inner in range(j):
             pivot -= matrix[j, inner] * matrix[j, inner]
@@ -207,19 +207,19 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
             return False
         pivot = math.sqrt(pivot)
         matrix[j, j] = pivot
-        for i in range(j + 1, number):
+        for i in range(j + 1, unknown_count):
             value = matrix[i, j]
             for inner in range(j):
                 value -= matrix[i, inner] * matrix[j, inner]
             matrix[i, j] = value / pivot
-    for i in range(number):
+    for i in range(unknown_count):
         value = right_side[i]
         for inner in range(i):
             value -= matrix[i, inner] * solution[inner]
         solution[i] = value / matrix[i, i]
-    for i in range(number - 1, -1, -1):
+    for i in range(unknown_count - 1, -1, -1):
         value = solution[i]
-        for inner in range(i + 1, number):
+        for inner in range(i + 1, unknown_count):
             value -= matrix[inner, i] * solution[inner]
         solution[i] = value / matrix[i, i]
     return True
@@ -232,8 +232,8 @@ def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenv
     Absolute values count as at least `min_eigenvalue`. In place, with workspace `vectors` (u, u). A Cholesky
     factorization replaces the eigenvalues if all exceed `min_eigenvalue`.
     """
-    number = residual.size
-    for i in range(number):
+    unknown_count = residual.size
+    for i in range(unknown_count):
         copy(matrix[i], vectors[i])
         vectors[i, i] -= min_eigenvalue
     if solve_cholesky(vectors, residual, step, 0.0):
@@ -241,31 +241,32 @@ def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenv
         return
     _find_eigenvectors(matrix, vectors)
     clear(step)
-    for column in range(number):
+    for column in range(unknown_count):
         component = 0.0
-        for j in range(number):
+        for j in range(unknown_count):
             component += vectors[j, column] * residual[j]
-        for j in range(number):
+        for j in range(unknown_count):
             step[j] += component / max(abs(matrix[column, column]), min_eigenvalue) * vectors[j, column]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
-    """Compute the eigenvectors of a symmetric matrix as columns, by Jacobi rotations; its diagonal becomes the values.
+    """Compute the eigenvectors of a symmetric matrix (u, u) as columns of `vectors`, by Jacobi rotations.
 
-    Golub & Van Loan, Matrix Computations, 8.5. NumPy's function would import SciPy, a quarter of a second per command.
+    The diagonal of the matrix becomes the eigenvalues (Golub & Van Loan, Matrix Computations, 8.5). NumPy's function
+    would import SciPy, which takes a quarter of a second per command.
     """
-    number, tolerance = len(matrix), 0.0
-    for i in range(number):
+    unknown_count, tolerance = len(matrix), 0.0
+    for i in range(unknown_count):
         tolerance = max(tolerance, ROUNDING * largest(matrix[i]))
-    for i in range(number):
+    for i in range(unknown_count):
         clear(vectors[i])
         vectors[i, i] = 1.0
     has_rotated = True
     while has_rotated:
         has_rotated = False
-        for p in range(number - 1):
-            for q in range(p + 1, number):
+        for p in range(unknown_count - 1):
+            for q in range(p + 1, unknown_count):
                 off_diagonal = matrix[p, q]
                 if not abs(off_diagonal) > tolerance:
                     continue
@@ -274,12 +275,12 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
                 tangent = math.copysign(1.0, cotangent) / (abs(cotangent) + math.hypot(1.0, cotangent))
                 cos = 1.0 / math.hypot(1.0, tangent)
                 sin = tangent * cos
-                for i in range(number):
+                for i in range(unknown_count):
                     entry_p, entry_q = matrix[i, p], matrix[i, q]
                     matrix[i, p], matrix[i, q] = cos * entry_p - sin * entry_q, sin * entry_p + cos * entry_q
                     entry_p, entry_q = vectors[i, p], vectors[i, q]
                     vectors[i, p], vectors[i, q] = cos * entry_p - sin * entry_q, sin * entry_p + cos * entry_q
-                for i in range(number):
+                for i in range(unknown_count):
                     entry_p, entry_q = matrix[p, i], matrix[q, i]
                     matrix[p, i], matrix[q, i] = cos * entry_p - sin * entry_q, sin * entry_p + cos * entry_q
 

@@ -83,19 +83,32 @@ def balance_few_samples(
     effects: Effects,
     deviations: SampleDeviations,
     load: Array,
-    first: int,
-    last: int,
+    first_sample: int,
+    end_sample: int,
     rows: Array,
     use_arclength: bool | None,
     workspace: SampleWorkspace,
 ) -> None:
-    """Solve for the equilibria of samples `first` to `last` under t loads (t, k, u) [N] at crank angles in order.
+    """Solve for the equilibria of samples `first_sample` to `end_sample` - 1 under t loads, at k crank angles in order.
 
-    `ideal` are the springs of ideal parts, `effects` those of errors, and `rows` (t, s, ``FIGURES``) get the figures of
-    the samples. For `use_arclength` see `search._balance`: samples that fail without are to be solved with it.
+    Parameters
+    ----------
+    ideal
+        Springs of the parts without errors.
+    effects, deviations
+        Effects of unit errors on the contacts, and errors of the samples.
+    load
+        Generalised loads (t, k, u) [N].
+    rows
+        Figures of the samples (t, s, ``FIGURES``), which are filled in; see `_write_sample_figures`. The last one is
+        the residual.
+    use_arclength
+        As in `search._balance`: samples that fail without are to be solved with it.
+    workspace
+        From `allocate_workspace`; overwritten.
     """
     z, force, system = workspace.z, workspace.force, workspace.system
-    for sample in range(first, last):
+    for sample in range(first_sample, end_sample):
         _fill_sample(
             effects, deviations, sample, workspace.distance, workspace.shift, workspace.cam_place, workspace.begun
         )
@@ -160,7 +173,10 @@ def _fill_sample(
     cam_place: Array,
     start_values: Array,
 ) -> None:
-    """Write gaps (k, n) [m], cam positions (k, D, 2) [m] and start values (k, u) [m] of the sample of an index."""
+    """Write gaps (k, n) [m], cam positions (k, D, 2) [m] and start values (k, u) [m] of the sample of an index.
+
+    They are sums of effects of unit errors times the errors of the sample.
+    """
     circle, rotation = deviations.pin_circle[sample], deviations.rotation[sample]
     for k in range(distance.shape[0]):
         for i in range(distance.shape[1]):

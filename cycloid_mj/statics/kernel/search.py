@@ -243,9 +243,10 @@ def _continue_by_arclength(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float:
-    """Compute the force to which the springs are softened [N]: it deflects the stiffest one by several clearances.
+    """Compute the force to which the springs are softened [N]: it deflects the stiffest spring by several clearances.
 
-    It deflects no contact beyond the reach of the curves, however much stiffer a cam is.
+    `clearance_count` is their number, `k` the index of the crank angle. It deflects no contact beyond the reach of the
+    curves, however much stiffer a cam is.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):

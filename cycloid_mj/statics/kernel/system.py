@@ -248,7 +248,8 @@ def _sum_contacts(
 ) -> tuple[_DiscSums, float]:
     """Sum forces and stiffness of the independent contacts of a disc, and add their energy; arguments as `assemble`.
 
-    Forces of the contacts are written to `system.pressed`, and gradients to `system.row` where friction needs them.
+    Only contacts that may have closed by the neighbour list are evaluated. Their forces are written to
+    `system.pressed`, and gradients to `system.row` where friction or continuation needs them.
     """
     pressed, row, warm, margin = system.pressed, system.row, system.warm, system.margin
     rotates, disc_of, radius = springs.turning, springs.disc, springs.radius
@@ -362,7 +363,7 @@ def _add_cam(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _write_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> None:
-    """Add the sums of a disc to residual (u,) [N] and tangent (u, u) [N/m]."""
+    """Add the sums of a disc to residual (u,) [N] and tangent (u, u) [N/m] of the system."""
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     x, y, t, output_dof = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
     residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
@@ -414,34 +415,34 @@ def _add_bent_pins(
     for pin in range(springs.pins):
         if not _may_touch_pin(springs, k, pin, z, rebuild_list, system):
             continue
-        for d in range(discs):
-            i = first_contact + d * springs.pins + pin
-            pose = disc_pose(springs, d, z)
+        for disc in range(discs):
+            i = first_contact + disc * springs.pins + pin
+            pose = disc_pose(springs, disc, z)
             gap = gap_at(springs, k, i, pose, curve_offset(springs, k, i, pose), FALSE)
-            width[d], rate[d], kept_closed[d] = gap.width, gap.rate, system.warm[i]
-            for j in range(4):
-                normal[d, j], tangential[d, j] = gap.normal[j], gap.tangential[j]
-            for e in range(discs):
-                flexibility[d, e] = springs.bending[d, e] / stiffness_factor
-            flexibility[d, d] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
+            width[disc], rate[disc], kept_closed[disc] = gap.width, gap.rate, system.warm[i]
+            for component in range(4):
+                normal[disc, component], tangential[disc, component] = gap.normal[component], gap.tangential[component]
+            for other_disc in range(discs):
+                flexibility[disc, other_disc] = springs.bending[disc, other_disc] / stiffness_factor
+            flexibility[disc, disc] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
         _solve_pin(flexibility, width, kept_closed, is_active, forces, stiffness)
-        for d in range(discs):
-            system.pressed[first_contact + d * springs.pins + pin] = forces[d]
-            energy -= 0.5 * forces[d] * width[d]
+        for disc in range(discs):
+            system.pressed[first_contact + disc * springs.pins + pin] = forces[disc]
+            energy -= 0.5 * forces[disc] * width[disc]
         _add_pin_forces(springs, k, pin, friction, system)
     return energy
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_list: bool, system: System) -> bool:
-    """Return whether any disc may touch a pin at crank angle `k`, by the neighbour list; reset the pin forces."""
+    """Return whether any disc may touch a pin at crank angle `k`, by the neighbour list; reset the forces on it."""
     may_touch, first_contact = False, _independent_contacts(springs)
-    for d in range(springs.cam_place.shape[1]):
-        i = first_contact + d * springs.pins + pin
+    for disc in range(springs.cam_place.shape[1]):
+        i = first_contact + disc * springs.pins + pin
         if rebuild_list:
-            offset = curve_offset(springs, k, i, disc_pose(springs, d, z))
+            offset = curve_offset(springs, k, i, disc_pose(springs, disc, z))
             system.margin[i] = bound_width(springs, k, i, offset, FALSE)
-        max_displacement = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * d, system.arm[0])
+        max_displacement = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * disc, system.arm[0])
         may_touch |= system.warm[i] or not system.margin[i] > max_displacement
         system.pressed[i] = 0.0
     return may_touch
@@ -449,7 +450,7 @@ def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_l
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, system: System) -> None:
-    """Add the solved forces on a pin, in `system.pin`, and their tangent stiffness and friction to the system."""
+    """Add the solved forces on a pin, from `system.pin`, with their tangent stiffness and friction, to the system."""
     discs, first_contact, output_dof = (
         springs.cam_place.shape[1],
         _independent_contacts(springs),
@@ -457,32 +458,36 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
     )
     has_friction = springs.rubbing.shape[0] > 0 and friction > 0.0
     _, forces, normal, tangential, rate, is_active, _, _, stiffness = system.pin
-    for d in range(discs):
-        i = first_contact + d * springs.pins + pin
-        if not is_active[d]:
+    for disc in range(discs):
+        i = first_contact + disc * springs.pins + pin
+        if not is_active[disc]:
             continue
-        force, system.row[i, RATE] = forces[d], 0.0
-        for e in range(discs):
-            system.row[i, RATE] += stiffness[d, e]  # the clearances of all discs on a pin grow together
-        normal_rotation, rotation_term = -force * rate[d], -force / springs.radius
-        for a in range(4):
-            system.row[i, a] = normal[d, a]
-            row = 3 * d + a if a < 3 else output_dof
+        force, system.row[i, RATE] = forces[disc], 0.0
+        for other_disc in range(discs):
+            system.row[i, RATE] += stiffness[disc, other_disc]  # the clearances of all discs on a pin grow together
+        normal_rotation, rotation_term = -force * rate[disc], -force / springs.radius
+        for component in range(4):
+            system.row[i, component] = normal[disc, component]
+            row = 3 * disc + component if component < 3 else output_dof
             rubs = friction * springs.rubbing[k, i, row] if has_friction else 0.0
-            system.residual[row] += force * (normal[d, a] + rubs)
-            for b in range(4):
-                system.tangent[row, 3 * d + b if b < 3 else output_dof] += (
-                    normal_rotation * tangential[d, a] * tangential[d, b]
+            system.residual[row] += force * (normal[disc, component] + rubs)
+            for other_component in range(4):
+                system.tangent[row, 3 * disc + other_component if other_component < 3 else output_dof] += (
+                    normal_rotation * tangential[disc, component] * tangential[disc, other_component]
                 )
-            for e in range(discs):
-                if not is_active[e]:
+            for other_disc in range(discs):
+                if not is_active[other_disc]:
                     continue
-                for b in range(4):
-                    column = 3 * e + b if b < 3 else output_dof
-                    system.tangent[row, column] += stiffness[d, e] * (normal[d, a] + rubs) * normal[e, b]
+                for other_component in range(4):
+                    column = 3 * other_disc + other_component if other_component < 3 else output_dof
+                    system.tangent[row, column] += (
+                        stiffness[disc, other_disc]
+                        * (normal[disc, component] + rubs)
+                        * normal[other_disc, other_component]
+                    )
         # geometric stiffness of the rotations of disc and output, as in `_add_contact`
-        system.tangent[3 * d + 2, 3 * d + 2] += rotation_term * tangential[d, 2]
-        system.tangent[output_dof, output_dof] += rotation_term * tangential[d, 3]
+        system.tangent[3 * disc + 2, 3 * disc + 2] += rotation_term * tangential[disc, 2]
+        system.tangent[output_dof, output_dof] += rotation_term * tangential[disc, 3]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
@@ -495,23 +500,23 @@ def _solve_pin(
     (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992, 4.2). `stiffness` (D, D) [N/m] is filled in.
     """
     discs = width.size
-    for d in range(discs):
-        is_active[d] = kept_closed[d] or width[d] < 0.0
+    for disc in range(discs):
+        is_active[disc] = kept_closed[disc] or width[disc] < 0.0
     for _ in range(4 * discs):
         _invert_flexibility(flexibility, is_active, stiffness)
         exchanged_index, violation = -1, 0.0
-        for d in range(discs):
-            forces[d] = 0.0
-            for e in range(discs):
-                forces[d] -= stiffness[d, e] * width[e]
-            if not kept_closed[d] and forces[d] < violation:
-                exchanged_index, violation = d, forces[d]
-        for d in range(discs if exchanged_index < 0 else 0):  # no contact pulls: check the open ones
-            gap = width[d]
-            for e in range(discs):
-                gap += flexibility[d, e] * forces[e]
-            if not is_active[d] and gap < violation:
-                exchanged_index, violation = d, gap
+        for disc in range(discs):
+            forces[disc] = 0.0
+            for other_disc in range(discs):
+                forces[disc] -= stiffness[disc, other_disc] * width[other_disc]
+            if not kept_closed[disc] and forces[disc] < violation:
+                exchanged_index, violation = disc, forces[disc]
+        for disc in range(discs if exchanged_index < 0 else 0):  # no contact pulls: check the open ones
+            gap = width[disc]
+            for other_disc in range(discs):
+                gap += flexibility[disc, other_disc] * forces[other_disc]
+            if not is_active[disc] and gap < violation:
+                exchanged_index, violation = disc, gap
         if exchanged_index < 0:
             break
         is_active[exchanged_index] = not is_active[exchanged_index]
@@ -521,23 +526,25 @@ def _solve_pin(
 def _invert_flexibility(flexibility: Array, is_active: Mask, stiffness: Array) -> None:
     """Invert the flexibility of a pin's active contacts to `stiffness` [N/m], 0 for the others, by Gauss-Jordan."""
     discs = is_active.size
-    for d in range(discs):
-        for e in range(discs):
-            stiffness[d, e] = flexibility[d, e] if is_active[d] and is_active[e] else 0.0
+    for disc in range(discs):
+        for other_disc in range(discs):
+            stiffness[disc, other_disc] = (
+                flexibility[disc, other_disc] if is_active[disc] and is_active[other_disc] else 0.0
+            )
     for pivot in range(discs):
         if not is_active[pivot]:
             continue
         inverse = 1.0 / stiffness[pivot, pivot]
         stiffness[pivot, pivot] = 1.0
-        for e in range(discs):
-            stiffness[pivot, e] *= inverse
-        for d in range(discs):
-            factor = stiffness[d, pivot]
-            if d == pivot or factor == 0.0:
+        for other_disc in range(discs):
+            stiffness[pivot, other_disc] *= inverse
+        for disc in range(discs):
+            factor = stiffness[disc, pivot]
+            if disc == pivot or factor == 0.0:
                 continue
-            stiffness[d, pivot] = 0.0
-            for e in range(discs):
-                stiffness[d, e] -= factor * stiffness[pivot, e]
+            stiffness[disc, pivot] = 0.0
+            for other_disc in range(discs):
+                stiffness[disc, other_disc] -= factor * stiffness[pivot, other_disc]
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -563,7 +570,7 @@ def cam_contact(x: float, y: float, clearance: float) -> _Cam:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _add_friction(springs: KernelSprings, k: int, friction: float, system: System) -> None:
-    """Add a share of the Coulomb friction of sliding contacts at crank angle `k` to residual and tangent."""
+    """Add the Coulomb friction of sliding contacts at crank angle `k`, times a factor, to residual and tangent."""
     output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_independent_contacts(springs)):
         force, x = system.pressed[i], 3 * springs.disc[i]
