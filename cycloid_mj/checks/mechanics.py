@@ -117,7 +117,10 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules that the cam encloses shaft and fillet and, for a single disc, for the counterweight's radius."""
+    """Yield the rules that the cam encloses shaft and fillet.
+
+    For a single disc also those that its counterweight is larger than the shaft, and turns inside the ring.
+    """
     design = reducer.design
     shaft, c = design.shaft, design.gear.eccentricity
     yield Rule(

@@ -300,19 +300,22 @@ class Wall:
 
 
 def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """Return the walls of disc and housing that pins press on, with their thickness."""
+    """Return the walls of disc and housing that pins press on, with their thickness [m] and kind of stress."""
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
-    hole = output.hole_radius + design.clearance.output
-    root = ring.pin_circle_radius + design.modification.pin_circle - gear.eccentricity - reducer.profile_offset
+    hole_radius = output.hole_radius + design.clearance.output
+    root_radius = ring.pin_circle_radius + design.modification.pin_circle - gear.eccentricity - reducer.profile_offset
     ring_root_radius = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     if ring.kind == "nonpin":
         ring_root_radius = ring.pin_circle_radius - ring.pin_radius + 2.0 * gear.eccentricity
-    between = 2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole)
-    inner_wall, outer_wall = output.pin_circle_radius - hole, root - output.pin_circle_radius - hole
+    hole_distance = 2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole_radius)
+    inner_wall, outer_wall = (
+        output.pin_circle_radius - hole_radius,
+        root_radius - output.pin_circle_radius - hole_radius,
+    )
     ligament, tooth = design.housing.outer_radius - ring_root_radius, design.tooth_pair
     return (
-        Wall("hole_to_hole", "between neighbouring output holes", "gear", "output", between, TENSION),
+        Wall("hole_to_hole", "between neighbouring output holes", "gear", "output", hole_distance, TENSION),
         Wall("hole_to_root", "between the output holes and the root of the lobes", "gear", "output", outer_wall, SHEAR),
         Wall(
             "bore_to_hole",

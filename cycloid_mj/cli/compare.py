@@ -256,7 +256,9 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
 
 
 def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
-    """Plan the runs of all cases with the flags of the command: starts, sweep, and variations of assumed values.
+    """Plan the runs of all cases: independent starts, a sweep of contact parameters, and variations of assumed values.
+
+    The flags of the command select them.
 
     Raises
     ------
@@ -307,7 +309,10 @@ def _compare_runs(
 
 
 def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
-    """Read a log, and return its settled motion and the run's measures; raise LogError if it is incomplete."""
+    """Read a log, and return its settled motion and the run's measures; raise LogError if it is incomplete.
+
+    `q` is the point of the disc whose motion is measured [m]; None: the default point.
+    """
     from cycloid_mj.comparison import Trial, measure_run, settle_run
     from cycloid_mj.log import read
 

@@ -29,6 +29,15 @@ def duty_cycle(
 ) -> "Duty":
     """Return the duty cycle of a command's flags: one torque and speed, by default nominal, or the rows of a file.
 
+    Parameters
+    ----------
+    load_nm, speed_rpm
+        Torque on the output [N m] and speed of the crank [rpm], not 0; None: nominal.
+    duty
+        CSV file of the duty cycle, which excludes both.
+    peak_nm
+        Peak torque of an emergency stop [N m]; None: twice the largest torque.
+
     Raises
     ------
     UsageError

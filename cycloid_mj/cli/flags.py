@@ -363,7 +363,7 @@ class ClusterDelivery(Delivery):
     ] = None
 
     def engine(self, kind: Literal["processes", "threads"] = "processes") -> Engine:
-        """Return the engine that does the work: workers of this machine, of `kind`, or a Dask cluster.
+        """Return the engine that runs the tasks of the command: workers of this machine, of `kind`, or a Dask cluster.
 
         Raises
         ------

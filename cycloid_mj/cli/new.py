@@ -390,7 +390,8 @@ def _write_designs(
 ) -> int:
     """Write design files, print their paths with tables and summary, and return the exit code.
 
-    `descriptions` are the entries of the files in the JSON result.
+    `descriptions` are the entries of the files in the JSON result. Raises TakenError if a file exists and must not be
+    replaced.
     """
     paths = destination.paths(files)
     claim_outputs(*map(Path, paths), force=delivery.force)

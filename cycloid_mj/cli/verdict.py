@@ -121,7 +121,11 @@ def overloads(designs: Iterable[Design]) -> dict[str, str]:
 
 
 def capacity_of(case: Design) -> float:
-    """Compute the torque at which a contact of a design first yields [N m]; NaN without load or static equilibrium."""
+    """Compute the torque at which a contact of a design first yields [N m], by statics under its load.
+
+    NaN without load. A large overload has no equilibrium: then a tenth of it is tried, and NaN returned if that fails,
+    too.
+    """
     from cycloid_mj.figures import figure
 
     if not case.load.torque:

@@ -93,7 +93,10 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
 
 
 def _describing_keys(design: Design) -> list[str]:
-    """List the file keys of the tables `DESCRIBING` that apply to a design, without ramp and material properties."""
+    """List the file keys of the tables `DESCRIBING` that apply to a design.
+
+    The keys of the ramp are left out; of the material there is only its name.
+    """
     tables: dict[str, Section] = {name: getattr(Design(), name) for name in DESCRIBING}
     keys = [
         f"{table}.{file_key(name, field)}"

@@ -233,7 +233,10 @@ def _parse_columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int
 
 
 def _describe_out_of_range(row: Mapping[str, float]) -> str | None:
-    """Describe the first value of a row that is beyond the limit of its unit; None if all are within."""
+    """Describe the first value of a row that is beyond the limit of its unit; None if all are within.
+
+    `row` maps column names, which end in their unit (um, mm or deg), to values.
+    """
     limits = {"um": 1000.0, "mm": 5000.0, "deg": 3600.0}
     for name, value in row.items():
         limit = limits.get(name.rsplit("_", 1)[-1], LIMITS.rows)

@@ -1084,7 +1084,10 @@ class Design(Section, Presented):
     @model_validator(mode="before")
     @classmethod
     def _inherit_material(cls, value: Any) -> Any:
-        """Fill the material tables of parts that have no material name from the table `material`."""
+        """Fill the material tables of parts that name no material of their own from the table `material`.
+
+        Runs before validation, on the values of the file.
+        """
         part_keys = [f"{part}_material" for part in PARTS]
         tables = {key: value[key] for key in part_keys if isinstance(value.get(key), Mapping)}
         base_material = value.get("material", {})

@@ -230,8 +230,18 @@ def _no_capacity(key: str) -> Quantity:
 def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error: float, solver: Solver) -> Quantity:
     """Compute the torque at which a kind of contact reaches the pressure of a capacity, by fixed-point iteration.
 
-    `key` is one of `CAPACITIES`, `torque` [N m] the start value, `force_error` the relative error of the contact
-    forces.
+    Each iteration is a run. The value is NaN if the contact becomes conformal or carries no load.
+
+    Parameters
+    ----------
+    key
+        One of `CAPACITIES`: first yield or shakedown.
+    kind
+        Kind of contact.
+    torque
+        Start value [N m].
+    force_error
+        Relative error of the contact forces.
     """
     name, allowed = CAPACITIES[key]
     allowed_depth = penetration_limit(reducer)

@@ -167,7 +167,10 @@ def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
 
 
 def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
-    """Yield the torsional stiffness [N m/arcmin], and its parts in series as compliances [arcmin/(N m)]."""
+    """Yield the torsional stiffness [N m/arcmin], and the compliances of output, cam and mesh in series [arcmin/(N m)].
+
+    The stiffness is that of the design, and without friction and weight; the compliances are those without.
+    """
     unit = "N m/arcmin"
     static_values = [ARCMINUTE / item.compliance(item.turn) for item in data.statics]
     name = "torsional stiffness, 50 to 100 % of nominal torque"

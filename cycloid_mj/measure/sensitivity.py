@@ -115,7 +115,10 @@ def common_rates(rate_by_variant: Mapping[FrictionVariant, float], pins: str) ->
 
 
 def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) -> Table:
-    """Return a table of the output rate of each friction variant, and its change from the design's friction."""
+    """Return a table of the output rate of each friction variant, in percent and as torque, and its change in points.
+
+    The change is that from the design's friction with the same support of the pins.
+    """
     rated_torque = reducer.design.rated_torque
     design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == OWN}
     header = ("pins", "pair", "friction", "output torque [N m]", "rate [%]", "change [points]")
@@ -129,7 +132,10 @@ def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) ->
 
 
 def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
-    """Return curves of the output rate over the common friction, with the published rates on them."""
+    """Return curves of the output rate [%] over the common friction, by support of the pins, with the published rates.
+
+    Published rates outside of the range that was run are left out.
+    """
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     result = []
     for pins in dict.fromkeys(row.pins for row in rate_by_variant):

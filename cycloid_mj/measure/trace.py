@@ -131,9 +131,9 @@ def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCond
 
 
 def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float) -> Trace:
-    """Resample the errors of disc and output at equal steps of the crank angle, by a cubic spline.
+    """Resample the errors of disc and output [arcsec] at equal steps of the crank angle, by a cubic spline.
 
-    `direction` is the sign of the crank speed; the end of the window is left out.
+    `turns` is the number of crank turns, `direction` the sign of the crank speed; the end of the window is left out.
     """
     from scipy.interpolate import CubicSpline
 

@@ -187,14 +187,14 @@ def _unbalance_quantities(
 
     The force is that of the first run, compared with the closed form m c omega^2.
     """
-    unbalances, speed_squared, single = (
+    unbalances, speed_squared, is_single_disc = (
         unbalance(reducer),
         reducer.design.drive.speed**2,
         reducer.design.gear.discs == 1,
     )
     first_run, half_step_run = runs[0], half_step_runs.get(runs[0].load)
-    unbalanced_text, balanced_text = (", without counterweight", ", with counterweight") if single else ("", "")
-    without_weight = [("housing_bare", unbalanced_text, unbalances.bare)] if single else []
+    unbalanced_text, balanced_text = (", without counterweight", ", with counterweight") if is_single_disc else ("", "")
+    without_weight = [("housing_bare", unbalanced_text, unbalances.bare)] if is_single_disc else []
     for key, condition, closed_form in (*without_weight, ("housing", balanced_text, unbalances.balanced)):
         yield Quantity(
             key=f"{key}_rotating",
@@ -206,7 +206,7 @@ def _unbalance_quantities(
             source="sum of m c omega^2",
         )
     couple = abs(unbalances.couple) * speed_squared
-    arrangement = "the counterweight lies next to the disc" if single else "discs balance each other"
+    arrangement = "the counterweight lies next to the disc" if is_single_disc else "discs balance each other"
     note = f"{arrangement}: the force is balanced, the couple is not"
     yield Quantity("unbalance", f"unbalance{unbalanced_text or ' of discs and cams'}", 1e6 * unbalances.bare, "g mm")
     yield Quantity("couple", f"rocking couple{balanced_text}", couple, "N m", note=note)

@@ -136,8 +136,14 @@ def solve_at_friction(
 ) -> Loads:
     """Solve for equilibrium with the friction coefficients of the springs, and add the twist of the structure.
 
-    Arguments and errors are those of `loads`; `warm_start` is its `follow`. `start` is the solution for similar
-    friction coefficients, from whose displacements the search starts.
+    Parameters
+    ----------
+    torque
+        Output torque [N m], not 0: a number, or of shape (m,).
+    warm_start
+        As `follow` of `loads`, whose errors these are.
+    start
+        Solution for similar friction coefficients, from whose displacements the search starts.
     """
     if reducer.design.output.turns_ring:
         return _solve_ring_output(reducer, springs, torque, warm_start, start)
@@ -319,7 +325,8 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
     """Compute the friction power at m crank angles [W], shape (m,), by part: "teeth", "cam" and "output" (its pins).
 
-    It is the coefficient times normal force times sliding speed, summed over the contacts.
+    It is the coefficient times normal force times sliding speed, summed over the contacts. With the law ``film`` each
+    contact has its own coefficient, otherwise each kind of pair.
     """
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth

@@ -38,12 +38,12 @@ JAM = JamFrictionSettings()
 
 
 def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> float:
-    """Compute the largest multiple of the friction, up to `JAM.max_friction`, at which parts without clearance balance.
+    """Compute the largest multiple of the friction [1] at which parts without clearance are in equilibrium.
 
-    The load is (u,) [N] at the crank angle of an index. Each contact is a linear unilateral spring in its ideal pose,
-    each cam a linear spring about its axis: a system that is homogeneous in displacements and load, so that friction
-    alone decides whether it has a solution. It is solved by the Levenberg-Marquardt method, with the friction increased
-    in steps (natural-parameter continuation).
+    It is at most `JAM.max_friction`; `load` (u,) [N] is the generalised load at the crank angle of an index. Each
+    contact is a linear unilateral spring in its ideal pose, each cam a linear spring about its axis: a system that is
+    homogeneous in displacements and load, so that friction alone decides whether it has a solution. It is solved by the
+    Levenberg-Marquardt method, with the friction increased in steps (natural-parameter continuation).
     """
     from scipy.optimize import root
 

@@ -273,7 +273,14 @@ def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Arra
 def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_waves: Array) -> Effects:
     """Compute the effects of unit errors on the contacts of ideal parts, by equivalent displacements of the discs.
 
-    The `common_waves` (orders, 2) [m] have one effect [m]; those of `orders` have one for cosine and one for sine.
+    Parameters
+    ----------
+    springs
+        Springs of the ideal parts at k crank angles.
+    orders
+        Orders of the profile waves that differ between samples; each has an effect for cosine and one for sine.
+    common_waves
+        Amplitudes of the waves that all samples have (orders, 2) [m]; together they have one effect [m].
     """
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     disc_rotation = gear_rotation(gear, springs.crank)

@@ -374,10 +374,11 @@ def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) ->
 
 
 def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS)) -> Iterator[Quantity]:
-    """Yield forces, pressures and margins of each kind of mating pair, and the torques of the first of `LIMITS`.
+    """Yield forces [N], pressures [MPa] and margins of each kind of mating pair, and the torques of `LIMITS` [N m].
 
-    `limit_count` is the number of these limits. With several discs also their shares of the torque and the bearing
-    reactions. A limit is NaN, with a note, if no contact is narrow enough for Hertz theory.
+    `load` is the torque on the output [N m]; only the first `limit_count` limits are computed. With several discs also
+    their shares of the torque and the bearing reactions. A limit is NaN, with a note, if no contact is narrow enough
+    for Hertz theory.
     """
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
@@ -435,7 +436,7 @@ def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
 def _pair_figures(
     springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, strength_ratio: float
 ) -> Iterator[Quantity]:
-    """Yield the figures of a kind of mating pair: forces, number of loaded contacts, pressure and margin.
+    """Yield the figures of a kind of mating pair: forces [N], number of loaded contacts, pressure [MPa] and margin.
 
     `strength_ratio` is the strength over the pressure; NaN if Hertz theory does not apply.
     """
@@ -455,7 +456,7 @@ def _mean(values: Array) -> float:
 
 
 def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency and losses, and torque and efficiency of back-driving.
+    """Yield efficiency [%] and losses [W] under a load [N m], and torque [N m] and efficiency [%] of back-driving.
 
     The torque is NaN for a self-locking reducer. With the law ``film`` efficiencies have a spread.
     """

@@ -41,10 +41,10 @@ def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
 
 
 def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
-    """Compute the von Mises stress over p0 below the middle of a line contact, at depths over its half width.
+    """Compute the von Mises stress over the peak pressure p0 below the middle of a line contact.
 
-    With s = sqrt(1 + z^2): sigma_x = -(1 + 2 z^2)/s + 2 z, sigma_z = -1/s, and sigma_y = nu (sigma_x + sigma_z), since
-    the strip is long (Johnson 1985, Eq. 4.46).
+    `depth` is relative to the half width of the contact, z. With s = sqrt(1 + z^2): sigma_x = -(1 + 2 z^2)/s + 2 z,
+    sigma_z = -1/s, and sigma_y = nu (sigma_x + sigma_z), since the strip is long (Johnson 1985, Eq. 4.46).
     """
     z = np.asarray(depth, float)
     root = np.sqrt(1.0 + z**2)

@@ -268,9 +268,10 @@ class _Assembler:
 
 
 def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
-    """Choose one unknown for each loose motion, far from each other, to be fixed; return them.
+    """Choose one unknown for each loose motion to be fixed, far from each other; return their indices.
 
-    Greedy: the unknown that moves most in the motions, after those that the chosen unknowns fix are projected out.
+    Greedy: the unknown that moves most in the `motions` (n, r), after those that the chosen unknowns fix are projected
+    out.
     """
     remaining = motions[:, list(loose)]
     remaining = remaining / np.abs(remaining).max(axis=0, initial=np.finfo(float).tiny)
@@ -313,9 +314,14 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
 
 
 def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
-    """Factorise a symmetric matrix from its lower triangle; return the function that solves for right-hand sides.
+    """Factorise a symmetric matrix from its lower triangle; return the function that solves for loads (n, c).
 
-    By LDL^T of rslab if it is installed, which is much faster, else by SuperLU.
+    By LDL^T of rslab if it is installed, which is much faster, else by SuperLU. `part` is its name for errors.
+
+    Raises
+    ------
+    CycloidError
+        The matrix is singular, or the memory does not suffice.
     """
     return_free_memory()  # a factor needs its memory in one piece
     try:
@@ -330,7 +336,10 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
 
 
 def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
-    """Factorise a symmetric matrix from its lower triangle by SuperLU; return the function that solves."""
+    """Factorise a symmetric matrix from its lower triangle by SuperLU; return the function that solves for loads.
+
+    Errors are those of `_factorise`.
+    """
     matrix = (lower + sparse.tril(lower, -1).T).tocsc()
     try:
         solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

@@ -131,7 +131,7 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
 
 
 def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[list[Array], ...]:
-    """Divide the prisms of each layer into tetrahedra.
+    """Divide the prisms of each layer into three tetrahedra each.
 
     `corner` is the index of the vertex at each level and vertex of the section, (l + 1, v). Returns lists of arrays:
     corners of the tetrahedra, ends of their edges, and section node and height index of each edge's middle.

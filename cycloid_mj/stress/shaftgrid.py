@@ -120,7 +120,10 @@ def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
 
 
 def _convert_mesh(tags: Any, points: Array, nodes: Any) -> Any:
-    """Convert gmsh's tetrahedra of ten nodes to a quadratic mesh."""
+    """Convert gmsh's tetrahedra of ten nodes to a quadratic scikit-fem mesh.
+
+    `tags` are gmsh's numbers of the `points` (p, 3) [m], `nodes` (m, 10) those of the nodes of the tetrahedra.
+    """
     position = np.zeros(int(tags.max()) + 1, np.int64)
     position[tags.astype(np.int64)] = np.arange(len(tags))
     cells = position[nodes.astype(np.int64)]

@@ -297,10 +297,10 @@ def _solve_part(
 
 def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
     """Return the loads at some of their crank angles, given by their indices, in this order."""
-    angle_indices = np.asarray(indices)
+    index_array = np.asarray(indices)
     count = len(loads.angle)
     selected_fields: dict[str, Any] = {
-        field.name: getattr(loads, field.name)[angle_indices]
+        field.name: getattr(loads, field.name)[index_array]
         for field in fields(loads)
         if isinstance(getattr(loads, field.name), np.ndarray) and len(getattr(loads, field.name)) == count
     }

@@ -269,9 +269,10 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
 
 
 def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the springs of pins and sleeves in their seats, with sockets as full circles.
+    """Compute the springs of pins in sockets, or of sleeves on their pins, at a pose z [m].
 
-    Under load pins rest on the walls or carry nothing; an unloaded pin could leave an open socket during the search.
+    Sockets are full circles: under load pins rest on the walls or carry nothing; an unloaded pin could leave an open
+    socket during the search.
     """
     shift = z[4:].reshape(-1, 2)
     distance = np.linalg.norm(shift, axis=1)

@@ -227,7 +227,8 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
 def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Compare the exact gaps between free pins and the nearest disc with those between the pins and their sockets.
 
-    The best fit shifts a pin so that both are equal; pins that it does not shift are left out.
+    The best fit shifts a pin so that both are equal; pins that it does not shift are left out. `bound` is the allowed
+    difference [%], `changes` are settings as for ``--set``.
     """
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)

@@ -146,7 +146,11 @@ def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick: bool) -> list[ValidationRow]:
-    """Compare tooth forces, disc rotation and cam force of a settled run with the independent static solution."""
+    """Compare tooth forces, disc rotation and cam force of a settled run with the independent static solution.
+
+    `name` is that of the case, `cam_stiffness` [N/m] replaces that of the cam unless it is None, and `quick` reduces
+    samples and run time.
+    """
     slow_drive = _at_slow_speed(reducer, 200.0 if quick else 100.0)
     run = settled_run(slow_drive, cam_stiffness, False)
     stiffness = {kind: law.stiffness for kind, law in build(slow_drive.design).laws.items()}

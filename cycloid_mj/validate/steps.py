@@ -63,9 +63,10 @@ Study = Mapping[float, StepFigures | RunError]
 
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the figures of runs with several time steps for a kind of ring.
+    """Compare the figures of runs of a kind of ring with several time steps, by `judge_study`.
 
-    With massless pins, too, for free pins.
+    Free pins are also compared with massless ones. Rows of a run under a light load follow. With `quick` there are only
+    the automatic step and half of it.
     """
     automatic_step = 1e6 * timestep(Reducer(rated_design(kind)))
     shares = (0.5, 1.0) if quick else SHARES[_has_moving_pins(kind)]
