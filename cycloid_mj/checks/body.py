@@ -151,17 +151,17 @@ def _check_hole_size(reducer: Reducer) -> Check:
     orbit = design.output.pin_radius + design.gear.eccentricity
     hole = design.output.hole_radius
     is_passed = abs(hole - orbit) <= RELATIVE_ROUNDING * orbit
-    key, number = "output.hole_radius_mm", f"{MILLIMETRE.from_si(orbit):.14g}"
+    key, orbit_text = "output.hole_radius_mm", f"{MILLIMETRE.from_si(orbit):.14g}"
     return Check(
         name="hole_size",
         passed=is_passed,
         got=f"{MILLIMETRE.from_si(hole):.14g} mm",
-        limit=f"{number} mm (output pin + eccentricity)",
+        limit=f"{orbit_text} mm (output pin + eccentricity)",
         why="an output pin that orbits at the eccentricity jams in a smaller hole;"
         " a larger hole adds clearance, which is set by clearance.output_um",
-        remedy="" if is_passed else f"{'raise' if hole < orbit else 'lower'} {key} to {number}",
+        remedy="" if is_passed else f"{'raise' if hole < orbit else 'lower'} {key} to {orbit_text}",
         key=key,
-        changes=() if is_passed else ({key: float(number)},),
+        changes=() if is_passed else ({key: float(orbit_text)},),
     )
 
 

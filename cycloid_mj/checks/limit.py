@@ -82,13 +82,13 @@ class Limit:
         """
         if not LIMIT.smallest_bound < abs(self.bound) < math.inf:
             return ""
-        number = self._safe_number
+        bound_text = self._safe_number
         try:
-            override(reducer.design, [f"{self.file_key}={number}"])
+            override(reducer.design, [f"{self.file_key}={bound_text}"])
         except DesignError:
             return ""
         verb, beyond = ("lower", "less") if self.side in UPPER else ("raise", "more")
-        return f"{verb} {self.file_key} to {number} or {beyond}"
+        return f"{verb} {self.file_key} to {bound_text} or {beyond}"
 
     def change(self, reducer: Reducer) -> tuple[str, float] | None:
         """Return the file's key and the value that satisfies the limit; None if the file does not allow it."""

@@ -232,12 +232,12 @@ def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
     if defect is None:
         return ()
     fit, causes = calibration.fitted, []
-    for number, parameter in enumerate(fit.parameters, 1):
+    for position, parameter in enumerate(fit.parameters, 1):
         model = fit.model
         for replaced, value in zip(fit.parameters, fit.values.tolist(), strict=True):
             model = model if replaced == parameter else replaced.apply(model, value)
         with show_activity(
-            f"calibrate: testing it with the drawn {parameter.key}, {number} of {len(fit.parameters)}", quiet
+            f"calibrate: testing it with the drawn {parameter.key}, {position} of {len(fit.parameters)}", quiet
         ):
             is_usable = _first_defect(model.reducer, torque) is None
         if is_usable:

@@ -116,7 +116,7 @@ def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
     from json import loads
 
     content = loads(manifest)
-    remaining_pieces = {f"{item['part']} rest {number}": item for number, item in enumerate(content["rest"], start=1)}
+    remaining_pieces = {f"{item['part']} rest {value}": item for value, item in enumerate(content["rest"], start=1)}
     return {**content["surfaces"], **remaining_pieces}
 
 

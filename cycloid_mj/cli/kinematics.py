@@ -79,7 +79,7 @@ def kinematics(
     return deliver_columns(f"ideal motion: {design.name}", columns, csv, page, delivery)
 
 
-def _compute_motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:
+def _compute_motion(design: Design, q: tuple[float, float], until: float | None, interval: float | None) -> Columns:
     """Compute the motion of a disc's point as columns of shape (n,) in the units of their names.
 
     They are time, crank angle, position, velocity and acceleration, the latter three in mm.
@@ -99,8 +99,8 @@ def _compute_motion(design: Design, q: tuple[float, float], until: float | None,
 
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     until = design.drive.ramp + design.drive.hold if until is None else until
-    step = _choose_step(design, step)
-    t = step * np.arange(_count_samples(until, step))
+    interval = _choose_step(design, interval)
+    t = interval * np.arange(_count_samples(until, interval))
     crank = law.angle_at(t)
     path = point_path(Reducer(design), np.array(q), 0, crank, law.speed_at(t), law.acceleration_at(t))
     (x, y), (vx, vy), (ax, ay) = (1e3 * vectors.T for vectors in (path.position, path.velocity, path.acceleration))
@@ -108,7 +108,7 @@ def _compute_motion(design: Design, q: tuple[float, float], until: float | None,
     return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))
 
 
-def _choose_step(design: Design, step: float | None) -> float:
+def _choose_step(design: Design, interval: float | None) -> float:
     """Return the interval of samples [s]: that of the flag, or the time of one degree of crank at full speed.
 
     Raises
@@ -116,8 +116,8 @@ def _choose_step(design: Design, step: float | None) -> float:
     UsageError
         The flag is not set, and the speed is 0.
     """
-    if step is not None:
-        return step
+    if interval is not None:
+        return interval
     if design.drive.speed == 0.0:
         raise UsageError(
             f"{design.name}: drive.speed_rpm is 0, so the default time step (one degree of crank rotation) is "
@@ -126,18 +126,18 @@ def _choose_step(design: Design, step: float | None) -> float:
     return math.radians(1.0) / abs(design.drive.speed)
 
 
-def _count_samples(until: float, step: float) -> int:
-    """Return the number of samples from 0 to `until` at intervals of `step` [s].
+def _count_samples(until: float, interval: float) -> int:
+    """Return the number of samples from 0 to `until` at intervals of `interval` [s].
 
     Raises
     ------
     UsageError
         There are too many samples.
     """
-    rows = math.floor(until / step + ROUNDING) + 1
+    rows = math.floor(until / interval + ROUNDING) + 1
     if rows > RANGES.rows[1]:
         raise UsageError(
-            f"--until-s {until:g} with a step of {step:g} s needs {rows:.3g} rows, but at most {RANGES.rows[1]} are "
-            "allowed: increase --step-s or reduce --until-s"
+            f"--until-s {until:g} with a step of {interval:g} s needs {rows:.3g} rows, but at most {RANGES.rows[1]} "
+            "are allowed: increase --step-s or reduce --until-s"
         )
     return rows

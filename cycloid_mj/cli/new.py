@@ -509,9 +509,9 @@ def _parse_discs(text: str) -> int:
     if not text:
         return 1
     try:
-        number = whole_number(text)
+        disc_count = whole_number(text)
     except ValueError as error:
         raise UsageError(f"--discs: {error}; give a number from 1 to 4, or auto") from None
-    if number < 1:
-        raise UsageError(f"--discs {number} is out of range: give a number from 1 to 4, or auto")
-    return number
+    if disc_count < 1:
+        raise UsageError(f"--discs {disc_count} is out of range: give a number from 1 to 4, or auto")
+    return disc_count

@@ -80,9 +80,9 @@ def say_groups(
     from rich.table import Table
 
     table = Table(title=printable(title), title_justify="left")
-    for number, name in enumerate(header):
+    for column_index, name in enumerate(header):
         table.add_column(
-            printable(name), justify="right" if number and number not in words else "left", overflow="fold"
+            printable(name), justify="right" if column_index and column_index not in words else "left", overflow="fold"
         )
     for name, rows in groups:
         if name:

@@ -72,21 +72,21 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     from cycloid_mj.base.validation import RowOutcome
     from cycloid_mj.validate.suite import STEP_NAMES
 
-    numbers = {name: number for number, name in enumerate(STEP_NAMES, start=1)}
+    step_numbers = {name: step_number for step_number, name in enumerate(STEP_NAMES, start=1)}
     steps = dict.fromkeys(row.rung for row in rows)
     counts = {row_outcome: sum(row.verdict == row_outcome for row in rows) for row_outcome in RowOutcome}
-    failed_rows = [_format_row(numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
+    failed_rows = [_format_row(step_numbers[row.rung], row) for row in rows if row.verdict is RowOutcome.FAIL]
     table = [row.as_json() for row in rows]
     return Outcome(
-        title="validation: " + ", ".join(f"{numbers[name]} {name}" for name in steps),
+        title="validation: " + ", ".join(f"{step_numbers[name]} {name}" for name in steps),
         failures=[
             f"{name}: {result}, {source}: {reference}; difference {deviation}"
             for name, result, reference, source, deviation, *_ in failed_rows
         ],
         summary=[f"{', '.join(f'{count} {row_outcome}' for row_outcome, count in counts.items())}; {wall:.0f} s"],
-        tables=[Table("every row", HEADER, tuple(_format_row(numbers[row.rung], row) for row in rows))],
+        tables=[Table("every row", HEADER, tuple(_format_row(step_numbers[row.rung], row) for row in rows))],
         notes=[
-            f"{numbers[row.rung]} {row.measured.name} ({row.measured.source}): {row.measured.note}"
+            f"{step_numbers[row.rung]} {row.measured.name} ({row.measured.source}): {row.measured.note}"
             for row in rows
             if row.measured.note
         ],
@@ -96,14 +96,14 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     )
 
 
-def _format_row(number: int, row: "ValidationRow") -> tuple[str, ...]:
-    """Format a row of a validation as cells of text; `number` is that of its step.
+def _format_row(step_number: int, row: "ValidationRow") -> tuple[str, ...]:
+    """Format a row of a validation as cells of text; `step_number` is that of its step.
 
     The bound is in the unit of the error.
     """
     quantity = row.measured
     return (
-        f"{number} {quantity.name}",
+        f"{step_number} {quantity.name}",
         f"{quantity.value:.5g} {quantity.unit}".strip(),
         f"{quantity.reference:.5g}",
         quantity.source,

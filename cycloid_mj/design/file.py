@@ -467,8 +467,8 @@ def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], source: str) 
     """
     if not all(isinstance(count, int) and count <= LIMITS.list_length for count in counts):
         return tuple(sparse.values())  # the validation reports the number of parts, which is out of range
-    number = math.prod(counts)
-    parts = [str(part) for part in range(1, number + 1)]
+    part_count = math.prod(counts)
+    parts = [str(part) for part in range(1, part_count + 1)]
     for part in sparse:
         if part not in parts:
             raise DesignError(f"{source}: part {part:.40} does not exist: use part numbers from 1 to {len(parts)}")

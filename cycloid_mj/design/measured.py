@@ -138,7 +138,7 @@ def _read_gear(path: Path) -> Columns:
     Raises DesignError for another header, and as `_parse_columns`.
     """
     lines = list(_read_rows(path))
-    number, header_cells = lines[0]
+    line_number, header_cells = lines[0]
     header = tuple(cell.lower() for cell in header_cells)
     if all(_number(cell) is not None for cell in header_cells) and len(header_cells) in (2, 3):
         names = POINTS
@@ -147,7 +147,7 @@ def _read_gear(path: Path) -> Columns:
     elif header[:2] in (POINTS, ("x", "y")) and len(header) in (2, 3):
         names, lines = POINTS, lines[1:]
     else:
-        raise _wrong_header(path, number, header_cells, [ANGLES, POINTS])
+        raise _wrong_header(path, line_number, header_cells, [ANGLES, POINTS])
     return _parse_columns(path, names, lines)
 
 
@@ -157,9 +157,9 @@ def _read_pins(path: Path) -> Columns:
     Raises DesignError if a pin is missing or listed twice, for another header, and as `_parse_columns`.
     """
     lines = list(_read_rows(path))
-    number, header_cells = lines[0]
+    line_number, header_cells = lines[0]
     if tuple(cell.lower() for cell in header_cells) != PINS:
-        raise _wrong_header(path, number, header_cells, [PINS])
+        raise _wrong_header(path, line_number, header_cells, [PINS])
     columns = _parse_columns(path, PINS, lines[1:])
     order = {pin: index for index, pin in enumerate(columns["pin"])}
     for pin in range(1, len(columns["pin"]) + 1):
@@ -192,16 +192,16 @@ def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
             f"cannot read the measurement file {path}: {reason(error)}. Check that it is a CSV file with UTF-8 text, "
             "and check the path: it is relative to the design file or, if given with --set, to the current folder"
         ) from error
-    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
-    lines = [(number, line) for number, line in lines if line and not line.startswith("#")]
+    lines = [(line_number, line.strip()) for line_number, line in enumerate(text.splitlines(), 1)]
+    lines = [(line_number, line) for line_number, line in lines if line and not line.startswith("#")]
     if len(lines) < 2:
         raise DesignError(
             f"{path} has no measurements: write a header, such as {','.join(ANGLES)}, and one row per measured point"
         )
     if len(lines) > LIMITS.rows + 1:
         raise DesignError(f"{path} has {len(lines):,} rows: reduce them to at most {LIMITS.rows:,}")
-    for number, line in lines:
-        yield number, _cells(line)
+    for line_number, line in lines:
+        yield line_number, _cells(line)
 
 
 def _cells(line: str) -> list[str]:
@@ -218,16 +218,16 @@ def _parse_columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int
     `lines` are line numbers and cells; raises DesignError with the line of a wrong value.
     """
     rows = []
-    for number, cells in lines:
+    for line_number, cells in lines:
         max_cells = len(names) + (names == POINTS)
         values = [value for cell in cells if (value := _number(cell)) is not None]
         if len(values) != len(cells) or not len(names) <= len(cells) <= max_cells:
             raise DesignError(
-                f"{path}, line {number}: {','.join(cells)[:60]!r} is not valid. Write {len(names)} numbers: "
+                f"{path}, line {line_number}: {','.join(cells)[:60]!r} is not valid. Write {len(names)} numbers: "
                 f"{','.join(names)}"
             )
         if (range_error := _describe_out_of_range(dict(zip(names, values, strict=False)))) is not None:
-            raise DesignError(f"{path}, line {number}: {range_error}")
+            raise DesignError(f"{path}, line {line_number}: {range_error}")
         rows.append(values[: len(names)])
     return dict(zip(names, zip(*rows, strict=True), strict=True))
 
@@ -254,6 +254,6 @@ def _number(cell: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _wrong_header(path: Path, number: int, cells: list[str], allowed: list[tuple[str, ...]]) -> DesignError:
+def _wrong_header(path: Path, line_number: int, cells: list[str], allowed: list[tuple[str, ...]]) -> DesignError:
     headers = " or ".join(",".join(names) for names in allowed)
-    return DesignError(f"{path}, line {number}: the header is {','.join(cells)[:60]!r}. Change it to {headers}")
+    return DesignError(f"{path}, line {line_number}: the header is {','.join(cells)[:60]!r}. Change it to {headers}")

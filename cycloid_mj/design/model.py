@@ -1285,13 +1285,13 @@ class Design(Section, Presented):
         for name, field in type(section).model_fields.items():
             counts = {key: getattr(getattr(self, key[0]), key[1]) for key in counted_by(field)}
             value, key = getattr(section, name), f"{table}.{file_key(name, field)}"
-            number = math.prod(counts.values())
-            if counts and value and len(value) != number:
+            part_count = math.prod(counts.values())
+            if counts and value and len(value) != part_count:
                 plural_counts = {part: count for part, count in counts.items() if count > 1} or counts
                 product = " times ".join(".".join(part) for part in plural_counts)
                 raise ValueError(
-                    f"{key} has {len(value)} values, but {product} is {number}: give one value for each, or only those "
-                    f"other than 0, as in {{1 = 5.0}}"
+                    f"{key} has {len(value)} values, but {product} is {part_count}: give one value for each, or only "
+                    f"those other than 0, as in {{1 = 5.0}}"
                 )
             if self.ring.kind == "nonpin" and name.startswith("pin_") and (any(value) if counts else value):
                 raise ValueError(

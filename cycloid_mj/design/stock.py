@@ -464,8 +464,8 @@ def needle_bearings() -> tuple[StockBearing, ...]:
         for bore, outer_diameter, width, dynamic, static in _rows(_DRAWN_CUPS, 5)
     ]
     rings = [
-        StockBearing(f"RNA49{number:02g}", *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
-        for number, bore, outer_diameter, width, dynamic, static in _rows(_NEEDLE_BEARINGS, 6)
+        StockBearing(f"RNA49{series_number:02g}", *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
+        for series_number, bore, outer_diameter, width, dynamic, static in _rows(_NEEDLE_BEARINGS, 6)
     ]
     largest = max(cup.outside for cup in cups)
     bearings = [*cups, *(ring for ring in rings if ring.outside > largest)]
@@ -476,8 +476,8 @@ def needle_bearings() -> tuple[StockBearing, ...]:
 def ball_bearings() -> tuple[StockBearing, ...]:
     """List deep groove ball bearings, the smallest first."""
     bearings = [
-        StockBearing(f"{number:g}", *_si(bore, outside, width), dynamic * KN, static * KN)
-        for number, bore, outside, width, dynamic, static in _rows(_BALL_BEARINGS, 6)
+        StockBearing(f"{series_number:g}", *_si(bore, outside, width), dynamic * KN, static * KN)
+        for series_number, bore, outside, width, dynamic, static in _rows(_BALL_BEARINGS, 6)
     ]
     return tuple(sorted(bearings, key=lambda item: (item.bore, item.outside)))
 

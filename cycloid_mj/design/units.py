@@ -40,9 +40,10 @@ class Unit:
         """
         value_in_unit = value * self.divisor / self.multiplier
         rounded_values = (float(f"{value_in_unit:.{digits}g}") for digits in (14, 15, 16))
-        neighbours = (value_in_unit + step * math.ulp(value_in_unit) for step in (0, -1, 1, -2, 2, -3, 3))
+        neighbours = (value_in_unit + ulps * math.ulp(value_in_unit) for ulps in (0, -1, 1, -2, 2, -3, 3))
         return next(
-            (number for number in chain(rounded_values, neighbours) if self.to_si(number) == value), value_in_unit
+            (candidate for candidate in chain(rounded_values, neighbours) if self.to_si(candidate) == value),
+            value_in_unit,
         )
 
 

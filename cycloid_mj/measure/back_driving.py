@@ -181,7 +181,7 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
     growth, count = max_torque / growth_time, len(moving_run)
     windows = [slice(None), slice(0, count // 4), slice(count // 2, None)]
     torque, *other_torques = (growth * _zero_acceleration_time(moving_run.select(part)) for part in windows)
-    return StartFromRest(torque, max(abs(other - torque) for other in other_torques), max_torque, run)
+    return StartFromRest(torque, max(abs(other_torque - torque) for other_torque in other_torques), max_torque, run)
 
 
 def _zero_acceleration_time(run: Run) -> float:

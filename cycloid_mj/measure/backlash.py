@@ -173,7 +173,9 @@ def _run_presses(
     pairs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
     checks, presses = dict(zip(cases, pairs, strict=False)), pairs[len(cases) :]
     count = len(crank_angles)
-    presses_by_kind = {name: presses[number * count : (number + 1) * count] for number, name in enumerate(cases)}
+    presses_by_kind = {
+        name: presses[case_index * count : (case_index + 1) * count] for case_index, name in enumerate(cases)
+    }
     return presses_by_kind, checks
 
 
@@ -183,7 +185,7 @@ def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
     The other clearances are `PRESS.no_clearance`, and the holes are as large as the orbit of the output pins.
     """
     design = reducer.design
-    tiny_clearances = {other: PRESS.no_clearance for other in design.pair_kinds if other != kind}
+    tiny_clearances = {other_kind: PRESS.no_clearance for other_kind in design.pair_kinds if other_kind != kind}
     clearance = design.clearance.model_copy(update=tiny_clearances)
     output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
     ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}

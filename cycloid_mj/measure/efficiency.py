@@ -236,13 +236,13 @@ def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
     rows: list[tuple[str | float, ...]] = []
     for point in efficiency_map.grid:
         powers = point.powers
-        numbers = [
+        percentages = [
             1e2 * powers.efficiency,
             1e2 * point.shift,
             *_loss_percentages(point).values(),
             1e2 * powers.residual,
         ]
-        rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
+        rows.append((f"{point.speed / RPM:g}", point.torque, *(round(percentage, 4) for percentage in percentages)))
     header = (
         "speed [rpm]",
         "torque [N m]",

@@ -255,8 +255,8 @@ def _quantities(
     # what is left of the ringing shows in the second half, which has less of it
     second_half = test.run.select(slice(len(test.run) // 2, None))
     other_torques = [run["load_torque"] for run in (second_half, *([half_step.run] if half_step else []))]
-    ripple_error = max(abs(float(np.ptp(other)) - ripple) for other in other_torques)
-    rms_error = max(abs(float(np.std(other)) - ripple_rms) for other in other_torques)
+    ripple_error = max(abs(float(np.ptp(other_torque)) - ripple) for other_torque in other_torques)
+    rms_error = max(abs(float(np.std(other_torque)) - ripple_rms) for other_torque in other_torques)
     torque_reference, rate = (reference.efficiency * rated_torque, reference.source), 1e2 * test.output / rated_torque
     inputs = spread.spread_text(powers.efficiency, by_input)
     condition_text, rate_by_powers = "efficiency at constant crank speed under this load", 1e2 * powers.efficiency

@@ -274,7 +274,7 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
     frame = _disc(turn, disc)
     cam = _hole_contact(turn, _pair_name(turn, CAM, disc), "cam", _in(frame, _on_gear(turn, CAM, disc)), np.zeros(2))
     centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
-    names = [numbered_name(OUTPUT_PIN, number) for number in range(1, len(centres) + 1)]
+    names = [numbered_name(OUTPUT_PIN, pin_number) for pin_number in range(1, len(centres) + 1)]
     holes = [
         _hole_contact(turn, _pair_name(turn, name, disc), "output", _in(frame, _on_gear(turn, name, disc)), centre)
         for name, centre in zip(names, centres, strict=True)
@@ -296,8 +296,8 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
     """List the contacts of the output's pins with the discs, or of their cores with the bores of rollers."""
     output, frame = turn.reducer.design.output, part_frame(turn, "output")
     contacts = []
-    for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
-        name = numbered_name(OUTPUT_PIN, number)
+    for disc, (pin_number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
+        name = numbered_name(OUTPUT_PIN, pin_number)
         contact_force = _in(frame, _on_gear(turn, name, disc).reaction())
         widest = np.full_like(contact_force.size, MAX_HALF_ANGLE * output.root_radius)
         width = widest if output.rollers else _round_width(turn, "output", contact_force)

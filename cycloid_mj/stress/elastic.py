@@ -86,15 +86,15 @@ def assemble_body(
         loose = () if len(grid.fixed_nodes) or springs is not None else tuple(range(motions.shape[1]))
     fixed = np.union1d(unknowns(grid.fixed_nodes, grid.dimension), _auxiliary_supports(motions, loose))
     _require_supports(grid, motions, fixed, springs)
-    free = np.setdiff1d(np.arange(grid.unknowns), fixed)
+    free_unknowns = np.setdiff1d(np.arange(grid.unknowns), fixed)
     assembler = _Assembler(grid)
     mass = _mass(grid, material.density, assembler)
-    factorised_system, lower = _split(assemble_stiffness(grid, material, assembler), springs, fixed, free)
+    factorised_system, lower = _split(assemble_stiffness(grid, material, assembler), springs, fixed, free_unknowns)
     del assembler  # some hundred bytes an unknown, which the factor needs
     return ElasticBody(
         hold=factorised_system,
         fixed=fixed,
-        free=free,
+        free=free_unknowns,
         motions=motions,
         mass=mass,
         loose=loose,
@@ -231,11 +231,11 @@ def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | 
     return assembler.matrix(blocks)
 
 
-def _split(matrix: Any, springs: Any, fixed: Integers, free: Integers) -> tuple[Any, Any]:
+def _split(matrix: Any, springs: Any, fixed: Integers, free_unknowns: Integers) -> tuple[Any, Any]:
     """Return the rows of the fixed unknowns, and the lower triangle of the free unknowns; the full matrix is freed."""
     if springs is not None:
         matrix = matrix + springs
-    return matrix[fixed], sparse.triu(matrix, format="csr")[free][:, free].T  # it is symmetric
+    return matrix[fixed], sparse.triu(matrix, format="csr")[free_unknowns][:, free_unknowns].T  # it is symmetric
 
 
 def _mass(grid: Grid, density: float, assembler: "_Assembler") -> Any:

@@ -196,13 +196,13 @@ def _within_pins(reducer: Reducer, section: Grid) -> Mask:
     return np.asarray(apart.min(axis=1) < reducer.design.output.root_radius)
 
 
-def _output_corners(reducer: Reducer, face: float, back: float, step: float) -> Array:
+def _output_corners(reducer: Reducer, face: float, back: float, spacing: float) -> Array:
     """Return points on the roots of the output's pins, and along both rims of its hub, about a step [m] apart."""
     pin, hub = reducer.design.output.root_radius, reducer.design.shaft.radius
-    roots = [_ring(pin, step, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
-    return np.concatenate([*roots, _ring(hub, step, face), _ring(hub, step, back)])
+    roots = [_ring(pin, spacing, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
+    return np.concatenate([*roots, _ring(hub, spacing, face), _ring(hub, spacing, back)])
 
 
-def _ring(radius: float, step: float, z: float) -> Array:
-    turn = 2 * np.pi * np.arange(math.ceil(2 * np.pi * radius / step)) / math.ceil(2 * np.pi * radius / step)
+def _ring(radius: float, spacing: float, z: float) -> Array:
+    turn = 2 * np.pi * np.arange(math.ceil(2 * np.pi * radius / spacing)) / math.ceil(2 * np.pi * radius / spacing)
     return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(len(turn), z)])

@@ -86,7 +86,10 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     pins = np.array([number_of(label) for label in loads.labels])
     arms, numbers = root_arms(reducer)[:, discs], np.unique(pins)
     moments = np.stack(
-        [np.einsum("rc,kcx->krx", arms[:, pins == number], loads.force[:, pins == number]) for number in numbers],
+        [
+            np.einsum("rc,kcx->krx", arms[:, pins == pin_number], loads.force[:, pins == pin_number])
+            for pin_number in numbers
+        ],
         axis=2,
     )
     magnitude = np.linalg.norm(moments, axis=3)

@@ -120,6 +120,6 @@ def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
     return np.minimum(forward_limit[len(edge_length) :], backward_limit[: len(edge_length)])
 
 
-def _along(points: Array, arc: Array, at: Array) -> Array:
+def _along(points: Array, arc: Array, positions: Array) -> Array:
     closed = np.vstack([points, points[:1]])
-    return np.column_stack([np.interp(at, arc, closed[:, 0]), np.interp(at, arc, closed[:, 1])])
+    return np.column_stack([np.interp(positions, arc, closed[:, 0]), np.interp(positions, arc, closed[:, 1])])

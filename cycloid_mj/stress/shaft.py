@@ -297,9 +297,9 @@ def _on_seat(shaft: ShaftDimensions, ends: tuple[float, float], x: Array) -> Mas
     return _on_cylinder(x, shaft.radius, AXIS) & (ends[0] < x[2]) & (x[2] < ends[1])
 
 
-def _on_cam(x: Array, shaft: ShaftDimensions, number: int) -> Mask:
-    z0, z1 = shaft.cams[number]
-    return _on_cylinder(x, shaft.cam_radius, shaft.cam_centres[number]) & (x[2] > z0) & (x[2] < z1)
+def _on_cam(x: Array, shaft: ShaftDimensions, cam_index: int) -> Mask:
+    z0, z1 = shaft.cams[cam_index]
+    return _on_cylinder(x, shaft.cam_radius, shaft.cam_centres[cam_index]) & (x[2] > z0) & (x[2] < z1)
 
 
 def _at_end(x: Array, shaft: ShaftDimensions) -> Mask:

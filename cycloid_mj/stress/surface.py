@@ -53,7 +53,7 @@ def select_surface(grid: Grid, is_selected: Callable[[Array], Mask]) -> SolidSur
     nodes = np.hstack([corners, find_edge_nodes(mesh, corners[:, [[0, 1], [1, 2], [0, 2]]])])
     positions = grid.points[nodes]
     points, weight = quadrature.get_quadrature(skfem.refdom.RefTri, 6)  # exact on a flat face
-    terms = [skfem.ElementTriP2().lbasis(points, number) for number in range(nodes.shape[1])]
+    terms = [skfem.ElementTriP2().lbasis(points, shape_index) for shape_index in range(nodes.shape[1])]
     shape = np.stack([value for value, _ in terms], axis=1)
     first_edge, second_edge = (
         np.einsum("qa,fax->fqx", np.stack([slope[axis] for _, slope in terms], axis=1), positions) for axis in range(2)

@@ -148,9 +148,9 @@ def sample_rows() -> list[ValidationRow]:
     springs = springs_of(Reducer(design), TURN, friction=False)
     contact_loads, load = loads(Reducer(design), springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
     poses, forces = [], []
-    for number, crank in enumerate(TURN):
+    for angle_index, crank in enumerate(TURN):
         _, reference = springs_and_reference(Reducer(design), crank)
-        poses.append(reference.balance(load[number], contact_loads.departures[number]))
+        poses.append(reference.balance(load[angle_index], contact_loads.departures[angle_index]))
         forces.append(reference.forces(poses[-1]))
     pose_array, force_array = np.array(poses), np.array(forces)
     gear, output = pose_array[:, [2, 5]].mean(axis=1), pose_array[:, -1]

@@ -194,15 +194,15 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
     `centres` (N, 2) [m] are in the ring's frame; `flanks` are given if they are modified.
     """
     distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
-    number = gear.ring_teeth
+    pin_count = gear.ring_teeth
     return NearestPoints(
         distance=distance,
         normals=rotate(normals, pose.angle),
         places=centres,
         t=t,
-        owner=np.arange(number),
-        B=np.full(number, np.nan),
-        ring_curvature=np.full(number, 1 / gear.pin_radius),
+        owner=np.arange(pin_count),
+        B=np.full(pin_count, np.nan),
+        ring_curvature=np.full(pin_count, 1 / gear.pin_radius),
     )
 
 

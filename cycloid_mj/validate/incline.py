@@ -65,18 +65,27 @@ def rows(quick: bool) -> list[ValidationRow]:
 
     The slopes are 0.5, 3 and 2 times the friction coefficient. `quick` changes nothing.
     """
-    law = pair_law()
-    small_angle, large_angle = math.atan(0.5 * law.friction), math.atan(3.0 * law.friction)
-    sticking, sliding = simulate_descent(law, small_angle, False), simulate_descent(law, large_angle, False)
-    rolling = simulate_descent(law, math.atan(2.0 * law.friction), True)
-    gravity_along = INCLINE.gravity * math.sin(math.atan(2.0 * law.friction))
-    creep_pair = 1e6 * sticking.speed, 1e6 * INCLINE.mass * INCLINE.gravity * math.sin(small_angle) / law.creep
+    contact_parameters = pair_law()
+    small_angle, large_angle = (
+        math.atan(0.5 * contact_parameters.friction),
+        math.atan(3.0 * contact_parameters.friction),
+    )
+    sticking, sliding = (
+        simulate_descent(contact_parameters, small_angle, False),
+        simulate_descent(contact_parameters, large_angle, False),
+    )
+    rolling = simulate_descent(contact_parameters, math.atan(2.0 * contact_parameters.friction), True)
+    gravity_along = INCLINE.gravity * math.sin(math.atan(2.0 * contact_parameters.friction))
+    creep_pair = (
+        1e6 * sticking.speed,
+        1e6 * INCLINE.mass * INCLINE.gravity * math.sin(small_angle) / contact_parameters.creep,
+    )
     acceleration_pair = (
         sliding.acceleration,
-        INCLINE.gravity * (math.sin(large_angle) - law.friction * math.cos(large_angle)),
+        INCLINE.gravity * (math.sin(large_angle) - contact_parameters.friction * math.cos(large_angle)),
     )
     slip_pair, rolling_acceleration = (
-        (1e6 * rolling.slip, 1e6 * INCLINE.mass * gravity_along / 3.0 / law.creep),
+        (1e6 * rolling.slip, 1e6 * INCLINE.mass * gravity_along / 3.0 / contact_parameters.creep),
         2.0 * gravity_along / 3.0,
     )
     return [
@@ -98,14 +107,14 @@ def pair_law() -> ContactParameters:
     return contact_law(stiffness, design.design.contact.damping_ratio, INCLINE.mass, friction, creep, INCLINE.timestep)
 
 
-def simulate_descent(law: ContactParameters, angle: float, is_cylinder: bool) -> Descent:
+def simulate_descent(contact_parameters: ContactParameters, angle: float, is_cylinder: bool) -> Descent:
     """Simulate a block, or a cylinder, on an incline of `angle` [rad] from rest, in the depth of static contact.
 
     Returns its mean acceleration over the second half of `INCLINE.duration`, and speed and slip at the end.
     """
-    model = incline_model(law, angle, is_cylinder)
+    model = incline_model(contact_parameters, angle, is_cylinder)
     data = mujoco.MjData(model)
-    data.joint("y").qpos[0] = -INCLINE.mass * INCLINE.gravity * math.cos(angle) / law.stiffness
+    data.joint("y").qpos[0] = -INCLINE.mass * INCLINE.gravity * math.cos(angle) / contact_parameters.stiffness
     half_duration = 0.5 * INCLINE.duration
     half_steps = round(half_duration / INCLINE.timestep)
     mujoco.mj_step(model, data, half_steps)
@@ -116,7 +125,7 @@ def simulate_descent(law: ContactParameters, angle: float, is_cylinder: bool) ->
     return Descent((speed - middle_speed) / half_duration, speed, speed + INCLINE.radius * angular_speed)
 
 
-def incline_model(law: ContactParameters, angle: float, is_cylinder: bool) -> Any:
+def incline_model(contact_parameters: ContactParameters, angle: float, is_cylinder: bool) -> Any:
     """Compile the MuJoCo model of a body on an incline of `angle` [rad], with the contact parameters of a law.
 
     A cylinder can rotate and has the inertia m r^2/2. The model is compiled twice, as the parameters depend on its
@@ -124,7 +133,7 @@ def incline_model(law: ContactParameters, angle: float, is_cylinder: bool) -> An
     """
     model = _compile_model("", angle, is_cylinder)
     bodies = [model.geom(name).bodyid[0] for name in ("plane", "foot")]
-    parameters = solver_parameters(law, float(sum(model.body_invweight0[body, 0] for body in bodies)))
+    parameters = solver_parameters(contact_parameters, float(sum(model.body_invweight0[body, 0] for body in bodies)))
     pair = _PAIR.format(
         condim=parameters.condim,
         friction=_words(parameters.friction),

@@ -91,8 +91,8 @@ WANG = (Wang(141.0, 8.5, 0.8441, 100.0, 13.2, 0.8947, 0.5e-4), Wang(141.0, 7.7, 
 def hertz_rows(quick: bool) -> list[ValidationRow]:
     """Compare the Hertz stresses of the variants `KROL` with those printed by Krol et al. 2019, to their last digit."""
     rows = []
-    for number, case in enumerate(KROL, start=1):
-        source, unit = f"Krol et al. 2019, variant {number}", "MPa"
+    for variant_number, case in enumerate(KROL, start=1):
+        source, unit = f"Krol et al. 2019, variant {variant_number}", "MPa"
         for name, computed_stress, printed_stress in zip(
             ("lobe", "valley", "output sleeve"), krol_stresses(case), (case.lobe, case.pit, case.sleeve), strict=True
         ):
@@ -195,8 +195,11 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
     The latter rows have no bound where the formula neglects the moment of friction, or the clearance.
     """
     rows = []
-    for number, case in enumerate(WANG, start=1):
-        values, name = (100.0 * total_efficiency(case), 100.0 * case.printed), f"efficiency by formula, row {number}"
+    for row_number, case in enumerate(WANG, start=1):
+        values, name = (
+            (100.0 * total_efficiency(case), 100.0 * case.printed),
+            f"efficiency by formula, row {row_number}",
+        )
         rows.append(absolute(name, *values, "%", "Wang et al. 2016", 100.0 * case.rounding))
     case = WANG[0]
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)

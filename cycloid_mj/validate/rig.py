@@ -60,11 +60,11 @@ def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
     """Change the cam's stiffness [N/m] in a compiled model, in place, with its damping and added mass."""
     model = compiled.model
     disc_mass = float(model.body("gear").mass[0])
-    law = contact_law(stiffness, 0.5, disc_mass, 0.0, 0.0, float(model.opt.timestep))
+    contact_parameters = contact_law(stiffness, 0.5, disc_mass, 0.0, 0.0, float(model.opt.timestep))
     pair = next(pair for pair in compiled.pairs if pair.kind == "cam")
-    parameters = solver_parameters(law, inverse_weight(model, pair.on, pair.by))
-    number = model.pair(pair.name).id
-    model.pair_solref[number], model.pair_solimp[number] = parameters.solref, parameters.solimp
+    parameters = solver_parameters(contact_parameters, inverse_weight(model, pair.on, pair.by))
+    pair_id = model.pair(pair.name).id
+    model.pair_solref[pair_id], model.pair_solimp[pair_id] = parameters.solref, parameters.solimp
 
 
 def separate_patches(compiled: ReducerModel) -> None:

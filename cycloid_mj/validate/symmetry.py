@@ -150,7 +150,7 @@ def mean_force(run: Run, reducer: Reducer) -> Array:
     return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
 
 
-def first_harmonic(run: Run, without: Run, reducer: Reducer) -> complex:
+def first_harmonic(run: Run, run_without_gravity: Run, reducer: Reducer) -> complex:
     """Compute the first harmonic over a crank turn of the effect of gravity on the transmission error [arcsec]."""
-    difference = gear_arcsec(run, reducer) - gear_arcsec(without, reducer)
+    difference = gear_arcsec(run, reducer) - gear_arcsec(run_without_gravity, reducer)
     return complex(2.0 * np.mean(difference * np.exp(-1j * run["crank_angle"])))

@@ -60,9 +60,9 @@ def rows(quick: bool) -> list[ValidationRow]:
     """
     stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
-    law = contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, step)
-    undamped_law = replace(law, damping=0.0, added_mass=0.3 * TWO.mass)
-    depth, force = static_deflection(law, step)
+    contact_parameters = contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, step)
+    undamped_parameters = replace(contact_parameters, damping=0.0, added_mass=0.3 * TWO.mass)
+    depth, force = static_deflection(contact_parameters, step)
     return [
         relative(
             "penetration under a static force", 1e6 * depth, 1e6 * TWO.force / stiffness, "um", "F/K", TWO.static_bound
@@ -70,8 +70,8 @@ def rows(quick: bool) -> list[ValidationRow]:
         relative("static contact force", force, TWO.force, "N", "equilibrium", TWO.static_bound),
         relative(
             "frequency with an added mass of 0.3 m",
-            measure_frequency(undamped_law, TWO.short_step) / (2 * math.pi),
-            math.sqrt(stiffness / (TWO.mass + undamped_law.added_mass)) / (2 * math.pi),
+            measure_frequency(undamped_parameters, TWO.short_step) / (2 * math.pi),
+            math.sqrt(stiffness / (TWO.mass + undamped_parameters.added_mass)) / (2 * math.pi),
             "Hz",
             "sqrt(K/(m + 1/R))",
             0.06,
@@ -96,21 +96,21 @@ def rows(quick: bool) -> list[ValidationRow]:
     ]
 
 
-def static_deflection(law: ContactParameters, timestep: float) -> tuple[float, float]:
+def static_deflection(contact_parameters: ContactParameters, timestep: float) -> tuple[float, float]:
     """Simulate until the disc is at rest under `TWO.force`; return its depth [m] and the contact force [N]."""
-    model = two_body_model(law, timestep, TWO.force / TWO.mass)
+    model = two_body_model(contact_parameters, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
     with install():
         mujoco.mj_step(model, data, math.ceil(4e-3 / timestep))
     return float(data.qpos[0]), float(data.efc_force[0])
 
 
-def measure_frequency(law: ContactParameters, timestep: float) -> float:
+def measure_frequency(contact_parameters: ContactParameters, timestep: float) -> float:
     """Measure the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
-    model = two_body_model(law, timestep, TWO.force / TWO.mass)
+    model = two_body_model(contact_parameters, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
-    data.qpos[0] = 0.5 * TWO.force / law.stiffness
-    period = 2.0 * math.pi * math.sqrt((TWO.mass + law.added_mass) / law.stiffness)
+    data.qpos[0] = 0.5 * TWO.force / contact_parameters.stiffness
+    period = 2.0 * math.pi * math.sqrt((TWO.mass + contact_parameters.added_mass) / contact_parameters.stiffness)
     speeds = np.empty(math.ceil(20 * period / timestep))
     with install():
         for step in range(speeds.size):
@@ -121,9 +121,9 @@ def measure_frequency(law: ContactParameters, timestep: float) -> float:
     return float(2.0 * math.pi / (np.mean(np.diff(crossings)) * timestep))
 
 
-def measure_restitution(law: ContactParameters, timestep: float) -> float:
+def measure_restitution(contact_parameters: ContactParameters, timestep: float) -> float:
     """Simulate an impact at `TWO.speed` in MuJoCo; return the coefficient of restitution, the ratio of speeds [1]."""
-    model = two_body_model(law, timestep, 0.0)
+    model = two_body_model(contact_parameters, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
     data.qpos[0], data.qvel[0] = start, TWO.speed
@@ -142,9 +142,9 @@ def linear_restitution(ratio: float) -> float:
     return math.exp(-ratio / damped * math.atan2(2.0 * ratio * damped, 2.0 * ratio**2 - 1.0))
 
 
-def two_body_model(law: ContactParameters, timestep: float, gravity: float) -> Any:
+def two_body_model(contact_parameters: ContactParameters, timestep: float, gravity: float) -> Any:
     """Return the MuJoCo model of a disc in a fixed circle; `gravity` [m/s2] presses the disc into the circle."""
-    parameters = solver_parameters(law, 1.0 / TWO.mass)
+    parameters = solver_parameters(contact_parameters, 1.0 / TWO.mass)
     text = _XML.format(
         timestep=timestep,
         gravity=gravity,
