@@ -65,12 +65,9 @@ def require_open_sockets(design: Design, feature: str) -> None:
 
 
 def require_one_ring(reducer: "Reducer", feature: str) -> None:
-    """Raise an error if a feature does not support a ring in two halves, and the design has one.
+    """Raise DesignError if the ring of a design is in two halves, for a feature that supports an undivided ring only.
 
-    Raises
-    ------
-    DesignError
-        The ring is in two halves.
+    `feature` is its name in the message.
     """
     design = reducer.design
     if design.ring.halves > 1:
