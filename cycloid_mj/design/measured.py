@@ -79,7 +79,7 @@ class Measured(Section):
 
     @model_validator(mode="after")
     def _check_lists(self) -> Self:
-        """Refuse lists of unequal length, files that were not read, and two descriptions of one profile."""
+        """Raise ValueError for lists of unequal length, files that were not read, or two descriptions of a profile."""
         groups = {
             "gear_angle_deg and gear_deviation_um": (self.gear_angle, self.gear_deviation),
             "gear_x_mm and gear_y_mm": (self.gear_x, self.gear_y),

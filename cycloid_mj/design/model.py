@@ -111,7 +111,7 @@ class Ring(Section):
 
     @model_validator(mode="after")
     def _check_preload(self) -> Self:
-        """Refuse a preload of an undivided ring, and a preload that is set both as an angle and as a torque."""
+        """Raise ValueError for a preload of an undivided ring, or one that is set both as an angle and as a torque."""
         preload_values = {"preload_arcmin": self.preload, "preload_torque_nm": self.preload_torque}
         set_keys = [key for key, value in preload_values.items() if value]
         if set_keys and self.halves == 1:
@@ -515,7 +515,7 @@ class Friction(Section):
     @field_validator("lubricant")
     @classmethod
     def _refuse_unknown_lubricant(cls, name: str) -> str:
-        """Return the lubricant's name as in the table of lubricants; refuse one that is not there."""
+        """Return the lubricant's name as in the table of lubricants; raise ValueError if it is not there."""
         from cycloid_mj.design.lubricants import lubricant
 
         try:
@@ -717,7 +717,10 @@ class Material(Section):
     @model_validator(mode="before")
     @classmethod
     def _fill_from_library(cls, value: Any) -> Any:
-        """Fill in the values of a material that are not set, from the library, by its name."""
+        """Add the values that a material table does not set, from the library, by the material's name.
+
+        A table that sets numbers but no name has those of the default material.
+        """
         if not isinstance(value, Mapping):
             return value
         numbers = [key for key in cls.model_fields if key != "name"]
@@ -729,7 +732,7 @@ class Material(Section):
     @field_validator("name")
     @classmethod
     def _refuse_unknown_material(cls, name: str) -> str:
-        """Return the name of a material; refuse one that is not in the library."""
+        """Return the name of a material, which may be empty; raise ValueError if it is not in the library."""
         if name and name not in MATERIALS:
             similar_names = get_close_matches(name.casefold(), BY_CASEFOLD, n=1)
             suggestion = f'did you mean "{BY_CASEFOLD[similar_names[0]]}"? ' if similar_names else ""
@@ -1106,7 +1109,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:
-        """Refuse values of parts that the layout of the reducer does not have."""
+        """Raise ValueError for values of parts that the layout of the reducer does not have."""
         if self.layout == "central":
             set_keys = [f"the table {name}" for name in RV_TABLES if getattr(self, name) is not None]
             remedy = 'remove it, or set layout = "rv"'
@@ -1256,7 +1259,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_impact_law(self) -> Self:
-        """Refuse other stiffness or damping of contacts, and flexible structures, with the contact law IMPACT."""
+        """Raise ValueError for other stiffness, damping or flexible structures with the contact law IMPACT."""
         if self.contact.law != "impact":
             return self
         set_keys = [f"stiffness.{kind}_n_m" for kind, value in self.stiffness if value]
@@ -1272,7 +1275,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_error_lists(self) -> Self:
-        """Refuse lists of errors whose length is not the number of parts, and errors of pins in an internal gear."""
+        """Raise ValueError for a list of errors without a value for each part, or errors of pins that a ring lacks."""
         tables: tuple[tuple[str, Section], ...] = (("errors", self.errors),)
         if self.crank_errors is not None:
             tables += (("crank_errors", self.crank_errors),)
@@ -1301,7 +1304,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_measured_pins(self) -> Self:
-        """Refuse measured pins of an internal gear, or another number of them than ``ring.teeth``."""
+        """Raise ValueError for measured pins of an internal gear, or another number of them than ``ring.teeth``."""
         count, teeth = len(self.measured.pins_radial), self.ring.teeth
         if count and self.ring.kind == "nonpin":
             raise ValueError(

@@ -181,7 +181,7 @@ def spread(design_rate: float, effects: Sequence[InputEffect]) -> tuple[float, f
 
 
 def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
-    """Convert the effects and the range to JSON values."""
+    """Convert the rate of the design [1], its range, and the rates at both ends of each input to JSON values."""
     low, high = spread(design_rate, effects)
     return {
         "sensitivity": [

@@ -136,7 +136,10 @@ def mass_product(mass: Any, fields: Array) -> Array:
 
 
 def displacements(part: ElasticBody, loads: Array) -> Array:
-    """Solve for the displacements (n, c) [m] under loads (n, c) [N]."""
+    """Solve for the displacements of n unknowns [m] under c load cases, both of shape (n, c), in blocks of load cases.
+
+    `loads` are nodal forces [N].
+    """
     displacement = np.zeros(loads.shape)
     block = 32  # right-hand sides: more would need memory without saving time
     for start in range(0, loads.shape[1], block):
@@ -208,9 +211,10 @@ def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:
 
 
 def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = None) -> Any:
-    """Assemble the stiffness matrix (n, n) [N/m] of lambda (div u)(div v) + 2 mu eps(u) : eps(v).
+    """Assemble the stiffness matrix (n, n) [N/m] of lambda (div u)(div v) + 2 mu eps(u) : eps(v), by Gauss quadrature.
 
-    In the plane three Gauss points suffice for the patch test on curved edges, in space the rule of order 3.
+    In the plane three points suffice for the patch test on curved edges, in space the rule of order 3. An `assembler`
+    of the grid is made unless one is given.
     """
     dimension = grid.dimension
     basis = basis_of(grid, vector=False, order=dimension)
