@@ -15,7 +15,7 @@ from cycloid_mj.statics.rv_sheet import friction_powers, lost_motion
 LOAD = 784.0
 
 
-@pytest.mark.parametrize("name", ["rv80e", "rv64"])
+@pytest.mark.parametrize("name", ["rv80e", pytest.param("rv64", marks=pytest.mark.slow)])
 def test_dose_of_the_flanks_is_the_power_of_friction_over_its_coefficient(name: str) -> None:
     """Pressure times speed, summed over the surface, is force times speed: mu times it is the friction power."""
     reducer = RvReducer(PRESETS[name])
