@@ -66,7 +66,10 @@ class FilmRows:
 
 
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
-    """Return the row in the film table and the ring pin of each mating pair; None with the law ``coulomb``."""
+    """Return the film table of a drive with the row and the ring pin of each mating pair.
+
+    The pin is 0 for pairs without a ring pin or lobe. None with the law ``coulomb``.
+    """
     design = reducer.design
     if not design.has_film:
         return None
@@ -91,11 +94,11 @@ NO_TABLE: Array = np.zeros((0, _PHASES, _FORCES))
 
 
 def film_table(reducer: Reducer) -> Array:
-    """Compute the friction coefficients of a drive by the law ``film``, shape (4, phases, forces).
+    """Compute the friction coefficients of a drive by the law ``film`` [1], shape (4, phases, forces).
 
-    Rows are `TEETH`, `SEAT`, `CAM` and `OUTPUT`; `NO_TABLE` with the law ``coulomb``. A pin with a body of its own
-    chooses itself between rolling and stopping, so that flank and seat have a row each; a massless one has the smaller
-    coefficient in the first.
+    Rows are `TEETH`, `SEAT`, `CAM` and `OUTPUT`; phases [rad] and forces [N] are those of `TABLE`. It is `NO_TABLE`
+    with the law ``coulomb``. A pin with a body of its own rolls or stops by its equation of motion, so that flank and
+    seat have a row each; for a massless pin, the first row has the smaller coefficient.
     """
     if not reducer.design.has_film:
         return NO_TABLE
@@ -127,9 +130,10 @@ def phase_cosine(px: float, py: float, x: float, y: float) -> float:
 
 @compiling.njit(inner=True)
 def look_up(table: int, kind: int, cosine: float, force: float) -> float:
-    """Interpolate the friction coefficient of a contact in the film table at an address, bilinearly.
+    """Interpolate the friction coefficient of a contact in the film table, bilinearly in phase and log of the force.
 
-    `kind` is its row, `cosine` that of the phase of its pin against the eccentricity, `force` its normal force [N].
+    `table` is the address of the table, `kind` the row, `cosine` that of the phase of the contact's pin against the
+    eccentricity, `force` the normal force [N]. Forces beyond the table have the coefficient of its end.
     """
     phase_index = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
     force_index = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP

@@ -241,15 +241,21 @@ def phases(design: Design) -> tuple[float, ...]:
 def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
     """Return whether all discs are identical parts, which differ only by how they are rotated on their holes.
 
-    The teeth of disc d stand d/D of a pitch further on its holes. A turn by k hole pitches brings them there where k
-    lobes/pins - d/D is whole, and multiples of lobes/pins leave as fractions those of 1/(pins/gcd(pins, lobes)). For a
-    prime D that is: D is contained more often in the number of output pins than in that of the lobes.
+    The teeth of disc d of D are ahead of its holes by d/D of a pitch. A rotation by j hole pitches moves them by j
+    lobes/pins pitches; modulo 1 these are the multiples of 1/m, with m = pins/gcd(pins, lobes). So the discs are
+    identical if m is a multiple of D.
     """
     return output_pins // math.gcd(output_pins, lobes) % discs == 0
 
 
 def build_mechanism(design: Design) -> Mechanism:
-    """Build the mechanism of a design: its bodies, and the pairs of surfaces that mate."""
+    """Build the mechanism of a design: its bodies, and the pairs of surfaces that mate.
+
+    Raises
+    ------
+    DesignError
+        A profile is measured, but that of the drawing is undercut.
+    """
     errors, discs = deviations(design), range(design.gear.discs)
     pins, seats = ring_surfaces(design, errors)
     output = design.output
@@ -269,7 +275,10 @@ def build_mechanism(design: Design) -> Mechanism:
 
 
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
-    """Yield the bodies with their positions and joints: fixed member, crank, discs, output and moving pins."""
+    """Yield the bodies at crank angle 0 with their joints: fixed member, crank, discs, output and moving pins.
+
+    If the ring is the output, its pins move relative to it.
+    """
     axis, gear = np.zeros(2), tooth_profile(design)
     output_body, fixed_body = member_of(design).turning_and_held
     # the ring is the housing's: where that turns it takes its pins along
@@ -284,39 +293,52 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
 
 
 def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterator[Body]:
-    """Yield the bodies of moving pins or sleeves, if any; their joints are relative to the body `carrier`."""
+    """Yield the bodies of moving pins or sleeves at their seats, none for fixed or massless pins.
+
+    Their joints are relative to the body `carrier`; "" is the world.
+    """
     ring = design.ring
     if not ring.has_pin_bodies:
         return
-    positions = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_departures(ring, errors)
+    positions = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_position_errors(ring, errors)
     planes = np.repeat(ring_planes(ring, design.gear.stack_width), ring.teeth).tolist()
     for name, centre, plane in zip(names.all_numbered(names.PIN, ring.mates), positions, planes, strict=True):
         yield Body(name, names.PIN, names.planar_joints(name), centre, np.zeros(2), plane, carrier=carrier)
 
 
 def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
-    """Return the ring's surfaces that mate with the teeth, pins or lobes, and the matings of moving pins and seats."""
+    """Return the ring's surfaces that mate with the teeth, pins or lobes, and the matings of moving pins.
+
+    Seats are the sockets of pins, or the cores of sleeves. Without moving pins the second item is empty, and the
+    surfaces belong to the housing.
+    """
     ring, clearance = design.ring, design.clearance
     radius_errors = np.tile(errors.pin_radius, ring.halves)
-    radius, angles, departures = ring.pin_radius + radius_errors, _ring_angles(ring), _pin_departures(ring, errors)
+    radius, angles, position_errors = (
+        ring.pin_radius + radius_errors,
+        _ring_angles(ring),
+        _pin_position_errors(ring, errors),
+    )
     half_angle = socket_half_angle(design) if ring.has_sockets else math.pi
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
-        numbered = names.all_numbered(stem, ring.mates)
+        surface_names = names.all_numbered(stem, ring.mates)
         return surfaces_on_circle(
-            numbered, names.HOUSING, role, ring.pin_circle_radius, radius, departures, angles, play
+            surface_names, names.HOUSING, role, ring.pin_circle_radius, radius, position_errors, angles, play
         )
 
     def on_pins(stem: str, role: Role, radius: float | Array) -> Surfaces:
-        numbered = names.all_numbered(stem, ring.mates)
-        return surfaces_on_circle(numbered, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles)
+        surface_names = names.all_numbered(stem, ring.mates)
+        return surfaces_on_circle(
+            surface_names, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles
+        )
 
     if not ring.has_pin_bodies:
         stem, role = (names.LOBE, Role.LOBE) if ring.kind == "nonpin" else (names.PIN, Role.PIN)
         # What is larger fills a socket; a sleeve's play is in its bore.
         play = design.pin_play - radius_errors * ring.has_sockets if ring.has_massless_pins else 0.0
-        carried = on_housing(stem, role, radius, play)
-        return (replace(carried, half_angle=half_angle) if ring.has_massless_pins else carried), []
+        fixed_surfaces = on_housing(stem, role, radius, play)
+        return (replace(fixed_surfaces, half_angle=half_angle) if ring.has_massless_pins else fixed_surfaces), []
     pins = on_pins(names.PIN, Role.PIN, radius)
     if ring.has_sockets:
         sockets = on_housing(names.SOCKET, Role.OUTER, ring.pin_radius + clearance.pin_socket)
@@ -327,8 +349,11 @@ def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Ma
     return pins, [Mating("pin_sleeve", bores.names, bores, cores)]
 
 
-def tooth_mating(design: Design, disc: int, ring: Surfaces) -> Mating:
-    """Return the mating of a disc's teeth with the ring; the teeth are rotated by the disc's phase on the crank."""
+def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
+    """Return the mating of a disc's teeth with the ring's pins or lobes, `ring_side`.
+
+    The teeth are rotated by the disc's phase on the crank.
+    """
     teeth = Surfaces(
         names=(_of_disc(design, names.TEETH, disc),),
         bodies=(_of_disc(design, names.GEAR, disc),),
@@ -339,8 +364,8 @@ def tooth_mating(design: Design, disc: int, ring: Surfaces) -> Mating:
         play=np.zeros(1),
         disc=disc,
     )
-    pairs = tuple(_of_disc(design, name, disc) for name in ring.names)
-    return Mating(design.tooth_pair, pairs, teeth, ring, disc)
+    pairs = tuple(_of_disc(design, name, disc) for name in ring_side.names)
+    return Mating(design.tooth_pair, pairs, teeth, ring_side, disc)
 
 
 def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
@@ -375,7 +400,7 @@ def _of_disc(design: Design, name: str, disc: int) -> str:
 
 
 def surfaces_on_circle(
-    numbered: tuple[str, ...],
+    surface_names: tuple[str, ...],
     body: str | tuple[str, ...],
     role: Role,
     circle_radius: float,
@@ -385,16 +410,32 @@ def surfaces_on_circle(
     play: float | Array = 0.0,
     disc: int | None = None,
 ) -> Surfaces:
-    """Return equal round surfaces with centres on a circle about the axis, each displaced by an error (n, 2) [m].
+    """Return n equal round surfaces with centres on a circle about the axis of their body.
 
-    `numbered` are their names, `role` their shape, `radius` and `play` in metres; `angles` (n,) [rad] are clockwise
-    from +y, by default evenly spaced.
+    Parameters
+    ----------
+    surface_names, body
+        Name of each surface, and of the body of all or each.
+    role
+        Role of all.
+    circle_radius, radius
+        Radius of the circle, and of the surfaces, one for all or shape (n,) [m].
+    error
+        Displacement of the centres [m], shape (n, 2).
+    angles
+        Clockwise from +y [rad], shape (n,); by default evenly spaced.
+    play
+        Clearance of massless pins [m], one for all or shape (n,).
+    disc
+        Index of the disc whose width they have; None if they span all discs.
     """
-    count = len(numbered)
+    count = len(surface_names)
     angle = _angles(count) if angles is None else angles
     bodies = (body,) * count if isinstance(body, str) else body
     position = circle_radius * profile.unit(angle) + error
-    return Surfaces(numbered, bodies, role, angle, position, np.zeros(count) + radius, np.zeros(count) + play, disc)
+    return Surfaces(
+        surface_names, bodies, role, angle, position, np.zeros(count) + radius, np.zeros(count) + play, disc
+    )
 
 
 def ring_planes(ring: Ring, width: float) -> Array:
@@ -410,7 +451,7 @@ def _ring_angles(ring: Ring) -> Array:
     return np.concatenate([_angles(ring.teeth) - ahead for ahead in ring.ahead])
 
 
-def _pin_departures(ring: Ring, errors: Deviations) -> Array:
+def _pin_position_errors(ring: Ring, errors: Deviations) -> Array:
     """Return the position errors of pins or lobes [m], shape (mates, 2), equal in both halves."""
     turns = (
         np.array([[np.cos(preload), np.sin(preload)], [-np.sin(preload), np.cos(preload)]]) for preload in ring.ahead

@@ -47,9 +47,9 @@ def _compile_pins(layout: Layout) -> Any:
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
-        """Write the contacts of two cylinders at the address `contacts`, and return their number.
+        """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
 
-        An ``mjfCollision``.
+        It is an ``mjfCollision``: `model` and `data` are addresses, contacts have gaps below `margin` [m].
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -82,9 +82,9 @@ def _compile_lobes(layout: Layout) -> Any:
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
-        """Write the contacts of two cylinders at the address `contacts`, and return their number.
+        """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
 
-        An ``mjfCollision``.
+        It is an ``mjfCollision``: `model` and `data` are addresses, contacts have gaps below `margin` [m].
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -99,7 +99,13 @@ def _compile_lobes(layout: Layout) -> Any:
 
 @cache
 def _pin_collider() -> Any:
-    """Return the address of MuJoCo's cylinder collider and the compiled, self-tested collider of pins."""
+    """Return the address of MuJoCo's cylinder collider and the compiled, self-tested collider of pins.
+
+    Raises
+    ------
+    ContactError
+        MuJoCo has no collider for cylinders, or the self-test fails.
+    """
     original = collision_table()[_ENTRY]
     if not original:
         raise ContactError(
@@ -153,7 +159,7 @@ def install(lobes: bool = True) -> Iterator[None]:
     Raises
     ------
     ContactError
-        The callback ``mjcb_control`` is already in use.
+        The callback ``mjcb_control`` is already in use, or this release of MuJoCo is not compatible.
     """
     with _installation.kept():
         if lobes:

@@ -239,10 +239,10 @@ def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_gra
 
 @njit(inline="always")
 def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clearance: float) -> bool:
-    """Return whether a displacement (dx, dy) [m] leaves a gap at all normals between two directions.
+    """Return whether a displacement (dx, dy) [m] of the gear leaves a gap at all normals between two directions.
 
-    They are (x1, y1) and, clockwise from it, (x2, y2); `clearance` is the smallest gap [m] of the undisplaced gear
-    there.
+    The directions are (x1, y1) and, clockwise from it, (x2, y2); `clearance` is the smallest gap [m] of the undisplaced
+    gear there. False if this simple bound does not decide.
     """
     shift = math.sqrt(dx * dx + dy * dy)
     clearance -= SETTINGS.second_order_share * shift
@@ -256,8 +256,9 @@ def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float
 def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: float, margin: float) -> ArcTouch:
     """Compute the contact of teeth and the arc of a lobe, which lies on +y of the ring's frame.
 
-    `sn`, `cn` are sine and cosine of N times the gear's angle. Beyond the range of the arc's normals there is no
-    contact: the gap decreases further along the flank of the root.
+    `gear` is the pose of the teeth in that frame, `sn`, `cn` are sine and cosine of N times its angle, for N ring
+    teeth; there is no contact with a gap above `margin` [m]. Beyond the range of the arc's normals there is none
+    either: the gap decreases further along the flank of the root.
     """
     ring, offset = profile.ring, profile.flank.offset
     x, y = inwards(gear, -gear.x, ring.radius - gear.y)
@@ -273,7 +274,7 @@ def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: flo
 def _write_arc(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> int:
     """Write the contact on the arc of a lobe at an address, in the world's frame.
 
-    Return the number of contacts, 0 or 1.
+    Returns the number of contacts, 0 or 1. `lobe` is the pose of the lobe, `arc_radius` its radius [m].
     """
     if not arc.exists:
         return 0
@@ -308,8 +309,8 @@ def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, lar
 def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
     """Find and write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots.
 
-    Contacts are written at an address, `STRIDE` apart; `arc_radius` [m] is that of the lobe, `margin` [m] the largest
-    gap. Returns their number.
+    Contacts are written at an address, `STRIDE` bytes apart; their number is returned. `lobe` and `gear` are poses in
+    the world's frame, `arc_radius` [m] is the lobe's, `margin` [m] the largest gap.
     """
     flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
     # The gear in the lobe's frame: axis of the ring at the origin, lobe on +y.
@@ -369,9 +370,10 @@ def _write_root(
 ) -> tuple[int, ArcTouch]:
     """Find and write the contacts in half a root after `count` others.
 
-    Return their new number and the contact on the arc.
-    The half root is divided into pieces, each of which is searched for a minimum of the gap. Contacts on arc and root
-    with less than a deflection of gap between them are one patch, which both share equally.
+    Returns the new number of contacts, and the contact on the arc, which may share a patch. The half root is divided
+    into pieces, each of which is searched for a minimum of the gap. Contacts on arc and root with less than a
+    deflection of gap between them are one patch, which both share equally. `gear` is the pose of the teeth in the frame
+    of the lobe, `lobe` that of the lobe in the world's frame; contacts have gaps below `margin` [m].
     """
     flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.low
     gear_x, gear_y = inwards(frame, gear.x, gear.y)
@@ -418,10 +420,10 @@ def _write_root(
 def inner_touches(
     address: int, dx: float, dy: float, x: float, y: float, inner: float, outer: PartialCircle, margin: float
 ) -> int:
-    """Write the contacts of a circle of radius `inner` in another circle at an address; return their number.
+    """Write the contacts of a circle of radius `inner` [m] in another circle at an address; return their number.
 
-    The inner centre is at (x, y), and (dx, dy) from the outer centre [m]. The outer circle may be an arc, whose edges
-    are then in contact, too; the sine of a closed circle is 0.
+    The inner centre is at (x, y), and (dx, dy) from the outer centre [m]; contacts have gaps below `margin` [m]. The
+    outer circle may be an arc, whose edges are then in contact, too; the sine of a closed circle is 0.
     """
     # Most circles are open, which needs no exact gap.
     clearance = outer.radius - inner - margin

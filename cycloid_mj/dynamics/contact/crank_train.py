@@ -85,7 +85,10 @@ def unpack_mesh(numbers: Array) -> MeshNumbers:
 
 @njit(inline="always")
 def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
-    """Compute the gaps of both flanks of a planet on the sun at their poses."""
+    """Compute the gaps of both flanks of a planet on the sun [m] at their poses, and the line of action.
+
+    Backlash, transmission error and the change of the centre distance are included.
+    """
     dx, dy = planet.x - sun.x, planet.y - sun.y
     distance, direction = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)
     bases = mesh.sun_base + mesh.planet_base

@@ -103,7 +103,7 @@ class EachStep:
         Law IMPACT of each pair; none if contacts follow the model's own law.
     film
         Table and rows of the friction law ``film``; None with the law ``coulomb``.
-    orbits
+    orbit_dofs
         Index of the degree of freedom along x of each disc; that along y comes next. Their positions are the disc
         centres.
     """
@@ -295,10 +295,12 @@ def _end_step(model: int, data: int, run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _apply_impact(run: StepState) -> None:
-    """Set stiffness and damping of every contact by the law IMPACT at its current depth.
+    """Set stiffness and damping of every contact by the law IMPACT at its current depth; do nothing with other laws.
 
     MuJoCo's rows obey R f + a + b v + k r = 0 (`law`). R is that of the added mass K dt^2/4 + C dt/2 of the law's
-    tangent K and damping C, stable at any step; friction keeps its coefficient and its creep.
+    tangent K and damping C, stable at any step; friction keeps its coefficient and its creep. Arrays are addressed in
+    bytes, 8 for each number: a pair has the four numbers of `ImpactLaw`, a row of ``efc_KBIP`` k, b, impedance and its
+    derivative.
     """
     if not run.impact:
         return

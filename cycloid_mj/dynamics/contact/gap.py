@@ -68,7 +68,10 @@ def to_frame(pose: Pose, x: float, y: float) -> tuple[float, float]:
 
 @njit(inline="always")
 def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, float]:
-    """Return sine and cosine of an angle increased by a small one, by a series that is exact to rounding."""
+    """Return sine and cosine of an angle, given by its `sine` and `cosine`, plus another `angle` [rad].
+
+    For a small one, a series that is exact to rounding replaces the sine and cosine functions.
+    """
     if abs(angle) > 0.05:
         small_sine, small_cosine = math.sin(angle), math.cos(angle)
     else:
@@ -216,7 +219,10 @@ class Flank(NamedTuple):
 
 @njit
 def wave_offset(t: float, waves: Array) -> tuple[float, float, float]:
-    """Compute the inward offset [m] of a waved flank at the parameter t [rad], and its first and second derivative."""
+    """Compute the inward offset [m] of a waved flank at the parameter t [rad], and its two derivatives by t [m].
+
+    `waves` (orders, 2) [m] are the amplitudes of cosine and sine of each order from 1 on.
+    """
     offset, first_derivative, second_derivative = 0.0, 0.0, 0.0
     sine, cosine = math.sin(t), math.cos(t)
     s, c = 0.0, 1.0
@@ -272,7 +278,10 @@ def flank_curvature(t: float, flank: Flank) -> float:
 
 @njit
 def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
-    """Compute `flank_distance` for rotated flanks: the larger of both distances, or that of the corner between them."""
+    """Compute `flank_distance` for rotated flanks: the larger of both distances, or that of the corner between them.
+
+    The corner counts where the foot point on the flank is cut away by the other flank.
+    """
     sine, cosine = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
     side = 1.0

@@ -140,9 +140,9 @@ def discover_steps() -> StepLayout:
 
 
 def _find_candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[str, int]]:
-    """Return the possible byte offsets of pointers and numbers by name, and the fields of a contact, from one model.
+    """Return the possible byte offsets of pointers and sizes by name, and the fields of a contact, from one model.
 
-    The model has so many `balls` in contact and so many numbers of `user` data.
+    The model has the number `balls` of spheres in contact, and the number `user` of user data.
     """
     model = mujoco.MjModel.from_xml_string(_STEP_PROBE.format(more=_BALL * balls, user=user))
     data = mujoco.MjData(model)

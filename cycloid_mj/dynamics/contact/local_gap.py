@@ -126,7 +126,10 @@ def local_distance(
 def pin_distance(
     x: float, y: float, flank: Flank, start: Start, max_distance: float
 ) -> tuple[float, float, float, float]:
-    """Compute `local_distance` for a gear's flanks; by a search if they are rotated, have waves, or have no start."""
+    """Compute `local_distance` for a gear's flanks.
+
+    A full search, `flank_distance`, replaces it if the flanks are rotated or have waves, or if there is no start.
+    """
     if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.st != 0.0 or start.ct != 0.0):
         return local_distance(x, y, flank.curve, start, max_distance)
     t, distance, nx, ny, _ = flank_distance(x, y, flank)

@@ -26,7 +26,10 @@ from cycloid_mj.dynamics.contact.teeth import Teeth, read_teeth
 
 @njit(inline="always")
 def write_contact(address: int, gap: float, x: float, y: float, z: float, nx: float, ny: float) -> None:
-    """Fill one ``mjPreContact``: dist, pos[3], normal[3], tangent[3]."""
+    """Write one ``mjPreContact`` at an address: dist, pos[3], normal[3], tangent[3].
+
+    `gap` [m] is negative in contact, the point is (x, y, z) [m], the unit normal (nx, ny) in the plane.
+    """
     write_float(address, gap)
     write_float(address + 8, x)
     write_float(address + 16, y)
@@ -87,7 +90,11 @@ def _write_touch(out: int, touch: Touch, z: float, sign: float) -> None:
 def write_pin_contact(
     layout: Layout, model: int, data: int, address: int, teeth: int, pin: int, sign: float, margin: float
 ) -> int:
-    """Write the contact of a ring pin and the teeth at an address, and return the number of contacts, 0 or 1."""
+    """Write the contact of a ring pin and the teeth at an address, and return the number of contacts, 0 or 1.
+
+    `model`, `data` and `address` are addresses, `teeth` and `pin` indices of geoms. `sign` is 1 if `teeth` is the first
+    geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
+    """
     user = _user(model, layout, pin)
     ring_pin = RingPin(
         _radius(model, layout, pin),
@@ -109,9 +116,10 @@ def write_pin_contact(
 def write_lobe_contacts(
     layout: Layout, model: int, data: int, contacts: int, teeth: int, geom: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of the teeth with a lobe of the internal gear and its roots at an address.
+    """Write the contacts of the teeth with a lobe of the internal gear and its roots; return their number.
 
-    Return their number.
+    `model`, `data` and `contacts` are addresses, `teeth` and `geom` indices of geoms, the latter that of the lobe.
+    `sign` is 1 if `teeth` is the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
     """
     lobe, gear, z = _pose(data, layout, geom), _pose(data, layout, teeth), _position(data, layout, teeth)[2]
     count = lobe_touches(contacts, _teeth(model, layout, teeth), _radius(model, layout, geom), lobe, gear, margin)
@@ -124,7 +132,11 @@ def write_lobe_contacts(
 def write_round_contacts(
     layout: Layout, model: int, data: int, contacts: int, inner: int, outer: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of a circle in the circle or arc around it at an address, and return their number."""
+    """Write the contacts of a circle in the circle or arc around it at an address, and return their number.
+
+    `model`, `data` and `contacts` are addresses, `inner` and `outer` indices of geoms. `sign` is 1 if `inner` is the
+    first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
+    """
     # the contact of a pin through all discs is in the plane of the disc
     (x, y, _), (outer_x, outer_y, z) = _position(data, layout, inner), _position(data, layout, outer)
     user, seat = _user(model, layout, outer), _pose(data, layout, outer)
@@ -143,7 +155,9 @@ def write_bearing_contacts(
 ) -> int:
     """Write the contacts of an eccentric in its bore at an address, and return their number.
 
-    With a preload, the radius of the bore is the smaller one, and needles on the far side carry until they open.
+    `model`, `data` and `contacts` are addresses, `eccentric` and `bore` indices of geoms. `sign` is 1 if `eccentric` is
+    the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m]. With a preload, the
+    radius of the bore is the smaller one, and needles on the far side carry until they open.
     """
     (x, y, _), (bore_x, bore_y, z) = _position(data, layout, eccentric), _position(data, layout, bore)
     inner, outer = _radius(model, layout, eccentric), _radius(model, layout, bore)
@@ -162,7 +176,11 @@ def write_bearing_contacts(
 def write_planet_contacts(
     layout: Layout, model: int, data: int, contacts: int, sun: int, planet: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of the flanks of sun and planet at an address, and return their number."""
+    """Write the contacts of both flanks of sun and planet at an address, and return their number.
+
+    `model`, `data` and `contacts` are addresses, `sun` and `planet` indices of geoms. `sign` is 1 if `sun` is the first
+    geom, else -1, which reverses the normal; contacts have gaps below `margin` [m].
+    """
     mesh, sun_pose = read_mesh(_user(model, layout, planet)), _pose(data, layout, sun)
     flanks, z = planet_flanks(mesh, sun_pose, _pose(data, layout, planet)), _position(data, layout, planet)[2]
     pitch_x, pitch_y = sun_pose.x + flanks.pitch_radius * flanks.x, sun_pose.y + flanks.pitch_radius * flanks.y

@@ -7,7 +7,7 @@ from numba.extending import intrinsic
 
 
 def _make_reader(number: types.Number, name: str) -> Any:
-    """Return a compiled function that reads a number of a type at an address; `name` is that of the function."""
+    """Return a compiled function, called `name`, that reads a number of the type `number` at an address."""
 
     def read(typing_context: Any, address: types.Integer) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -47,7 +47,7 @@ def array_at(address: int, rows: int, columns: int) -> Any:
 
 
 def _make_writer(number: types.Number, name: str) -> Any:
-    """Return a compiled function that writes a number of a type at an address; `name` is that of the function."""
+    """Return a compiled function, called `name`, that writes a number of the type `number` at an address."""
 
     def write(typing_context: Any, address: types.Integer, value: types.Number) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:

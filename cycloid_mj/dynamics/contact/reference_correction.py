@@ -82,10 +82,10 @@ def correct_references(layout: StepLayout, model: int, data: int) -> None:
 
 @compiling.njit(inner=True)
 def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState) -> None:
-    """Correct the normal reference accelerations for the circular orbit of the discs (see the module).
+    """Correct the normal reference accelerations of all contacts for the circular orbit of the discs (see the module).
 
-    The first pass adds the centripetal acceleration of the ideal motion, the second the damping of the error of the
-    mean speed.
+    The first pass adds the share 1 - b dt/2 of the centripetal acceleration of the ideal motion; the second subtracts
+    the damping b times the error of the mean speed. b is the second of the four numbers of a row of ``efc_KBIP``.
     """
     _multiply_orbit(layout, model, data, run, False)
     product, constants, references = (
@@ -133,7 +133,10 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, o
 
 @compiling.njit(inner=True)
 def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
-    """Lower the normal reference accelerations of sliding contacts by the lift of the convex friction cone."""
+    """Lower the normal reference accelerations of sliding contacts by the lift of the convex friction cone.
+
+    The lift is mu |t - b| - m^2 (n - a) where that is positive, see the module; contacts without friction have none.
+    """
     contacts_address, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)
     multiply_jacobian(model, data, accelerations, read_address(data + layout.qacc))

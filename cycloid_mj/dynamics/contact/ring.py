@@ -118,7 +118,11 @@ class Minimum(NamedTuple):
 
 @njit(inline="always")
 def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[float, float, float, float, float, float]:
-    """Compute the gap of S(B) to the gear's flank, its slope along S, that slope's rate over B, foot t and normal."""
+    """Compute the gap [m] of the root at the phase B [rad] to the gear's flank, and its slope along the root [1].
+
+    Then follow the rate of that slope over B [1/rad], the parameter t [rad] of the foot point on the gear, and the
+    gear's outward normal (x, y). `gear` is the pose of the gear in the frame of the root.
+    """
     x, y, psi, rate, curvature = offset_root(B, ring)
     dx, dy = inwards(gear, x - gear.x, y - gear.y)
     t, distance, nx, ny, at_corner = flank_distance(dx, dy, flank)

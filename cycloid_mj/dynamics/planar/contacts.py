@@ -120,9 +120,9 @@ def find_contacts(
     system
         The reducer.
     lobes
-        Radii of the lobes of an internal gear [m]; None for ring pins (nothing is compiled for lobes then).
+        Radii of the lobes of an internal gear [m], shape (N,); None for ring pins (nothing is compiled for lobes then).
     q, v
-        Positions and speeds of all unknowns.
+        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns of a `System`, shape (unknowns,).
     half_step
         Half of the time step [s], in which the pose is reached from the start of the step.
     scratch
@@ -279,7 +279,10 @@ def _find_seat_contacts(
 
 @njit
 def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
-    """Return the cosine of the phase of a moving pin against the disc that presses it most."""
+    """Return the cosine of the phase of a moving pin against the disc that presses it most; 1 if none does.
+
+    Only the first `count` contacts, those with discs, are considered.
+    """
     largest, cosine = -1.0, 1.0
     for k in range(count):
         contact = contacts[k]
@@ -292,7 +295,7 @@ def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
 def _set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
     """Set friction coefficient and state of a contact by the law ``film``; do nothing with the law ``coulomb``.
 
-    `kind` and `cosine` are its row and the phase of its pin in the film table, `v` the speeds of all unknowns.
+    `kind` is its row in the film table, `cosine` that of the phase of its pin, `v` the speeds of all unknowns.
     """
     if system.film.size == 0:
         return
@@ -345,7 +348,7 @@ class Round(NamedTuple):
 def _find_round_contacts(
     system: System,
     contacts: Contacts,
-    first: int,
+    first_contact: int,
     mating: MatingSurfaces,
     inner: Round,
     outer: PartialCircle,
@@ -356,14 +359,15 @@ def _find_round_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of a circle within another circle from index `first` on, and return their number.
+    """Write the contacts of a circle within another circle from the index `first_contact` on, and return their number.
 
-    `kind` and `cosine` are those of their row in the film table; other arguments as in `find_contacts`.
+    `kind` and `cosine` are their row in the film table and the cosine of their pin's phase; other arguments as in
+    `find_contacts`.
     """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
     count = inner_touches(address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
     for k in range(count):
-        touch, contact = read_touch(address + STRIDE * k), contacts[first + k]
+        touch, contact = read_touch(address + STRIDE * k), contacts[first_contact + k]
         _fill_contact(contact, mating, touch, inner.sign, q, v, half_step)
         _set_film_friction(system, contact, kind, cosine, v)
         distance = math.sqrt(dx * dx + dy * dy)
@@ -386,7 +390,7 @@ def _fill_contact(
 ) -> None:
     """Fill a contact with normal, lever arms, linearised force and friction state at the pose q and speeds v.
 
-    It pushes along the normal of the touch, or against the normal if `sign` is -1.
+    `sign` is 1 if the contact pushes its first body along the normal of the touch, -1 if against it.
     """
     contact.pair = mating.pair
     contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, mating.pin, mating.shaft, -1

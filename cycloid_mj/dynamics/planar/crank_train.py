@@ -116,10 +116,10 @@ def _start_contact(contact: Contact, mating: MatingSurfaces, crank: int, nx: flo
 def _set_bearing_arms(
     contact: Contact, ax: float, ay: float, ex: float, ey: float, bx: float, by: float, radius: float
 ) -> None:
-    """Set the lever arms of a bearing.
+    """Set the lever arms [m] of a crank bearing.
 
-    The vectors [m] lead from the reducer's axis to that of the crank, from there to the eccentric, and from the disc's
-    centre to the bore. Disc and crank rub at the `radius` of the eccentric.
+    The vector (ax, ay) [m] leads from the reducer's axis to that of the crank, (ex, ey) from there to the eccentric,
+    and (bx, by) from the disc's centre to the bore. Disc and crank rub at the `radius` [m] of the eccentric.
     """
     nx, ny = contact.nx, contact.ny
     contact.disc_normal, contact.disc_centre = bx * ny - by * nx, bx * nx + by * ny
@@ -137,19 +137,20 @@ def _find_planet_contacts(
     count: int,
     mating: MatingSurfaces,
     crank: int,
-    number: int,
+    planet_index: int,
     q: Array,
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of both flanks of a planet, by its number, on the sun; return the new number of contacts.
+    """Write the contacts of both flanks of a planet on the sun; return the new number of contacts.
 
-    Their normals are those of the force on the sun, opposite to those of ``PlanetMesh``.
+    `crank` is the index of the planet's rotation in q, `planet_index` that of the planet; other arguments as in
+    `find_crank_contacts`. The normals are those of the force on the sun, opposite to those of ``PlanetMesh``.
     """
-    sun, mesh = mating.disc, unpack_mesh(train.meshes[number])
+    sun, mesh = mating.disc, unpack_mesh(train.meshes[planet_index])
     crank_pose = shaft_pose(q, crank)
-    ax, ay = outwards(shaft_pose(q, mating.shaft), train.axes[number, 0], train.axes[number, 1])
-    rx, ry = outwards(crank_pose, train.runouts[number, 0], train.runouts[number, 1])
+    ax, ay = outwards(shaft_pose(q, mating.shaft), train.axes[planet_index, 0], train.axes[planet_index, 1])
+    rx, ry = outwards(crank_pose, train.runouts[planet_index, 0], train.runouts[planet_index, 1])
     planet = Pose(ax + rx, ay + ry, crank_pose.cosine, crank_pose.sine)
     flanks = planet_flanks(mesh, disc_pose(q, sun, 0.0), planet)
     phase = mesh.planet_teeth * (q[crank] - math.atan2(flanks.y, flanks.x)) + mesh.phase

@@ -150,7 +150,11 @@ def _assemble(
     pin_span: float,
     coupled_friction: bool,
 ) -> None:
-    """Assemble the linear equations of an iteration: inertia, gravity, servos, drags and contacts."""
+    """Assemble the linear equations of an iteration: inertia, gravity, servos, drags and contacts.
+
+    Arguments as in `solve_step`; without `coupled_friction`, sliding friction follows the normal force of the previous
+    iteration.
+    """
     matrix, right = equations.matrix, equations.right
     pins, pins_right = equations.pins, equations.pins_right
     size, half = len(right), 0.5 * timestep
@@ -248,7 +252,7 @@ class Tangent(NamedTuple):
 def _lever_arms(
     contact: Contact, sign: float, normal: float, tangent: float, centre: float, sliding: float
 ) -> LeverArms:
-    """Return the effect of a contact on a body's unknowns x, y and rotation.
+    """Return the effect of a contact on a body's unknowns x, y and rotation, per normal and per friction force.
 
     `sign` is that of the body in the relative speed; `normal`, `tangent` and `centre` are its lever arms [m], `sliding`
     the friction per normal force.
@@ -347,12 +351,12 @@ def _shaft_arms(normal: float, tangent: float, centre: float, sliding: float) ->
 
 
 @njit
-def _shaft_slope(on: ShaftArms, other: ShaftArms, tangent: Tangent) -> float:
+def _shaft_slope(loaded_shaft: ShaftArms, other: ShaftArms, tangent: Tangent) -> float:
     """Return the derivative of the torque on a shaft by the speed of the same shaft or of another."""
     return (
-        tangent.slope * on.pushed * other.normal
-        + tangent.creep * on.tangent * other.tangent
-        + tangent.geometric * on.centre * other.centre
+        tangent.slope * loaded_shaft.pushed * other.normal
+        + tangent.creep * loaded_shaft.tangent * other.tangent
+        + tangent.geometric * loaded_shaft.centre * other.centre
     )
 
 
@@ -364,26 +368,33 @@ def _add_shaft(matrix: Array, right: Array, shaft: int, arms: ShaftArms, tangent
 
 
 @njit
-def _add_force(right: Array, first: int, side: LeverArms, tangent: Tangent) -> None:
+def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent) -> None:
     """Add the force at the predicted speeds to the right side of a body's equations."""
     for a in range(3):
-        right[first + a] += (
+        right[first_row + a] += (
             tangent.force * side.pushed[a] + tangent.rolling_force * side.centre[a] - tangent.friction * side.tangent[a]
         )
 
 
 @njit
-def _add_block(target: Array, row: int, column: int, on: LeverArms, other: LeverArms, tangent: Tangent) -> None:
-    """Add the derivative of the force on body `on` by the speeds of the `other` body to a matrix, shape (3, 3)."""
+def _add_block(
+    target: Array, row: int, column: int, loaded_body: LeverArms, moving_body: LeverArms, tangent: Tangent
+) -> None:
+    """Add the derivative of the force on `loaded_body` by the speeds of `moving_body` to a block (3, 3) of a matrix.
+
+    `row` and `column` are those of the block's first element.
+    """
     for a in range(3):
         normal_term, creep_term, roll_term = (
-            tangent.slope * on.pushed[a],
-            tangent.creep * on.tangent[a],
-            tangent.geometric * on.centre[a],
+            tangent.slope * loaded_body.pushed[a],
+            tangent.creep * loaded_body.tangent[a],
+            tangent.geometric * loaded_body.centre[a],
         )
         for b in range(3):
             target[row + a, column + b] += (
-                normal_term * other.normal[b] + creep_term * other.tangent[b] + roll_term * other.centre[b]
+                normal_term * moving_body.normal[b]
+                + creep_term * moving_body.tangent[b]
+                + roll_term * moving_body.centre[b]
             )
 
 
@@ -397,18 +408,18 @@ def _couple_shaft(
     column: int,
     rows: Array,
     shaft_row: int,
-    first: int,
+    first_column: int,
 ) -> None:
     """Add the derivatives of a body's force by a shaft's speed, and of the shaft's torque by the body's speeds.
 
-    The first go to `columns` at `row` and `column`, the second to `rows` at `shaft_row` from column `first` on.
+    The former are added to `columns` at `row` and `column`, the latter to `rows` at `shaft_row` from `first_column` on.
     """
     for a in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[a], tangent.geometric * body.centre[a]
         columns[row + a, column] += (
             tangent.slope * body.pushed[a] * arms.normal + creep_term * arms.tangent + roll_term * arms.centre
         )
-        rows[shaft_row, first + a] += (
+        rows[shaft_row, first_column + a] += (
             tangent.slope * arms.pushed * body.normal[a] + creep_term * arms.tangent + roll_term * arms.centre
         )
 
@@ -454,7 +465,7 @@ def _multiply(matrix: Nine, x: float, y: float, z: float) -> tuple[float, float,
 
 @njit
 def _invert(matrix: Array, row: int) -> Nine:
-    """Return the inverse of the (3, 3) matrix that begins at a row, by cofactors."""
+    """Return the inverse of the (3, 3) matrix that begins at a row of a matrix (..., 3), row by row, by cofactors."""
     a, b, c = matrix[row, 0], matrix[row, 1], matrix[row, 2]
     d, e, f = matrix[row + 1, 0], matrix[row + 1, 1], matrix[row + 1, 2]
     g, h, i = matrix[row + 2, 0], matrix[row + 2, 1], matrix[row + 2, 2]
@@ -501,8 +512,8 @@ def _update_states(
 ) -> bool:
     """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
 
-    Of each moving pin only the first contact changes; of all other contacts the first, or all with `change_all`. If
-    friction is not coupled, the result is also True until it agrees with the normal force.
+    Of each moving pin only the first contact changes; of all other contacts the first, or all with `change_all`.
+    Without `coupled_friction`, the result is also True until friction agrees with the normal force.
     """
     changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
     size, no_change = len(equations.right), equations.settled
@@ -541,10 +552,11 @@ def _update_states(
 
 @njit
 def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: float) -> float:
-    """Compute speeds and forces of a contact at speeds v, and return its normal force, which may be negative [N].
+    """Update speeds [m/s] and forces [N] of a contact at speeds v, and return its normal force, which may be negative.
 
     An open contact closes when its gap is below 0 at the predicted midpoint; a closed one opens when its force
-    vanishes.
+    vanishes. Friction opposes the slip: creep times the slip, limited to the friction coefficient times the normal
+    force.
     """
     contact.speed, contact.slip = relative_speeds(contact, v)
     normal_force = contact.force - contact.slope * contact.speed
@@ -561,7 +573,10 @@ def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: floa
 
 @njit
 def _next_state(contact: Contact, normal_force: float, one_at_a_time: bool, coupled_friction: bool) -> int:
-    """Return the state that follows from the forces of a contact; `one_at_a_time` if contacts change one at a time."""
+    """Return the state of a contact that follows from its forces and slip: open, sticking, or sliding to either side.
+
+    `normal_force` [N] may be negative; `one_at_a_time` says whether contacts change one at a time.
+    """
     old_state = contact.state
     if (old_state == SLIDES and contact.slip < 0.0) or (old_state == SLIDES_BACK and contact.slip > 0.0):
         return STICKS  # a contact that reverses comes to rest first, even if the previous friction opens it

@@ -64,11 +64,11 @@ class PlanarModel:
         servo[1] = 0.0, slope
         return replace(self, system=self.system._replace(servo=servo))
 
-    def stepper(self, course: DriveCycle, every: int) -> Stepper:
-        """Return a stepper at the start of a drive cycle, with one sample in `every` steps."""
-        positions, speeds = start_state(self.reducer, course.angle, course.speed)
+    def stepper(self, cycle: DriveCycle, stride: int) -> Stepper:
+        """Return a stepper at the start of a drive cycle, with one sample in `stride` steps."""
+        positions, speeds = start_state(self.reducer, cycle.angle, cycle.speed)
         midpoint_pins = resolves_pins(self.reducer, self.timestep)
-        return Stepper(self.system, self.timestep, positions, speeds, every, midpoint_pins, self.train)
+        return Stepper(self.system, self.timestep, positions, speeds, stride, midpoint_pins, self.train)
 
 
 def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) -> PlanarModel:

@@ -75,7 +75,7 @@ def make_crank_train(reducer: RvReducer) -> CrankTrain:
 
 
 def input_inertia(reducer: RvReducer) -> float:
-    """Compute the inertia of all moving parts, seen from the sun [kg m2], from their ideal speeds."""
+    """Compute the inertia of all moving parts, reduced to the sun at their ideal speeds [kg m2]."""
     masses, member = moving_masses(reducer), reducer.member
     crank, carrier = float(member.crank_angle(1.0)), float(member.gear_angle(1.0))
     discs = [masses[disc.part] for disc in reducer.mechanism.discs]

@@ -11,7 +11,8 @@ from cycloid_mj.reducer import Reducer, RvReducer
 def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Array]:
     """Compute positions and speeds of all unknowns at a crank angle [rad] and speed [rad/s], by closed-form kinematics.
 
-    They are in the order of a ``System``. Angle and speed are those of the sun of an RV reducer.
+    They are in the order of the unknowns of a ``System``, shape (unknowns,). Parts with errors are where they fit best.
+    In an RV reducer, angle and speed are those of the sun.
     """
     position, velocity = joint_state(reducer, crank, speed)
     discs = [joint for disc in reducer.mechanism.discs for joint in disc.joints]

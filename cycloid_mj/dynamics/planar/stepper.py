@@ -51,9 +51,9 @@ class Stepper:
         The reducer.
     timestep
         Time step [s].
-    places, speeds
+    positions, speeds
         Values of all unknowns at time 0, and their rates.
-    every
+    stride
         Time steps from one sample to the next.
     midpoint_pins
         Whether moving pins are integrated by the midpoint rule as well, for steps that resolve their motion.
@@ -71,8 +71,11 @@ class Stepper:
         midpoint_pins: bool = False,
         train: CrankTrain | None = None,
     ) -> None:
-        """Allocate contacts and equations, and set the state half a step before time 0, at the initial speeds."""
-        self._system, self._train, self._timestep, self._every = system, train, timestep, stride
+        """Allocate contacts and equations, and set the state half a step before time 0, at the initial speeds.
+
+        `positions` and `speeds` are those of all unknowns at time 0; other parameters as in the class.
+        """
+        self._system, self._train, self._timestep, self._stride = system, train, timestep, stride
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
         self._contacts, self._equations = allocate_contacts(system), allocate_equations(system)
         discs, teeth = len(system.offset), len(system.place)
@@ -99,9 +102,13 @@ class Stepper:
         self._commands, self._taken = np.ascontiguousarray(commands[:, ::-1]), 0
 
     def advance(self, samples: int) -> Array:
-        """Take the time steps up to and including a number of samples; return the samples, shape (samples, columns)."""
+        """Take the time steps up to and including a number of samples; return the samples, shape (samples, columns).
+
+        After the last command, it stays constant. The columns are those of the slices `copied`, `solver`, `pairs` and
+        `drags`, see `sample_layout`.
+        """
         rows = np.zeros((samples, self._width))
-        steps = self._due + (samples - 1) * self._every
+        steps = self._due + (samples - 1) * self._stride
         commands = self._commands[np.minimum(np.arange(self._taken, self._taken + steps), len(self._commands) - 1)]
         system = self._system
         lobes = np.ascontiguousarray(system.ring[:, 0]) if system.lobes else None
@@ -117,10 +124,10 @@ class Stepper:
                 self._timestep,
                 self._pin_span,
                 self._due,
-                self._every,
+                self._stride,
                 rows,
             )
-        self._taken, self._due = self._taken + steps, self._every
+        self._taken, self._due = self._taken + steps, self._stride
         return rows
 
 
@@ -219,7 +226,10 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
 
 @njit
 def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
-    """Return whether the midpoint of a disc or a moving pin is too far from the pose of the contact search."""
+    """Return whether the midpoint of a disc or a moving pin is too far from the pose of the contact search.
+
+    `size` is the number of unknowns that are not of pins. Rotations count by the path of the ring's pin circle.
+    """
     radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, 3 * system.bodies, 3):
         x, y = midpoint[body] - predicted[body], midpoint[body + 1] - predicted[body + 1]

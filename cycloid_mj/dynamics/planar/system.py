@@ -171,7 +171,7 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
 
 
 def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
-    """Return what a `System` of any layout has of discs, ring and gravity, by attribute.
+    """Return the attributes of a `System` that describe discs, ring and gravity, by name; they apply to any layout.
 
     `output_unknown` is the index of the output's rotation.
     """
@@ -208,10 +208,10 @@ def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
 def drags_and_servos(
     reducer: Reducer, held: Held, shaft_inertia: Mapping[str, float], servo_inertia: Mapping[str, float]
 ) -> tuple[Array, Array]:
-    """Return `drag` and `servo` of a `System`.
+    """Return `drag` and `servo` of a `System`, for the shafts ``output`` and ``crank`` in this order.
 
-    `shaft_inertia` are the inertias of the shafts ``output`` and ``crank``, `servo_inertia` those that a servo on them
-    moves [kg m2].
+    The shaft `held` has the servo. `shaft_inertia` are the inertias of the shafts, `servo_inertia` those that a servo
+    on them moves [kg m2].
     """
     crank_drag, output_drag = drag_torques(reducer)
     losses = {"output": output_drag, "crank": crank_drag}
