@@ -256,7 +256,10 @@ def _orbit_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
 
 
 def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
-    """Yield a warning if a clearance is below the rounding error of the gap computation."""
+    """Yield a warning if the clearance of a kind of pair is below the rounding error of the gap computation.
+
+    That error is in proportion to the pin circle radius. Kinds without a clearance in the design have none.
+    """
     min_clearance = LIMITS.min_clearance_share * reducer.design.ring.pin_circle_radius
     clearance = getattr(reducer.design.clearance, kind, min_clearance)  # that of springs may be any
     if clearance < min_clearance:

@@ -165,9 +165,9 @@ def max_stiffness_ratio(reducer: Reducer, kind: str, must_follow: bool = False) 
 def may_settle(reducer: Reducer, kind: str) -> bool:
     """Return whether contacts of a kind of pair may settle within a step that does not follow their oscillation.
 
-    This applies to contacts of moving pins that only weight and rotation press. It excludes loaded designs, where the
-    step must follow the rolling of pins anyway; designs with a stiffness for a load, which will be
-    loaded; and the law IMPACT, which has its own step.
+    This applies to contacts of moving pins that only weight and rotation press. It excludes loaded designs and
+    preloaded rings, whose step must follow the rolling of pins anyway; designs with a stated working load or force,
+    which will be loaded; the law IMPACT, which has its own step; and designs that set the time step.
     """
     design, contact = reducer.design, reducer.design.contact
     is_loaded = design.load.torque or design.ring.preload or contact.working_load or contact.working_force
@@ -176,7 +176,11 @@ def may_settle(reducer: Reducer, kind: str) -> bool:
 
 
 def rolling_limits(reducer: Reducer) -> dict[str, float]:
-    """Return the longest step [s] that follows the rolling of each part in its clearance under its working force."""
+    """Return the longest step [s] that follows the rolling of each part in its clearance, by the name of its motion.
+
+    The limit is `SETTINGS.max_rolling_share` of the step at which a part of its mass diverges on the stiffness of its
+    rolling, under its working force (see the module).
+    """
     design = reducer.design
     gear, _, pin = _masses(reducer)
     if isinstance(reducer, RvReducer):

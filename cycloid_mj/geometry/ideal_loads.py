@@ -133,7 +133,7 @@ def cam_force(
     Parameters
     ----------
     ring
-        Loads of the ring at `crank_angle`, with arrays of shape (...), as of `ideal_load_sharing`.
+        Loads of the ring at `crank_angle`, as returned by `ideal_load_sharing`.
     output_forces
         Forces of `ideal_output_forces` [N], shape (..., pins).
     crank_angle
@@ -258,7 +258,8 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
 def _balance_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
     """Share a torque [N m] among contacts by their arms (..., n) [m], and compute the eccentric's reaction on the gear.
 
-    `gear_normals` (..., n, 2) are the outward normals of the gear at the contacts.
+    `gear_normals` (..., n, 2) are the outward normals of the gear at the contacts. `torque` and `crank_angle` [rad]
+    have the shape (...).
     """
     forces = share_load(arms, torque)
     resultant = np.sum(forces[..., np.newaxis] * gear_normals, axis=-2)

@@ -302,15 +302,15 @@ def inflection_phase(gear: CycloidGear) -> float:
 def undercut_radius(gear: CycloidGear) -> float:
     """Compute the smallest convex radius of curvature of the trochoid [m], the limit of rho; always finite.
 
-    l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] is stationary at B = 0, B = pi and, where that is a cosine, at cos B = 3
-    (E^2 + c^2 N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N).
+    The radius l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] is stationary at B = 0, B = pi and, if the following is a
+    cosine, at cos B = 3 (E^2 + c^2 N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N); symbols as in the module.
     """
     N, c, E, _ = gear.symbols
-    inner = 3 * (E**2 + c**2 * N**3) / (E * c * N * (N + 1)) - (E**2 + (c * N) ** 2) / (E * c * N)
-    B = np.arccos(np.array([1.0, -1.0, inner] if abs(inner) < 1 else [1.0, -1.0]))
-    bend = _bend(gear, B)
-    convex = bend > 0
-    return float(np.min(pitch_distance(gear, B[convex]) ** 3 / bend[convex]))
+    stationary_cosine = 3 * (E**2 + c**2 * N**3) / (E * c * N * (N + 1)) - (E**2 + (c * N) ** 2) / (E * c * N)
+    B = np.arccos(np.array([1.0, -1.0, stationary_cosine] if abs(stationary_cosine) < 1 else [1.0, -1.0]))
+    numerator = _bend(gear, B)
+    convex = numerator > 0
+    return float(np.min(pitch_distance(gear, B[convex]) ** 3 / numerator[convex]))
 
 
 def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:

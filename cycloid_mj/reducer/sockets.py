@@ -21,7 +21,8 @@ def wall_radius(design: Design) -> float:
     """Compute the radius [m] of the wall between sockets: that of the pin centres, or more for clearance of the disc.
 
     With the pin circle radius E, pin radius rho and eccentricity c, the gear's tips reach E - rho + 2c from the
-    reducer's axis, and the bottoms of the sockets are at E + rho: if c is less than rho, a wall fits in between.
+    reducer's axis, and the bottoms of the sockets are at E + rho: if c is less than rho, a wall fits in between. It
+    keeps the gap `WALL_GAP` to the tips.
     """
     centre, pin, eccentricity = design.ring.pin_circle_radius, design.ring.pin_radius, design.gear.eccentricity
     return max(centre, centre - pin + 2.0 * eccentricity + WALL_GAP * (pin - eccentricity))

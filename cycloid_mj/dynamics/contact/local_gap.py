@@ -79,28 +79,31 @@ def local_distance(
         ax, ay = pitch_distance * teeth * sn - radius * st, pitch_distance * teeth * cn - radius * ct
         speed2 = tx * tx + ty * ty
         speed = math.sqrt(speed2)
-        share = 1.0 / speed
-        offset = (dy * tx - dx * ty) * share
+        inverse_speed = 1.0 / speed
+        offset = (dy * tx - dx * ty) * inverse_speed
         increment = (dx * tx + dy * ty) / speed2
-        curvature_term = (ax * ty - ay * tx) * share
+        curvature_term = (ax * ty - ay * tx) * inverse_speed
         curvature = curvature_term / speed2
-        straight = 1.0 + curvature * offset
+        radius_ratio = 1.0 + curvature * offset
         tangent_rate = math.sqrt(ax * ax + ay * ay)
-        # bend is curvature * speed^2: the curve falls away from its tangent by half of bend * step^2, within a
-        # sixth of base * teeth^2 * step^3.
+        # The curve falls away from its tangent by half of curvature_term * increment^2, within a sixth of
+        # pitch_distance * teeth^2 * increment^3.
         max_sag = (abs(curvature_term) + pitch_distance * teeth * abs(teeth * increment)) * increment * increment
         if (
             offset - max_sag > max_distance
-            and (abs(increment) + abs(offset) * share) * tangent_rate < SETTINGS.max_tangent_change * speed
+            and (abs(increment) + abs(offset) * inverse_speed) * tangent_rate < SETTINGS.max_tangent_change * speed
         ):
             return offset, 0.0, 0.0, 0.0
-        if abs(increment) * tangent_rate < SETTINGS.circle_angle * speed and straight > 0.5:
+        if abs(increment) * tangent_rate < SETTINGS.circle_angle * speed and radius_ratio > 0.5:
             arc = increment * speed
             arc_angle = curvature * arc
-            norm = math.sqrt(straight * straight + arc_angle * arc_angle)
-            distance = (2.0 * offset + curvature * (offset * offset + arc * arc)) / (norm + 1.0)
-            along_normal, along_tangent = straight * share / norm, arc_angle * share / norm
-            # cos B at the foot, B = (N - 1) t, to second order of the last way.
+            foot_norm = math.sqrt(radius_ratio * radius_ratio + arc_angle * arc_angle)
+            distance = (2.0 * offset + curvature * (offset * offset + arc * arc)) / (foot_norm + 1.0)
+            along_normal, along_tangent = (
+                radius_ratio * inverse_speed / foot_norm,
+                arc_angle * inverse_speed / foot_norm,
+            )
+            # cos B at the foot, B = (N - 1) t, to second order of the last increment.
             cosine = cn * ct + sn * st - (teeth - 1.0) * increment * (sn * ct - cn * st)
             product = radius * pitch_distance * cosine
             l2 = radius * radius + pitch_distance * pitch_distance - 2.0 * product
@@ -113,7 +116,7 @@ def local_distance(
                 along_normal * tx + along_tangent * ty,
                 curvature_term,
             )
-        increment /= max(straight, 0.5)
+        increment /= max(radius_ratio, 0.5)
         if not abs(teeth * increment) < SETTINGS.max_rotation:
             break
         st, ct = _rotate_small(st, ct, increment)

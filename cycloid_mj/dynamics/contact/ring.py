@@ -147,9 +147,11 @@ def root_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> float:
 
 @njit
 def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoid, flank: Flank, gear: Pose) -> Minimum:
-    """Find the minimum of the gap inside a root between two phases [rad], from a good start.
+    """Find the minimum of the gap inside a root between two phases [rad], from a start phase [rad] close to it.
 
-    Newton's method on the slope, with bisection where it leaves the bracket: the gap falls, then rises.
+    Newton's method on the slope, with bisection where it leaves the bracket: the gap falls, then rises. `gear` is the
+    pose of the gear in the frame of the root. `Minimum.exists` is False if the gap is smallest at an end of the range,
+    or if the iteration does not converge.
     """
     lower, upper = min_phase, max_phase
     B = min(max_phase, max(min_phase, start))

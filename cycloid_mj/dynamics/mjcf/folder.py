@@ -202,7 +202,10 @@ def _manifest(
 
 
 def quality_um(quality: Quality) -> dict[str, float]:
-    """Return the errors of a convex decomposition, rounded, with lengths in micrometres."""
+    """Return the errors of a convex decomposition, rounded: lengths in micrometres, the volume error as a share [1].
+
+    ``parts`` is the number of convex parts, ``normals`` that of the sampled points.
+    """
     return {
         "parts": quality.parts,
         "max_overfill_um": round(1e6 * quality.max_overfill, 4),

@@ -25,7 +25,10 @@ def keyframe_name(angle: int, speed: float) -> str:
 
 
 def add_keyframes(spec: Any, reducer: Reducer) -> None:
-    """Add keyframes at four crank angles, at rest and at the design's speed, without load, to an editable model."""
+    """Add keyframes at the four crank angles `QUARTERS` [deg] to an editable model, without load.
+
+    There is one of each at rest, and one at the design's speed if that is not 0.
+    """
     model = spec.compile()
     for speed in dict.fromkeys((0.0, reducer.design.drive.speed)):
         for angle in QUARTERS:

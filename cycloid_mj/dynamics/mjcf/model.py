@@ -176,10 +176,11 @@ def visible_solids(reducer: Reducer) -> dict[str, Solid]:
 def add_actuators(
     spec: Any, inertia: float, held: Held = "crank", driven: str = names.CRANK_JOINT
 ) -> tuple[float, float]:
-    """Add the actuators of crank and output to an editable model; return the gains kp, kv of the position servo.
+    """Add the actuators of crank and output to an editable model.
 
-    The servo is on the shaft `held`, whose inertia is given [kg m2]; the actuator of the other shaft is a torque.
-    `driven` is the joint of the crank, or of the sun of an RV reducer.
+    Return the gains kp [N m/rad] and kv [N m s/rad] of the position servo. It is on the shaft `held`, which moves the
+    `inertia` [kg m2]; the actuators of other shafts are torques. `driven` is the joint of the crank, or of the sun of
+    an RV reducer.
     """
     kp, kv = servo_gains(inertia)
     for shaft, name, joint in (("crank", names.DRIVE, driven), ("output", names.LOAD, names.OUTPUT_JOINT)):
