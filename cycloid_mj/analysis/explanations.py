@@ -41,7 +41,7 @@ def _motion(findings: Findings) -> Iterator[str]:
 
 
 def _torques(findings: Findings) -> Iterator[str]:
-    """Yield sentences on the mean crank torque and, under a load, the efficiency."""
+    """Yield sentences on the mean crank torque and, under a load, the efficiency if it is defined."""
     power = findings.power
     crank_sentence = f"{findings.driven_shaft} torque: {abs(power.crank_torque_nm):.4g} N m"
     if findings.condition.load:

@@ -116,7 +116,10 @@ def _sample_interval(motion: Series) -> float:
 
 
 def _octave_bands(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
-    """Compute the rms accelerations in the octave bands that lie entirely within the spectrum."""
+    """Compute the rms accelerations in the octave bands of `OCTAVES` [Hz] that lie entirely within the spectrum.
+
+    They are those of the disc's centre [m/s^2] and of the output [rad/s^2].
+    """
     resolution = spectrum.frequency[1] - spectrum.frequency[0]
     bands = []
     for centre_frequency in OCTAVES:

@@ -140,7 +140,10 @@ def _step_warning(reducer: Reducer, tooth_rate: float, min_steps: float) -> Iter
 
 
 def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
-    """Yield a warning if there are too few log samples per tooth; a log has at most one sample per step."""
+    """Yield a warning if there are too few log samples per tooth; a log has at most one sample per step.
+
+    `tooth_rate` is the tooth passing frequency [Hz].
+    """
     design = reducer.design
     rate, min_rate = min(design.settings.log_rate, 1.0 / timestep(reducer)), LIMITS.min_samples_per_tooth * tooth_rate
     if rate < min_rate * (1.0 - ROUNDING):
@@ -152,7 +155,10 @@ def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
 
 
 def creep_warning(reducer: Reducer) -> Iterator[str]:
-    """Yield a warning if parts slide too slowly for fully developed friction."""
+    """Yield a warning if parts slide too slowly for fully developed friction.
+
+    The loss that is missing must exceed `LIMITS.max_missing_loss` of the output power.
+    """
     missing_share, missing_loss = missing_friction(reducer)
     if missing_loss > LIMITS.max_missing_loss:
         yield (
@@ -212,7 +218,10 @@ def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, time
 
 
 def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
-    """Yield a warning if friction reverses so much before the sliding does that losses are too low."""
+    """Yield a warning if friction reverses so much before the sliding does that losses are too low.
+
+    It names the kind of pair with the largest lead, see `friction_leads`.
+    """
     lead_by_kind = friction_leads(reducer, model.laws, float(model.model.opt.impratio))
     kind = max(lead_by_kind, key=lambda item: lead_by_kind[item], default="")
     if kind and lead_by_kind[kind] > LIMITS.max_friction_lead:

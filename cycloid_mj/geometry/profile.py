@@ -461,7 +461,7 @@ def _bend(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
-    """Return points, normals and curvature of the outline at trochoid parameters t [rad]."""
+    """Return points, normals, curvature and arc length of the outline at trochoid parameters t (n,) [rad]."""
     return Outline(
         t=t,
         points=outline(gear, t, offset),

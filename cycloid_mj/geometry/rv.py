@@ -161,7 +161,8 @@ def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -
     """Compute the loss factor H_v of a spur gear mesh [1]: the power loss is H_v mu times the transmitted power.
 
     ISO/TR 14179-2, equation (31): pi (u + 1)/(z_1 u) (1 - epsilon_alpha + epsilon_1^2 + epsilon_2^2), for full-depth
-    teeth.
+    teeth. z_1 are the teeth of the sun, u is the ratio of tooth numbers, epsilon_1 and epsilon_2 are the contact ratios
+    of the tips, epsilon_alpha is their sum, and mu is the friction coefficient; the pressure angle is in [rad].
     """
     ratio = planet_teeth / sun_teeth
     tip_contact_ratios = _tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle)

@@ -369,7 +369,10 @@ def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
 
 
 def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
-    """Return the mating of the bore of a disc with its cam."""
+    """Return the mating of the bore of a disc with its cam, whose position has the errors of the crank.
+
+    The clearance is in the radius of the bore.
+    """
     gear, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
     bore, cam = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
     phase, orbit = phases(design)[disc], design.gear.eccentricity + errors.eccentricity
@@ -385,7 +388,10 @@ def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
 
 
 def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
-    """Return the mating of the holes of a disc with the output pins."""
+    """Return the mating of the holes of a disc with the output pins `pins`; hole positions have their errors.
+
+    The clearance is in the radius of the holes.
+    """
     output = design.output
     hole_names = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)

@@ -124,7 +124,7 @@ class Contact:
 
     @property
     def source(self) -> Source:
-        """Source of the working force: stated, or which load it follows from."""
+        """Source of the working force: "given" in the design file, or the load that it follows from; see `Source`."""
         design = self._reducer.design
         if getattr(design.working_force, self.kind) or design.contact.working_force:
             return "given"
@@ -171,6 +171,8 @@ class Contact:
     @property
     def curvature_law(self) -> CurvatureLaw:
         """Stiffness of a line contact by its curvature, from material, width, pin radius and working force.
+
+        It does not depend on the curvature with the law IMPACT, or if ``contact.stiffness_law`` is not "local".
 
         Raises
         ------
@@ -295,7 +297,13 @@ class Contact:
         return 4.0 * torque / (design.ring.teeth * gear.eccentricity * design.lobes)
 
     def _compute_stiffness(self) -> float:
-        """Compute the stiffness of a contact of the pair [N/m] by the rules of the property `stiffness`."""
+        """Compute the stiffness of a contact of the pair [N/m] by the rules of the property `stiffness`.
+
+        Raises
+        ------
+        ContactError
+            The working force flattens a pin beyond a line contact.
+        """
         design, kind = self._reducer.design, self.kind
         value: float = getattr(design.stiffness, kind)
         if value:

@@ -51,10 +51,10 @@ class MeshNumbers(NamedTuple):
 
 
 def mesh_numbers(mesh: PlanetMesh, planet: int) -> MeshNumbers:
-    """Return the data of the mesh of the sun with planet number `planet`, as compiled code reads them.
+    """Return the data of the mesh of the sun with a planet, by its index, as compiled code reads them.
 
-    `involute` is the involute function of the pressure angle at home; `error` is the transmission error along the line
-    of action [m].
+    `involute` is the involute function of the nominal pressure angle; `error` is the amplitude of the transmission
+    error along the line of action [m].
     """
     return MeshNumbers(
         mesh.sun_base,

@@ -248,7 +248,11 @@ def _compile_callback() -> Any:
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
     def during_step(model: int, data: int, stage: int) -> None:
-        """Apply the contact laws before the forces, or end a step and take the following ones; an ``mjfSensor``."""
+        """Apply the contact laws before the forces, or end a step and take the following ones; an ``mjfSensor``.
+
+        `model` and `data` are addresses, `stage` is MuJoCo's ``mjtStage``. The remaining
+        steps of the current call of `EachStep.advance` are taken.
+        """
         if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + layout.nuserdata) != 1:
             return
         address = int(read_float(read_address(data + layout.userdata)))
@@ -408,7 +412,7 @@ def _set_command(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _update_peaks(run: StepState) -> None:
-    """Raise the peak force of each pair to its normal force in this step (sum of contacts), if larger."""
+    """Raise the peak force of each pair [N] to its normal force in this step, the sum over its contacts, if larger."""
     contacts_address, force = read_address(run.contact), read_address(run.efc_force)
     count = read_int(run.ncon)
     for k in range(count):

@@ -126,7 +126,10 @@ def set_inertia(body: Any, properties: MassProperties) -> None:
 
 
 def _add_joints(element: Any, body: Body, reducer: Reducer) -> None:
-    """Add the joints of a body: slides along x and y for a planar body, and the hinge about z."""
+    """Add the joints of a body: slides along x and y for a planar body, and the hinge about z.
+
+    The hinge of the driven shaft has the rotor's inertia, those of both shafts have the drag of seals and lubricant.
+    """
     hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
     *slides, rotation = body.joints or [""]
     for name, axis, origin in zip(slides, (_X, _Y), body.origin, strict=False):

@@ -182,8 +182,8 @@ def _find_lobe_contacts(
 ) -> int:
     """Write the contacts of a disc and all lobes after `count` others, and return their new number.
 
-    `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring; other arguments as in
-    `find_contacts`.
+    `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring, `address` that of `scratch`; other
+    arguments as in `find_contacts`.
     """
     disc = mating.disc // 3
     gear, teeth = disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
@@ -256,7 +256,8 @@ def _find_seat_contacts(
 ) -> int:
     """Write the contacts of moving pins with their seats after `count` others, and return their new number.
 
-    `pair` is the number of the first pin's pair, `ring` the pose of the ring; other arguments as in `find_contacts`.
+    `pair` is the index of the first pin's pair, `ring` the pose of the ring, `address` that of `scratch`; other
+    arguments as in `find_contacts`.
     """
     first_pin = len(system.inertia)
     for i in range(len(system.place)):
@@ -361,8 +362,8 @@ def _find_round_contacts(
 ) -> int:
     """Write the contacts of a circle within another circle from the index `first_contact` on, and return their number.
 
-    `kind` and `cosine` are their row in the film table and the cosine of their pin's phase; other arguments as in
-    `find_contacts`.
+    `kind` and `cosine` are their row in the film table and the cosine of their pin's phase, `address` is that of
+    `scratch`; other arguments as in `find_contacts`.
     """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
     count = inner_touches(address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)

@@ -247,7 +247,10 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
 
 @njit
 def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
-    """Raise the peak force of each pair to its normal force in this step (sum of contacts), if larger."""
+    """Raise the peak force of each pair [N] to its normal force in this step, the sum over its contacts, if larger.
+
+    `sums` (pairs,) is working memory, zero before and after.
+    """
     for k in range(count):
         sums[contacts[k].pair] += contacts[k].normal_force
     for k in range(count):
@@ -329,7 +332,10 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
 
 @njit
 def _write_contacts(contacts: Contacts, count: int, row: Array, solver: int, pairs: int) -> None:
-    """Write the sums over all contacts from column `solver` on, and by pair from column `pairs` on."""
+    """Write the sums over the first `count` contacts to a row, which must be zero in the columns of pairs.
+
+    Sums over all contacts start at column `solver`, those by pair at column `pairs`; see `sample_layout`.
+    """
     active, deepest, largest = 0, 0.0, 0.0
     for k in range(count):
         contact = contacts[k]
@@ -363,7 +369,10 @@ def _write_contacts(contacts: Contacts, count: int, row: Array, solver: int, pai
 def _write_shaft(
     system: System, shaft: int, unknown: int, q: Array, v: Array, command: Array, row: Array, column: int
 ) -> int:
-    """Write angle, speed and actuator torque of a shaft from a column on; return the next column."""
+    """Write angle [rad], speed [rad/s] and actuator torque [N m] of a shaft from a column on; return the next column.
+
+    `shaft` is its index in `System.servo`, `unknown` that of its rotation in q and v.
+    """
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
     torque = stiffness * (command[shaft] - q[unknown]) if stiffness != 0.0 else command[shaft]
     torque -= damping * v[unknown]
