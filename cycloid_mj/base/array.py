@@ -26,7 +26,7 @@ def significant(value: float) -> float:
 
 
 def significant_tensor(values: npt.ArrayLike) -> Array:
-    """Round an array so that its largest element has `DIGITS` significant digits and all others as many decimals."""
+    """Round an array: its largest element to `DIGITS` significant digits, all others to as many decimals."""
     array = np.asarray(values, dtype=np.float64)
     largest = float(np.abs(array).max(initial=0.0))
     if largest == 0.0:

@@ -187,7 +187,7 @@ def fit_loops(
     trials
         Counter of evaluations.
     start
-        Scaled values of a single start; by default several starts (`FitProblem.starts`).
+        Scaled values of a single start, shape (v,); by default several starts (`FitProblem.starts`).
     intervals
         Whether intervals are by profile likelihood. Else they are those of the linearised model, which take no further
         search, and the values are the likeliest.
@@ -254,7 +254,7 @@ def _refine(
     Returns
     -------
     Array
-        Scaled values of the last search.
+        Scaled values of the last search, shape (v,).
     """
     best, *other_solutions = solutions
     scaled_values = best[1]
@@ -274,7 +274,7 @@ def _refine(
 
 
 def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
-    """Compute the fit at scaled values, with the intervals of the linearised model.
+    """Compute the fit at scaled values, shape (v,), with the intervals of the linearised model and `MODEL_ERROR`.
 
     Raises
     ------

@@ -311,7 +311,7 @@ def _require_degrees(height: float, origin: str) -> None:
 def _require_no_outlier(values: Array, column: str, origin: str) -> None:
     """Raise UsageError for a value that differs from the median of its neighbours by more than the loop's range.
 
-    `column` and `origin` name the values and their file in the message.
+    `values` have shape (n,); `column` and `origin` name them and their file in the message.
     """
     medians = _median_filter(values)
     differences = np.abs(values - medians)
@@ -349,7 +349,8 @@ def _median_filter(values: Array) -> Array:
 def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> int:
     """Count the points before the loop: those of a first branch that starts away from later branches of its direction.
 
-    A bench that starts from rest starts in the middle of the loop; a closed loop starts on its own branch.
+    `torque` [N m], `deflection` [rad] and the number `branch` of reversals before each point have shape (n,). A bench
+    that starts from rest starts in the middle of the loop; a closed loop starts on its own branch.
     """
     same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
     if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():

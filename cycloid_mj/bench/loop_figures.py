@@ -281,8 +281,9 @@ def _find_crossings(
 ) -> tuple[_Crossing, _Crossing] | None:
     """Compute the `values` at which the falling and the rising branches cross a level of `abscissa`.
 
-    They are those of lines fitted within `window` of the level; with too few points, of an interpolation. Return value,
-    variance and degrees of freedom for the falling, then the rising branches; None if one does not cross the level.
+    `abscissa` and `values` have shape (n,). The results are those of lines fitted within `window` of the level; with
+    too few points, of an interpolation. Return value, variance and degrees of freedom for the falling, then the rising
+    branches; None if one does not cross the level.
     """
     crossings = []
     for direction in (-1, 1):
@@ -311,7 +312,7 @@ def _interpolate_leap(x: Array, y: Array, level: float) -> _Crossing:
 
 
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
-    """Fit a line to the masked ones of n points by least squares; None for too few points, or a single x.
+    """Fit a line to the masked ones of n points, shape (n,) each, by least squares; None for too few points or one x.
 
     The variances account for autocorrelated residuals: the number of independent points is smaller by
     `autocorrelation_time`.

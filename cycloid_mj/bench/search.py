@@ -2,7 +2,7 @@
 
 Each loop has an offset of its own in torque and in deflection, which does not belong to the drive. All values are
 scaled so that a change of 1 matters (`Parameter.to_scale`); "scaled values" are those of the parameters, followed by
-offset of torque and of deflection of each loop.
+offset of torque and of deflection of each loop, shape (v,) with v = parameters + 2 loops.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -189,6 +189,8 @@ class FitProblem:
     def residuals(self, scaled: Array) -> Array:
         """Compute the residuals of all loops, each loop with the same weight, followed by those of the priors.
 
+        `scaled` are the scaled values, shape (v,); the result has shape (points + priors,).
+
         A value that differs from its prior by one standard deviation counts as a loop with a residual of
         `MODEL_ERROR`.
         """
@@ -204,8 +206,9 @@ class FitProblem:
     def deflection_errors(self, scaled_values: Array) -> Array:
         """Compute (model deflection - measured deflection) / loop height at each measured torque.
 
-        The errors of all loops are concatenated, without the first `points_left_out` points of each loop. Those of a
-        loop are divided by the square root of their number: all loops have the same weight in the sum of squares.
+        `scaled_values` have shape (v,). The errors of all loops are concatenated, shape (points,), without the first
+        `points_left_out` points of each loop. Those of a loop are divided by the square root of their number: all loops
+        have the same weight in the sum of squares.
         """
         self.trials()
         errors = []
@@ -261,7 +264,7 @@ class FitProblem:
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Return scaled start values of the searches: `START_FACTORS` on the design, and centres of the loops.
+        """Return scaled start values of the searches, shape (v,) each: `START_FACTORS` on the design, centres of loops.
 
         Where stiffness or play is fitted, the factors on them are those that bring the model nearest to the loops.
         """
@@ -303,7 +306,7 @@ class FitProblem:
         Parameters
         ----------
         start
-            Scaled values; clipped to the bounds.
+            Scaled values, shape (v,); clipped to the bounds.
         max_steps
             Largest number of steps.
         method
@@ -347,7 +350,7 @@ class FitProblem:
         return float(solution.cost), np.clip(fill(solution.x), low, high)
 
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the scaled values between bounds with the deflections nearest to the measured ones, rms.
+        """Return the scaled values between bounds, (v,), with the deflections nearest to the measured ones, rms.
 
         `low` and `high` are the ends of the intervals of the values. A value that moves from the start by a quarter of
         the distance between its ends, which is its standard deviation, adds the cost of a loop with a residual of
@@ -382,7 +385,7 @@ class FitProblem:
 
 
 def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function that sets the free elements of a start to values, and keeps the others."""
+    """Return a function from values, shape (f,), to `start`, shape (v,), with these values at the indices `free`."""
 
     def fill(values: Array) -> Array:
         scaled_values = start.copy()

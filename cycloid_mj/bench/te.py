@@ -286,9 +286,9 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
 def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
     """Find the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
 
-    `ideal` is the model's error, evenly over a turn of the output, which is `lobes` turns of the crank. The squared
-    residual of all shifts is computed by FFT, and its minimum refined by a parabola. Where the parts return to the same
-    pose after some turns of the crank, several angles are equal: the smallest is returned.
+    `ideal` is the model's error [rad], shape (n,), evenly over a turn of the output, which is `lobes` turns of the
+    crank. The squared residual of all shifts is computed by FFT, and its minimum refined by a parabola. Where the parts
+    return to the same pose after some turns of the crank, several angles are equal: the smallest is returned.
     """
     count, turn = len(ideal), 2.0 * np.pi * lobes
     width = turn / count

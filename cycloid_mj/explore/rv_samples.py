@@ -188,7 +188,8 @@ def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
 def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: int, rank: int) -> Design:
     """Return a sample as a design with its errors added to those of the nominal reducer.
 
-    `row` is the index of the sample in `deviations` [m], by column of `_columns_of_field`; `rank` numbers the name.
+    `row` is the index of the sample in `deviations` [m], shape (samples,) by column of `_columns_of_field`; `rank`
+    numbers the name.
     """
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):

@@ -193,7 +193,8 @@ def apply_deviations(reducer: Reducer, nominal: Samples, deviations: Mapping[str
 def deviation_columns(deviations: Mapping[str, Array]) -> dict[str, Array]:
     """Convert deviations [m], by tolerance, to columns [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
 
-    Pins, discs and holes of a disc (``drawn_hole_position_2_7_x_um``: hole 7 of disc 2) are counted from 1.
+    The deviations of a tolerance have shape (samples, ...), each column has (samples,). Pins, discs and holes of a disc
+    (``drawn_hole_position_2_7_x_um``: hole 7 of disc 2) are counted from 1.
     """
     columns = {}
     for key, values in deviations.items():

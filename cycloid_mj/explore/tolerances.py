@@ -435,8 +435,8 @@ def _solve_batches(
 ) -> bool:
     """Solve the static equilibrium of all samples of a study and of its error budget, batch by batch.
 
-    The figures of each batch are added to `figures_by_batch`, by the index of the batch. Return whether all batches are
-    solved: False if so many samples of the first one jam that the study stops.
+    The figures of each batch, by key, shape (samples,) each, are added to `figures_by_batch`, by its index. Return
+    whether all batches are solved: False if so many samples of the first one jam that the study stops.
     """
     total, solved_samples = sum(batch.count for batch, _ in study.work), 0
     solve = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)

@@ -132,7 +132,7 @@ def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: s
 
 
 def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
-    """Draw a line sorted by x, with markers if there are few points."""
+    """Draw a line through points of shape (n,), sorted by x, with markers up to `SWEEP.max_markers` points."""
     order = np.argsort(x, kind="stable")
     has_markers = len(x) <= SWEEP.max_markers
     axes.plot(
@@ -142,7 +142,7 @@ def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> 
 
 
 def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
-    """Label the x axis with an input, and return the abscissa of each point, 0, 1, ... for words."""
+    """Label the x axis with an input, and return its value at each point, shape (points,); 0, 1, ... for words."""
     axes.set_xlabel(_title(sweep, key))
     if key in sweep.frame.numbers:
         return sweep.frame.numbers[key]

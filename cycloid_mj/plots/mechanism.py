@@ -184,7 +184,7 @@ def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
 
 
 def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
-    """Draw the outline and the holes of a prism at a pose: x [m], y [m] and angle [rad, counter-clockwise], in mm.
+    """Draw the outline and the holes of a prism in mm at a pose: x [m], y [m] and angle [rad], (3,).
 
     `part` is the key of its style in `PART_STYLES`, `opacity` that of its fill, 0 to 1.
     """

@@ -64,7 +64,8 @@ def gear_speed_figure(motion: Series) -> Figure:
 def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tuple[Figure, Axes, Axes]:
     """Draw a speed with its closed form over `x`, and the error below; return the figure and both axes.
 
-    `key` names the signal, `rows` the samples that belong to `x`.
+    `key` names the signal [rad/s], `rows` selects the samples at the values `x`, shape (n,): time [s] or crank angle
+    [deg].
     """
     figure = create_figure(3.6)
     top, bottom = figure.subplots(2, 1, sharex=True, **layout)

@@ -69,7 +69,7 @@ def velocity_figure(motion: Series) -> Figure:
 
 
 def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
-    """Draw simulated path and closed form of point q [mm]; `q` is the point in the disc's frame [m]."""
+    """Draw simulated path and closed form of point q [mm]; `q` is the point in the disc's frame [m], (2,)."""
     axes.plot(*(1e3 * position.theory.T), **THEORY)
     axes.plot(*(1e3 * position.simulated.T), **SIMULATED)
     axes.set_aspect("equal", adjustable="datalim")
@@ -116,7 +116,7 @@ def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
 
 
 def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
-    """Draw components and size of the path error over the crank angle [um], with the sample `worst` marked."""
+    """Draw x, y and size of the path error [um] over the crank angle [deg], (n,), with the sample `worst` marked."""
     error, size = 1e6 * position.error, 1e6 * position.error_size
     axes.plot(degrees, error[:, 0], color=BLUE, linewidth=0.8)
     axes.plot(degrees, error[:, 1], color=ORANGE, linewidth=0.8)

@@ -269,7 +269,7 @@ def _of_answer(answer: Answer) -> Figures:
 
 @with_style
 def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figure:
-    """Draw an angle of the output over the torque on it; `label` names the angle with its unit."""
+    """Draw an angle of the output over the torque on it [N m], shape (n,); `label` names the angle with its unit."""
     figure = create_figure(2.8)
     axes = figure.subplots()
     axes.plot(torque, angle, color=BLUE)

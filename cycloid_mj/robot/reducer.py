@@ -255,7 +255,7 @@ class ReducedJoint(Presented):
 
     @cached_property
     def _bend_points(self) -> tuple[Array, Array]:
-        """Shares of the nominal torque between which errors and springs are linear, and the wind-up there [rad]."""
+        """Shares of the nominal torque between which errors and springs are linear, and wind-up there [rad], (n,)."""
         starts = [
             sum(spring.stiffness * max(item.start - spring.start, 0.0) for spring in self.springs)
             for item in self.springs

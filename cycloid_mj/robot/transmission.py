@@ -143,7 +143,7 @@ def _select_harmonics(spectra: list[Waves]) -> npt.NDArray[np.int64]:
     """Return the indices of the fewest harmonics without which the remainder of each spectrum is below its limit.
 
     The limit is `RippleSettings.max_remainder` of the rms value; at most `max_harmonics` are selected, the strongest
-    first.
+    first, and returned in increasing order. The spectra are complex amplitudes by index of the harmonic, shape (h,).
     """
     relative = [np.abs(spectrum) / max(float(np.linalg.norm(spectrum)), np.finfo(float).tiny) for spectrum in spectra]
     shares: Array = np.stack(relative).max(axis=0)
