@@ -43,7 +43,7 @@ class SearchSettings:
         Ratings of a candidate at most, and the largest logarithm of its capacity over the torque of the last.
     calibrations, ratings, studies
         Candidates that are rated first, the most ratings of a search (0.2 s of CPU each), and the most tolerance
-        studies (2 s each).
+        studies of a search (2 s each).
     likely
         Share of a torque that an estimate promises at least where candidates are rated for it.
     calibration_share
@@ -55,7 +55,7 @@ class SearchSettings:
     gain
         Least relative improvement for which a candidate is rated.
     study_share
-        Torque of a first tolerance study over the capacity by one sample, where the required torque is larger.
+        Torque of a tolerance study over the capacity that is expected, where the required torque is larger.
     build_share
         Time to build a candidate that cannot be rated, or is too long, over that of a rating.
     poses
@@ -81,7 +81,7 @@ class SearchSettings:
     margin: float = 0.08
     reach: float = 0.3
     gain: float = 0.01
-    study_share: float = 0.95
+    study_share: float = 0.96
     poses: int = 61
     build_share: float = 0.2
     min_yield: float = 99.0
@@ -254,7 +254,6 @@ class Pool:
     guess: Estimate
     rated: dict[int, Rated | None] = field(default_factory=dict)
     ratios: list[float] = field(default_factory=list)
-    studies: int = 0
 
     @property
     def bias(self) -> float:
@@ -295,7 +294,7 @@ class Pool:
         Changes of a single variable of the latter follow, then its tolerance study unless it is left out. A drive that
         violates a limit is returned where no other remains. With `only_goal`, candidates beyond the goal are left out.
         """
-        ratings, extended = 0.0, set[int]()
+        ratings, studies, extended = 0.0, 0, set[int]()
         while True:
             values, known, torque = self._values(objective)
             row = int(np.argmin(np.where(known, values, np.inf)))
@@ -318,21 +317,30 @@ class Pool:
                 return None
             elif best > 0.0 or one.passed or not study:
                 return one
+            elif studies == SETTINGS.studies:
+                passed = [index for index, drive in self.rated.items() if drive and drive.passed]
+                return self.rated[min(passed, key=lambda index: values[index])] if passed else None
             else:
+                studies += 1
                 self.rated[row] = self.study(one)
 
     def study(self, one: Rated) -> Rated | None:
-        """Rate a drive as on its design file, at the required torque or the most it carries; None if samples jam."""
-        self.studies += 1
-        share = 0.99 if one.study else SETTINGS.study_share * min(self.bias, 1.0)
-        torque = min(self.requirement.torque, floor_digits(share * one.capacity))
-        full = rate_drive(self.requirement, one.reducer, torque) if self.studies <= SETTINGS.studies else None
+        """Rate a drive as on its design file, at the required torque or the most it carries.
+
+        After a study at too much torque, the next is far below, as capacities by pitting fall nearly with the torque.
+        None if samples jam, or a check of its life fails.
+        """
+        ratio = (one.capacity / one.torque) ** 2 if one.study else self.bias
+        torque = min(self.requirement.torque, floor_digits(SETTINGS.study_share * min(ratio, 1.0) * one.capacity))
+        full = rate_drive(self.requirement, one.reducer, torque)
         study = tolerance_study(self.requirement, full.reducer) if full else {}
         if not full or study["turning_percent"] < SETTINGS.min_yield:
             return None
         self.ratios += [] if one.study else [full.capacity / one.capacity]
-        passed = full.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
-        passed = passed and (bool(self.requirement.duty) or all(item.passed for item in life_checks(full.reducer)))
+        carries = full.capacity >= torque
+        if carries and not self.requirement.duty and not all(item.passed for item in life_checks(full.reducer)):
+            return None
+        passed = carries and study["yield_percent"] >= SETTINGS.min_yield
         figures = {**full.figures, "backlash": study["backlash_p99_arcmin"]}
         return replace(full, figures=figures, study=study, passed=passed)
 

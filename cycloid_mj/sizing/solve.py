@@ -80,6 +80,9 @@ def _trials(requirement: Requirement, *, study: bool = True) -> Iterator[Trial]:
 def _limit(trial: Trial) -> str:
     """Return what limits the torque of a trial without a solution."""
     requirement, one = trial.requirement, trial.best
+    rated = [drive for drive in trial.pool.rated.values() if drive and drive.items]
+    if not one and rated:
+        return max(rated, key=lambda drive: drive.capacity).weakest.name
     if not one:
         return "its teeth skip under any load, or no drive can be balanced"
     if one.figures["length"] > requirement.length:
