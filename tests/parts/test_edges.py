@@ -11,6 +11,7 @@ from cycloid_mj.parts.contour import CircleContour
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export import casing, read_volume, step_part
 from cycloid_mj.parts.export.assembly import assembly_parts
+from cycloid_mj.parts.export.drawing import part_drawings
 from cycloid_mj.parts.export.edges import EDGES, broken_edges
 from cycloid_mj.parts.export.rules import describe_violations
 from cycloid_mj.parts.export.step import BrokenEdge
@@ -66,6 +67,17 @@ def test_a_step_without_room_for_a_chamfer_stays_sharp():
     for wall, count in ((0.2e-3, 0), (1e-3, 2)):
         tube = Stretch("tube", CircleContour(11.2e-3 + wall), (CircleContour(11.2e-3),), 0.0, 10e-3)
         assert len(broken_edges(PIN, casing(PIN), part.of([tube]))) == count
+
+
+def test_thin_pins_have_small_chamfers_and_drawings_state_them():
+    """A tenth of the radius: 0.3 mm at 6 mm of diameter, less at thinner pins."""
+    thin = Reducer(PRESETS["pin"].but(output={"core_radius": 1.5e-3}))
+    sizes = casing(thin)
+    part = assembly_parts(thin, sizes)["output_pin"]
+    assert [edge.size for edge in broken_edges(thin, sizes, part)] == pytest.approx([0.15e-3, 0.15e-3])
+    notes = next(one for one in part_drawings(thin, sizes) if one.name == "output").notes
+    assert "⌀3: chamfer 0.15 x 45°" in notes
+    assert any(note.endswith(": chamfer 0.3 x 45°") for note in notes)
 
 
 def test_solids_lose_the_volume_of_their_chamfers():

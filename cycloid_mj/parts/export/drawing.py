@@ -239,15 +239,15 @@ def _describe_surface(reducer: Reducer, name: str, material: Material, is_printe
 
 
 def _describe_broken_edges(edges: Sequence[BrokenEdge]) -> Iterator[str]:
-    """Yield a note for the chamfers of the seats of a part, and one for the fillets of its shoulders."""
-    for is_fillet in (False, True):
-        broken = [edge for edge in edges if edge.is_fillet == is_fillet]
-        diameters = ", ".join(f"⌀{_mm(2.0 * radius)}" for radius in sorted({edge.radius for edge in broken}))
-        if broken:
-            size = _mm(broken[0].size)
-            yield (
-                f"shoulders next to {diameters}: fillet R{size}" if is_fillet else f"{diameters}: chamfer {size} x 45°"
-            )
+    """Yield a note for each size of the chamfers of the seats of a part, and of the fillets of its shoulders."""
+    for is_fillet, size in sorted({(edge.is_fillet, edge.size) for edge in edges}):
+        radii = {edge.radius for edge in edges if (edge.is_fillet, edge.size) == (is_fillet, size)}
+        diameters = ", ".join(f"⌀{_mm(2.0 * radius)}" for radius in sorted(radii))
+        yield (
+            f"shoulders next to {diameters}: fillet R{_mm(size)}"
+            if is_fillet
+            else f"{diameters}: chamfer {_mm(size)} x 45°"
+        )
 
 
 def _describe_treatment(material: Material) -> str:

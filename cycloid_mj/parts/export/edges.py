@@ -1,7 +1,7 @@
 """Chamfers and fillets of manufactured parts, in STEP files and on drawings: seats, journals and shoulders.
 
 A convex edge of a seat gets a chamfer, which leads its mate in; the shoulders of the crank get the fillet that the
-fatigue of the shaft assumes. Meshes, outlines and masses have sharp edges, up to 0.4 % more volume.
+fatigue of the shaft assumes. Meshes, outlines and masses have sharp edges, which is below 1 % of a drive's volume.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -11,7 +11,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, Mask
-from cycloid_mj.design.model import BEARING_CORNER
+from cycloid_mj.design.model import BEARING_CORNER, SHARES
 from cycloid_mj.parts import Part, Stretch
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import circle_of
@@ -33,6 +33,8 @@ class EdgeSettings:
     chamfer
         Width of a chamfer at 45 deg [m]: within the 0.2 to 0.5 mm of unmarked edges on the drawings; of bearings
         their smallest corner, which clears an equal fillet.
+    share
+        Largest width of a chamfer over the radius of its edge: that of the fillet of a thin shaft.
     room
         Width of a face that a chamfer or fillet needs, over its own.
     rays
@@ -40,6 +42,7 @@ class EdgeSettings:
     """
 
     chamfer: float = BEARING_CORNER
+    share: float = SHARES.fillet
     room: float = 1.2
     rays: int = 24
 
@@ -88,8 +91,9 @@ def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenE
                 beyond = [other for other in part.stretches if other is not stretch and _touches(other, z)]
                 edge = _Edge(circle.centre, circle.radius, side, stretch, beyond)
                 fillet = reducer.design.shaft.shoulder_fillet
-                if edge.is_convex(EDGES.chamfer):
-                    yield BrokenEdge(circle.centre, circle.radius, z, EDGES.chamfer)
+                chamfer = min(EDGES.chamfer, EDGES.share * circle.radius)
+                if edge.is_convex(chamfer):
+                    yield BrokenEdge(circle.centre, circle.radius, z, chamfer)
                 elif part.name == names.SHAFT and side > 0.0 and edge.is_shoulder(fillet):
                     yield BrokenEdge(circle.centre, circle.radius, z, fillet, is_fillet=True)
 

@@ -227,7 +227,10 @@ def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
 
 
 def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
-    """Return a solid with the chamfers and fillets of circular edges; an edge that is not a full circle stays sharp."""
+    """Return a solid with the chamfers and fillets of circular edges; those that are not full circles stay sharp.
+
+    All edges stay sharp if OpenCASCADE cannot build a valid solid with them.
+    """
     for maker, broken in (
         (occ.BRepFilletAPI_MakeFillet, [edge for edge in edges if edge.is_fillet]),
         (occ.BRepFilletAPI_MakeChamfer, [edge for edge in edges if not edge.is_fillet]),
@@ -245,7 +248,8 @@ def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
             explorer.Next()
         if treated:
             builder.Build()
-            shape = builder.Shape()
+            if builder.IsDone() and occ.BRepCheck_Analyzer(builder.Shape()).IsValid():
+                shape = builder.Shape()
     return shape
 
 
