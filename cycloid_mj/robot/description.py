@@ -129,7 +129,10 @@ def write_descriptions(reduced: ReducedJoint, reducer: Reducer, file_format: For
 
 
 def list_description_files(name: str, file_format: Format) -> tuple[str, ...]:
-    """Return the names of the files that `write_descriptions` returns for a design of this name."""
+    """Return the names of the files that `write_descriptions` returns for a design of this name in a format.
+
+    The format is "urdf", "sdf", "isaaclab" or "mjx".
+    """
     names_of_format = {
         "urdf": (f"{name}.urdf",),
         "sdf": (f"{name}.sdf",),

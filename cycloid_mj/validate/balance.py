@@ -204,10 +204,11 @@ def step_rows(layout: str) -> list[ValidationRow]:
 
 
 def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> list[ValidationRow]:
-    """Compare a torque loop at a locked crank with the stick-slip law: the residual force of each step.
+    """Compare a torque loop at a locked crank with the stick-slip law: the residual force of each step, to 0.1 %.
 
     The reference has springs on exact gaps; friction and material hysteresis are springs that slip at a limit. A step
-    in which the output moves by more than `max_travel` [m] is divided as long as `spare_rows` remain.
+    in which the output moves by more than `max_travel` [m] is divided as long as `spare_rows` remain; if there are more
+    of them than loads, a row checks that no step is longer.
     """
     springs, reference, rubbing = springs_with_friction(layout)
     path = np.zeros((len(LOOP), springs.slope.shape[2]))
