@@ -88,7 +88,7 @@ def _compute_motion(design: Design, q: tuple[float, float], until: float | None,
     ----------
     q
         The point in the frame of the disc [m].
-    until, step
+    until, interval
         End and interval of the samples [s]; None: defaults of the flags.
     """
     import numpy as np
