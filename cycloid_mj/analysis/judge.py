@@ -76,7 +76,7 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 
 
 def judge(motion: Series, log: str | None = None) -> Findings:
-    """Compute the findings of a series: the measured values and their closed form.
+    """Compute the findings of a simulated motion: measured values, their closed form, and warnings.
 
     `log` is the path of the log, for `Findings.log`. For entries that the log's provenance lacks, the time step is that
     of the design, the solver ``mujoco``, and the others None.

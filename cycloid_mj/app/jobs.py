@@ -155,7 +155,9 @@ class Jobs:
             There is no such job, or its results are no longer kept.
         """
         if number not in self._jobs:
-            raise UsageError(f"job {number} does not exist, or its result is no longer stored: start the job again")
+            raise UsageError(
+                f"job {number} does not exist, or its result is no longer stored: check the number, or start a new job"
+            )
         return self._jobs[number]
 
     def stop(self, number: int) -> Job:

@@ -128,7 +128,7 @@ class Run(Presented):
         """Return the column `name`, shape (n,); raise LogError if there is none."""
         if name not in self.columns:
             raise LogError(
-                f"no column {name!r} in this run: choose one of its {len(self.columns)} columns; "
+                f"{self.label}: no column {name!r}; choose one of its {len(self.columns)} columns; "
                 f"{_nearest_columns(name, list(self.columns))}"
             )
         return self.columns[name]
@@ -249,8 +249,8 @@ def _check_time(time: Array) -> None:
     if not np.isfinite(time).all():
         sample = int(np.argmin(np.isfinite(time)))
         raise LogError(
-            f"the time of sample {sample} of the run is {time[sample]} s: all times must be finite; correct or remove "
-            "this sample"
+            f"array of times: sample {sample} (the first is 0) is {time[sample]} s, but all times must be finite. "
+            "Correct or remove this sample"
         )
     backward = np.flatnonzero(np.diff(time) <= 0.0)
     if backward.size:

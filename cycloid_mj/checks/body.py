@@ -67,7 +67,8 @@ def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
 def counterweight_rule(reducer: Reducer) -> Rule:
     """Return the rule that a half-disc counterweight as long as the shaft can balance disc and cam.
 
-    It requires a feasible disc and a counterweight larger than the shaft.
+    The limits are the smallest radius [m] at this length and the smallest length [m] at this radius. Disc and shaft
+    must be feasible, and the counterweight larger than the shaft.
 
     The static moments about the axis are w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L, with the eccentricity c, face
     width w, areas S, ratio q of the densities of disc and shaft, radii R and r of counterweight and shaft, and the

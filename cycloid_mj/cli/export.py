@@ -453,7 +453,7 @@ class _Plates:
 
 
 def _lay_out_plates(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Plates:
-    """Arrange the printed parts on plates, and list the bill of materials; warn of what cannot be bought or printed.
+    """Return files, notes and tables of print plates and bill of materials; warn of what cannot be bought or printed.
 
     `sizes` are those of the casing, None for the mechanism alone.
     """

@@ -391,7 +391,8 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
 def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptions, delivery: MeasureDelivery) -> int:
     """Measure designs one after another, write and print the results, and return the exit code.
 
-    `name` is that of the measure. With several designs, JSON is a list of measurements.
+    `name` is that of the measure. With several designs, JSON is an object whose ``measurements`` is the list. Files are
+    written after the last measurement.
 
     Raises
     ------

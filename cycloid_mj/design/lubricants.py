@@ -139,7 +139,9 @@ def lubricant(name: str) -> Lubricant:
     if name.casefold() not in names:
         similar_names = get_close_matches(name.casefold(), names, n=1)
         hint = f'did you mean "{names[similar_names[0]]}"? ' if similar_names else ""
-        raise DesignError(f"unknown lubricant {name!r}; {hint}choose one of {', '.join(lubricants())}")
+        raise DesignError(
+            f"friction.lubricant: unknown lubricant {name!r}; {hint}choose one of {', '.join(lubricants())}"
+        )
     return lubricants()[names[name.casefold()]]
 
 

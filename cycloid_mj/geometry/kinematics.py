@@ -174,11 +174,11 @@ def point_acceleration(
     crank_speed: npt.ArrayLike,
     crank_acceleration: npt.ArrayLike = 0.0,
 ) -> Array:
-    """Compute the magnitude of the acceleration (...) [m/s^2] of a point q of the gear (Eq. 20 corrected).
+    """Compute the magnitude of the acceleration (...) [m/s^2] of a point q of the gear (Hsieh 2014, Eq. 20 corrected).
 
-    With derivatives r', r'' of the position by zeta: |r'' (dzeta/dt)^2 + r' d2zeta/dt2|, where |r''|^2 = c^2 (N-1)^4 +
-    q^2 + 2 c (N-1)^2 (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and r' . r'' = c N (N-1) (q_x cos N
-    zeta + q_y sin N zeta). Parameters as in `point_path`.
+    With derivatives r', r'' of the position by zeta, the crank angle over N - 1: |r'' (dzeta/dt)^2 + r' d2zeta/dt2|,
+    where |r''|^2 = c^2 (N-1)^4 + q^2 + 2 c (N-1)^2 (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and
+    r' . r'' = c N (N-1) (q_x cos N zeta + q_y sin N zeta). Parameters as in `point_path`.
     """
     N, c = gear.ring_teeth, gear.eccentricity
     q_x, q_y = np.asarray(q, float)

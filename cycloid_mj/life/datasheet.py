@@ -323,7 +323,7 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return efficiencies, torques without load, temperature rise and thermal limits."""
+    """Return efficiency, back-driving, no-load and starting torques, temperature rise and thermal limits."""
     design = reducer.design
     quantities = static.quantities
     law = f", {film_text(reducer)}" if design.has_film else ""

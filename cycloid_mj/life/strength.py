@@ -155,7 +155,10 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
 
 
 def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
-    """Rate the fatigue of the wall next to a hole: a clamped beam over the hole with the pin's force in the middle."""
+    """Rate the fatigue of the wall next to a hole: a clamped beam over the hole with the pin's force in the middle.
+
+    The stress is the larger of bending and shear (von Mises), pulsating, under the largest force of a tooth or pin.
+    """
     design = reducer.design
     material = design.material_of(wall.part)
     by_tooth = wall.kind == design.tooth_pair

@@ -161,10 +161,11 @@ def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
 
 
 def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> StartFromRest:
-    """Simulate with an output torque that rises linearly from 0 to `max_torque` [N m]; fit the break-away torque.
+    """Simulate back-driving with an output torque that rises linearly from 0 to `max_torque` [N m]; the crank is free.
 
-    The torque is NaN if the crank turns by less than a share of the rotation of a crank without friction. Its error is
-    the change if only the first quarter or the second half of the motion is fitted.
+    The break-away torque is that at which the fitted acceleration is zero. It is NaN if the crank turns by less than a
+    share of the rotation of a crank without friction, or in too few samples. Its error is the change if only the first
+    quarter or the second half of the motion is fitted.
     """
     forward = -braking_sign(reducer)
     model = model_for(solver, reducer.at_rated_load, held="")

@@ -224,7 +224,10 @@ def _mean_force(run: VibrationRun) -> float:
 
 
 def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield the rms levels of each signal over the crank speed, with the closed form of the unbalance."""
+    """Yield a curve of each signal and load: the rms level over the magnitude of the crank speed [rpm].
+
+    The closed form, m c omega^2 of the discs, accompanies the force on the housing without counterweight only.
+    """
     static_unbalance = unbalance(reducer).bare
     for key in _signal_keys(reducer):
         name, unit = _ALL[key]

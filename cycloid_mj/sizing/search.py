@@ -210,7 +210,10 @@ def violation(requirement: Requirement, figures: Estimate) -> Array:
 
 
 def strongest(requirement: Requirement) -> Objective:
-    """Return the objective of the largest capacity within length and backlash, else of the smallest violation."""
+    """Return an objective to minimise: minus the capacity [N m], or the violation of length and backlash, if any.
+
+    It is infinite without capacity.
+    """
 
     def objective(figures: Estimate) -> Array:
         torque, excess = capacity(figures), violation(requirement, figures)

@@ -341,7 +341,10 @@ def lubricant_temperature(reducer: Reducer, pair: str) -> float:
 
 
 def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
-    """Return the film law of a kind of mating pair at the temperature of its parts; `inputs` are factors on values."""
+    """Return the film law of a kind of mating pair at the temperature of its lubricant.
+
+    `inputs` are factors on viscosity, roughness, boundary friction, film thickness, film share and shear stresses.
+    """
     friction, temperature = reducer.design.friction, lubricant_temperature(reducer, pair)
     oil = lubricant(friction.lubricant)
     law = FilmLaw(

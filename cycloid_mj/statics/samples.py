@@ -281,6 +281,11 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
         Orders of the profile waves that differ between samples; each has an effect for cosine and one for sine.
     common_waves
         Amplitudes of the waves that all samples have (orders, 2) [m]; together they have one effect [m].
+
+    Returns
+    -------
+    Effects
+        Its arrays have a row for each crank angle and a column for each contact, teeth first.
     """
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     disc_rotation = gear_rotation(gear, springs.crank)

@@ -162,7 +162,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
 
     `teeth` is the number of contact lines with the ring, `cam_positions` that of each cam [m], shape (m, D, 2).
     """
-    design, bending = reducer.design, _pin_deflections(reducer)
+    design, bending = reducer.design, _cross_compliances(reducer)
     pin_stiffness = np.repeat(np.array(reducer.contacts["output"].series), design.output.pins)
     output = np.broadcast_to(pin_stiffness, (len(cam_positions), pin_stiffness.size))
     stiffness = tooth_stiffness(reducer, mesh_gaps.relative_curvature[:, :teeth])
@@ -198,8 +198,8 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
     return np.asarray(total / reducer.design.ring.halves)
 
 
-def _pin_deflections(reducer: Reducer) -> Array:
-    """Compute the deflection of an output pin at each disc per force of each other disc [m/N], shape (D, D).
+def _cross_compliances(reducer: Reducer) -> Array:
+    """Compute the compliances of an output pin between discs [m/N], (D, D): deflection at one per force at another.
 
     The diagonal is 0, as the deflection under a disc's own force is part of the contact's stiffness. The forces of
     discs at phases b and b' include the angle b - b': the share cos(b - b') of the deflection is along a force, and the

@@ -300,7 +300,7 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     if pieces != 1:
         raise CycloidError(
             f"the finite-element mesh of the {grid.part} consists of {pieces} separate pieces, but it must be in one "
-            "piece: check the outline of this part with `cycloid-mj export`"
+            "piece. Export this part with `cycloid-mj export`, find the holes that separate it, and reduce or move them"
         )
     scaled_motions = motions / np.linalg.norm(motions, axis=0)
     support_matrix = scaled_motions[fixed].T @ scaled_motions[fixed]

@@ -115,8 +115,9 @@ def state_rows(layout: str) -> list[ValidationRow]:
 def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
     """Compare the contact forces in static equilibrium at the rated load with those of springs on exact gaps.
 
-    The rows are the sum of the generalised forces, which must equal the load, and each contact force. `layout` is a key
-    of `LAYOUTS`, `changes` are settings as for ``--set``.
+    There are two rows, for one crank angle without friction: the generalised forces [N] against minus the load, and the
+    forces of all contacts [N] against those of the reference in the same position. `layout` is a key of `LAYOUTS`,
+    `changes` are settings as for ``--set``.
     """
     design = design_with_errors(layout, *changes)
     reducer = Reducer(design)

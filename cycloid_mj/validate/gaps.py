@@ -169,7 +169,10 @@ def _outwards(along: Array) -> Array:
 
 
 def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
-    """Compute distance less the offset [m], normal and parameter for the flanks on one side of the tips.
+    """Compute distance, normal and foot of points (n, 2) [m] for the flanks on one side of the tips.
+
+    All are in the frame of the disc: the distance less the offset (n,) [m], positive outside; the unit normal (n, 2);
+    and the parameter of the foot point (n,) [rad].
 
     `side` is 1 for the flanks before the tips (with growing parameter), -1 for those after them; they are rotated by
     the modification.

@@ -655,7 +655,7 @@ def test_an_exceeded_error_bound_is_an_error_without_a_file(
     monkeypatch.setattr("cycloid_mj.dynamics.mjcf.mesh.surfaces", wrong)
     out = tmp_path / "model"
     assert main(["build", "--design", "pin", "--out", str(out)]) == 1
-    assert "the convex pieces of the teeth overfill it by" in capsys.readouterr().err
+    assert "convex pieces of the teeth extend beyond its outline by" in capsys.readouterr().err
     assert not out.exists()
 
 

@@ -117,7 +117,7 @@ def test_a_slice_out_of_place_is_an_error() -> None:
     surface = gear_teeth(Reducer(PIN), SETTINGS)
     first, *others = surface.places
     moved = dataclasses.replace(first, centre=(0.0, 0.5e-6))
-    with pytest.raises(DesignError, match=r"overfill it by 0\.[3-6]"):
+    with pytest.raises(DesignError, match=r"extend beyond its outline by 0\.[3-6]"):
         surface_quality(dataclasses.replace(surface, places=(moved, *others)))
     with pytest.raises(DesignError, match="underfill"):
         surface_quality(dataclasses.replace(surface, places=tuple(others[3:])))

@@ -251,15 +251,18 @@ def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
 
 
 def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
-    """Return the contact laws as records of `LAW`, shape (D, 4): one row for each disc, one column for each kind."""
+    """Return the contact laws as records of `LAW`, shape (D, 4): rows are discs, columns TEETH, SEAT, CAM and OUTPUT.
+
+    The record of a kind that the drive lacks is zero.
+    """
     design = reducer.design
     kinds = {TEETH: design.tooth_pair, SEAT: design.seat_pair, CAM: "cam", OUTPUT: "output"}
     laws_array = np.zeros((design.gear.discs, len(kinds)), dtype=LAW)
     for disc, laws in enumerate(laws_of_discs(reducer)):
-        for row, kind in kinds.items():
+        for column, kind in kinds.items():
             if kind not in laws:
                 continue
-            laws_array[disc, row] = law_record(laws[kind], reducer.contacts[kind].impact)[0]
+            laws_array[disc, column] = law_record(laws[kind], reducer.contacts[kind].impact)[0]
     return laws_array
 
 

@@ -140,11 +140,15 @@ def summarize_quality(heights: Array, parts: int, volume_error: float) -> Qualit
 
 def require_within(name: str, quality: Quality, overfill: float, underfill: float) -> None:
     """Raise DesignError if convex pieces overfill or underfill a surface by more than the bounds [m]."""
-    for side, value, bound in (("over", quality.max_overfill, overfill), ("under", quality.max_underfill, underfill)):
+    sides = (
+        ("extend beyond its outline", quality.max_overfill, overfill),
+        ("fall short of its outline", quality.max_underfill, underfill),
+    )
+    for fault, value, bound in sides:
         if not value <= bound:
             raise DesignError(
-                f"the convex pieces of the {name} {side}fill it by {1e6 * value:.4g} um, but at most {1e6 * bound:.4g} "
-                "um are allowed: reduce chord_error or depth of ConvexSettings"
+                f"convex pieces of the {name} {fault} by {1e6 * value:.4g} um, but at most {1e6 * bound:.4g} um are "
+                "allowed: reduce chord_error or depth of ConvexSettings"
             )
 
 

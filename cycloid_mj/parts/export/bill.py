@@ -346,7 +346,10 @@ def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
 
 
 def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
-    """Yield the line of the rollers of the output pins: manufactured if they turn on a core, else bought."""
+    """Yield the line of the rollers of the output pins, if any: made if they turn on a core, else bought.
+
+    Bought rollers have no material in the bill.
+    """
     output, gear = reducer.design.output, reducer.design.gear
     if output.rollers:
         diameters = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
