@@ -209,7 +209,7 @@ def test_springs_too_stiff_for_the_step_are_refused() -> None:
 
 
 def test_runs_with_mesh_contact_are_refused() -> None:
-    with pytest.raises(DesignError, match="do not support RV reducers"):
+    with pytest.raises(DesignError, match="--contact mesh does not support RV reducers"):
         build_mesh(rv(784.0))
 
 

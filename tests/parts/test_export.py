@@ -197,7 +197,8 @@ def test_dxf_sockets_and_shaft_are_arcs_and_lines() -> None:
     assert area_moments(outline).area * 1e-6 == pytest.approx(area_moments(body.holes[0]).area, rel=2e-6)
     layers = {entity.dxf.layer for entity in shaft}
     assert {"journal", "counterweight", "inner_journal", "cam"} <= layers
-    assert {layer.split(" z ")[0] for layer in layers} == {"journal", "counterweight", "inner_journal", "cam"}
+    names = {layer.split(" z ")[0] for layer in layers}
+    assert names == {"journal", "collar", "counterweight", "inner_journal", "cam"}
     half_disc = np.concatenate([curve_points(entity)[:-1] for entity in shaft.query('*[layer=="counterweight"]')])
     assert area_moments(half_disc).area == pytest.approx(np.pi / 2.0 * (30.0**2 + 8.0**2), rel=1e-4)
 

@@ -205,7 +205,7 @@ def test_frames_show_parts_and_forces_at_their_positions(pin_run):
     assert all((a != b).mean() > 0.01 for a, b in pairwise(frames))
     colours = {tuple(colour) for colour in frames[0].reshape(-1, 3)}
     for look in ("ring", "pins", "gear", "output", "cam", "shaft"):
-        colour = stage.LOOKS[look]["facecolor"]
+        colour = stage.PART_STYLES[look]["facecolor"]
         assert tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5)) in colours, look
 
 
@@ -235,7 +235,7 @@ def test_the_stage_moves_the_requested_parts(pin_run, monkeypatch):
 def test_nonpin_film_has_no_pins(nonpin_run):
     frames = list(draw_frames(select_samples(nonpin_run, 100.0, frames=2), 300))
     colours = {tuple(colour) for colour in frames[0].reshape(-1, 3)}
-    colour = stage.LOOKS["pins"]["facecolor"]
+    colour = stage.PART_STYLES["pins"]["facecolor"]
     assert tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5)) not in colours
     assert (frames[0] != frames[1]).any()
 

@@ -162,14 +162,19 @@ def _fit_crank_stretches(
 
 
 def _add_collars(stretch: Stretch, collars: Sequence[CrankRing]) -> Iterator[Stretch]:
-    """Yield a stretch of the crank, thicker where collars are within it."""
+    """Yield a stretch of the crank, thicker where collars are within it.
+
+    A counterweight that balances polygons differs from the exact one by micrometres: its collar ends with the stretch.
+    """
     low = stretch.z0
     for collar in collars:
-        if stretch.z0 - SAME_LENGTH < collar.low and collar.high < stretch.z1 + SAME_LENGTH:
+        middle = 0.5 * (collar.low + collar.high)
+        if stretch.z0 < middle < stretch.z1:
             if collar.low > low + SAME_LENGTH:
                 yield replace(stretch, z0=low, z1=collar.low)
-            yield Stretch(COLLAR, CircleContour(collar.radius), stretch.holes, max(collar.low, low), collar.high)
-            low = collar.high
+            high = collar.high if collar.high + (collar.high - middle) < stretch.z1 else stretch.z1
+            yield Stretch(COLLAR, CircleContour(collar.radius), stretch.holes, max(collar.low, low), high)
+            low = high
     if stretch.z1 > low + SAME_LENGTH:
         yield replace(stretch, z0=low)
 
