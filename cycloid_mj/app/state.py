@@ -91,20 +91,14 @@ def apply_changes(design: Design, changes: Any) -> Design:
     if "drive.torque_nm" in changes:
         return new.but(load={"torque": new.rated_torque})
     if new.load.torque and (new.load.torque, new.reduction) != (design.load.torque, design.reduction):
-        return with_nominal_torque(Reducer(new), abs(new.load.torque)).design
+        return Reducer(new).with_nominal_torque(abs(new.load.torque)).design
     return new
-
-
-def with_nominal_torque(reducer: Reducer, torque: float) -> Reducer:
-    """Return a reducer whose motor has a nominal torque at the output [N m]; its power reserve stays the same."""
-    drive, needed = reducer.design.drive, torque / reducer.design.reduction
-    return reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
 
 
 def at_load(reducer: Reducer) -> Reducer:
     """Return a reducer whose nominal torque is its load: a design file may have two torques, the page shows one."""
     load, _ = load_of(reducer)
-    return with_nominal_torque(reducer, load)
+    return reducer.with_nominal_torque(load)
 
 
 def _as_integer(key: str, value: Any) -> Any:

@@ -45,3 +45,15 @@ def on_grid(values: npt.ArrayLike) -> Array:
 def cross(a: Array, b: Array) -> Array:
     """Compute the z of vector products of planar vectors, shapes (..., 2)."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def quarter_turned(vectors: Array) -> Array:
+    """Rotate planar vectors (..., 2) by 90 degrees counter-clockwise."""
+    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+
+
+def rotate(vectors: Array, angle: npt.ArrayLike) -> Array:
+    """Rotate planar vectors (..., 2) counter-clockwise about the origin by angles (...) [rad]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

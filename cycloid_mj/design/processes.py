@@ -15,6 +15,8 @@ class ProcessLimits:
     ----------
     clearance, finest
         Usual clearance of each pair, and the smallest that the process achieves [m].
+    matched
+        Smallest clearance of parts that are measured and paired (selective assembly) [m].
     material, others
         Usual material of disc and housing, and alternatives.
     stronger
@@ -23,6 +25,8 @@ class ProcessLimits:
         Changes of the preset ``pin``, by table.
     reasons
         Reasons for these values, by the key of the design file's model.
+    life_h, speed_rpm, duty_share
+        Usual life [h], speed of the crank [rpm], and share of the time under load.
     """
 
     clearance: float

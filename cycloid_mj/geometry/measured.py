@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, rotate
 from cycloid_mj.design import Design, describe_plastic_limits
 from cycloid_mj.design.measured import Measured
 from cycloid_mj.geometry import profile
@@ -209,14 +209,14 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
     nearest = cKDTree(profile.outline(gear, t, offset))
     centre, rotation = _initial_alignment(gear, points)
     for _ in range(FIT.steps):
-        local_points = _rotate(points - centre, rotation)
+        local_points = rotate(points - centre, rotation)
         foot = _foot_points(gear, offset, local_points, t[nearest.query(local_points)[1]])
         normals, foot_points = profile.normals(gear, foot), profile.outline(gear, foot, offset)
         deviation = np.sum((local_points - foot_points) * normals, axis=1)
         # a counter-clockwise rotation of the points moves them by (-y, x)
         rotation_arm = np.sum(np.stack([-local_points[:, 1], local_points[:, 0]], axis=1) * normals, axis=1)
         radius_scale = gear.pin_circle_radius
-        jacobian = np.column_stack([-_rotate(normals, -rotation), rotation_arm / radius_scale, np.ones(len(points))])
+        jacobian = np.column_stack([-rotate(normals, -rotation), rotation_arm / radius_scale, np.ones(len(points))])
         correction = lstsq(jacobian, -deviation)[0]
         centre, rotation = centre + correction[:2], rotation + correction[2] / radius_scale
         if np.abs(correction[:3]).max() < FIT.step_size:
@@ -277,9 +277,3 @@ def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> A
         straight = 1.0 + profile.curvature(gear, t, offset) * np.sum(offset_vectors * normals, axis=1)
         t = t + np.sum(offset_vectors * tangents, axis=1) / (rate * straight)
     return t
-
-
-def _rotate(vectors: Array, angle: float) -> Array:
-    """Rotate vectors (n, 2) counter-clockwise by an angle [rad]."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]], axis=1)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, cross, quarter_turned
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.geometry.profile import CycloidGear
@@ -107,7 +107,7 @@ def ideal_rv_loads(
         disc_forces.append(-reaction)
     disc_force = np.stack(disc_forces, axis=1)
     crank_forces = _crank_forces(stage, crank_angles, disc_force, -disc_torque, floating_sun)
-    crank_torques = stage.gear.eccentricity * _cross(
+    crank_torques = stage.gear.eccentricity * cross(
         stage.eccentrics(crank_angles)[:, :, np.newaxis], -crank_forces
     ).sum(axis=1)
     return IdealRvLoads(np.stack(pin_forces, axis=1), disc_force, crank_forces, crank_torques)
@@ -127,12 +127,12 @@ def _crank_forces(
     matrix, right_side = np.zeros((count, rows, discs, cranks, 2)), np.zeros((count, rows))
     for disc in range(discs):
         matrix[:, 3 * disc, disc, :, 0] = matrix[:, 3 * disc + 1, disc, :, 1] = 1.0
-        matrix[:, 3 * disc + 2, disc] = _quarter_turned(crank_centres) / stage.radius
+        matrix[:, 3 * disc + 2, disc] = quarter_turned(crank_centres) / stage.radius
         right_side[:, 3 * disc : 3 * disc + 2] = -disc_force[:, disc]
         right_side[:, 3 * disc + 2] = -disc_torque / stage.radius
     for row, other_crank in enumerate(range(1, cranks) if floating_sun else (), start=3 * discs):
-        matrix[:, row, :, 0] = _quarter_turned(eccentrics)
-        matrix[:, row, :, other_crank] = -_quarter_turned(eccentrics)
+        matrix[:, row, :, 0] = quarter_turned(eccentrics)
+        matrix[:, row, :, other_crank] = -quarter_turned(eccentrics)
     flat_matrix = matrix.reshape(count, rows, -1)
     return (np.linalg.pinv(flat_matrix) @ right_side[..., np.newaxis]).reshape(count, discs, cranks, 2)
 
@@ -191,9 +191,9 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
         Displacement of each eccentric from its bore [m], shape (m, D, n, 2).
     """
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
-    perpendicular = _quarter_turned(stage.eccentrics(crank_angles))
+    perpendicular = quarter_turned(stage.eccentrics(crank_angles))
     tangential = np.einsum("mdnj,mdj->md", misfit, perpendicular) / stage.cranks
-    disc_rotation = np.einsum("mdnj,mnj->md", misfit, _quarter_turned(stage.crank_places(crank_angles)))
+    disc_rotation = np.einsum("mdnj,mnj->md", misfit, quarter_turned(stage.crank_places(crank_angles)))
     disc_rotation /= stage.cranks * stage.radius**2
     disc_errors = tangential / stage.gear.eccentricity + stage.gear.lobes * disc_rotation
     return -(phase_error.mean(axis=1) + disc_errors.mean(axis=1)) / stage.speed_up
@@ -202,13 +202,3 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
 def _unit_turned(angle: Array) -> Array:
     """Return the direction clockwise across +y turned counter-clockwise by an angle [rad], shape (..., 2)."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-
-
-def _quarter_turned(vectors: Array) -> Array:
-    """Rotate vectors (..., 2) by 90 degrees counter-clockwise."""
-    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
-
-
-def _cross(one: Array, other: Array) -> Array:
-    """Return the z component of the cross product of vectors (..., 2)."""
-    return np.asarray(one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0])

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.array import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Integers, Mask, quarter_turned, rotate
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.deviations import profile_error
 from cycloid_mj.geometry.kinematics import gear_centre
@@ -165,13 +165,13 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     gear, errors, modification = reducer.tooth_profile, reducer.deviations, design.modification
     disc_normal, arm = lines.normals, profile.moment_arm(gear, lines.B)
     radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
-    preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * _quarter_turned(radial)
+    preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * quarter_turned(radial)
     displacement = errors.pin_place[lines.lobe] + preload_offset - modification.pin_circle * radial
     nominal_gap = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     flank_rotation = modification.rotation * np.sign(arm)
-    tangent = _quarter_turned(disc_normal)
-    sliding_arm = np.sum(tangent * _quarter_turned(lines.points - centre), axis=-1)
+    tangent = quarter_turned(disc_normal)
+    sliding_arm = np.sum(tangent * quarter_turned(lines.points - centre), axis=-1)
     centre_arm = sliding_arm - gear.pin_radius
     curvature_before, middle_curvature, curvature_after = (
         profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP)
@@ -213,9 +213,9 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
     arm_vector = (
         profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + output_angle) * output.pin_circle_radius
     )
-    tangent, hole_displacement = _quarter_turned(push_direction), _rotate(errors.hole_place[disc], -output_angle)
+    tangent, hole_displacement = quarter_turned(push_direction), rotate(errors.hole_place[disc], -output_angle)
     normal_arm, tangent_arm = (
-        np.sum(arm_vector * -_quarter_turned(push_direction), axis=-1),
+        np.sum(arm_vector * -quarter_turned(push_direction), axis=-1),
         np.sum(arm_vector * push_direction, axis=-1),
     )
     nominal_gap = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
@@ -249,7 +249,7 @@ def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
     gear, angles = reducer.tooth_profile, np.asarray(crank_angle, dtype=np.float64)
     motion = np.full((*angles.shape, unknowns(reducer)), -reducer.lever / gear.lobes)
     for disc, phase in enumerate(reducer.phases):
-        motion[..., 3 * disc : 3 * disc + 2] = _quarter_turned(gear_centre(gear, angles + phase))
+        motion[..., 3 * disc : 3 * disc + 2] = quarter_turned(gear_centre(gear, angles + phase))
     return motion
 
 
@@ -262,7 +262,7 @@ def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
     crank_column = np.asarray(crank_angle, dtype=np.float64)[..., np.newaxis]
     angles = crank_column + np.array(reducer.phases)
     return np.asarray(
-        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _rotate(errors.cam_place, crank_column)
+        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + rotate(errors.cam_place, crank_column)
     )
 
 
@@ -280,15 +280,3 @@ def _concatenate(parts: list[Gaps]) -> Gaps:
     along = {field.name: -2 if field.name.endswith("slope") else -1 for field in fields(Gaps)}
     joined = {name: [getattr(part, name) for part in parts] for name in along}
     return Gaps(**{name: np.concatenate(arrays, axis=along[name]) for name, arrays in joined.items()})
-
-
-def _quarter_turned(vectors: Array) -> Array:
-    """Rotate vectors (..., 2) by 90 degrees counter-clockwise."""
-    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
-
-
-def _rotate(vectors: Array, angle: Array) -> Array:
-    """Rotate vectors (n, 2) counter-clockwise by angles (...) [rad], shape (..., n, 2)."""
-    x, y = vectors[:, 0], vectors[:, 1]
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

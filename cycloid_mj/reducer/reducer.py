@@ -87,6 +87,11 @@ class Reducer:
         """Return the reducer of the design with changed values, in SI units, as ``Design.but``; errors as there."""
         return type(self)(self.design.but(**changes), self.worn)
 
+    def with_nominal_torque(self, torque: float) -> Self:
+        """Return the reducer whose motor has a nominal torque at the output [N m], with the same reserve of power."""
+        drive, needed = self.design.drive, torque / self.design.reduction
+        return self.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
+
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
         """Return the reducer for a run at full speed from its start, as ``Design.steady``; errors as there."""
         return type(self)(self.design.steady(settled, turns, samples, **changes), self.worn)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, rotate
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import OUTPUT, gears, pin
 from cycloid_mj.geometry import profile
@@ -19,7 +19,7 @@ from cycloid_mj.geometry.kinematics import gear_centre, gear_rotation
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.pose import poses, ring_places, rotate, transform
+from cycloid_mj.scene.pose import poses, ring_places, transform
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, rotate
 from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.names import (
     FORCE_X,
@@ -128,13 +127,6 @@ def _pressed_displacements(reducer: Reducer, force: Array) -> Array:
     """Compute the displacements of massless pins [m]: by their clearance, against the `force` [N] on the discs."""
     size = np.maximum(np.linalg.norm(force, axis=-1, keepdims=True), np.finfo(float).tiny)
     return -reducer.design.pin_play * force / size
-
-
-def rotate(points: Array, angle: npt.ArrayLike) -> Array:
-    """Rotate points (..., 2) counter-clockwise about the origin by angles (...) [rad]."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    x, y = points[..., 0], points[..., 1]
-    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
 def transform(pose: Array, points: Array) -> Array:

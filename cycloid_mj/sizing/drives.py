@@ -55,8 +55,12 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
         and item.figures["mass"] > first.figures["mass"]
         and pool.bias * item.capacity >= requirement.torque
     ]
+    merits: list[tuple[str, Callable[[Rated], float]]] = [
+        ("stiffest", lambda rated: _stiffness(rated.reducer)),
+        ("longest life", lambda rated: rated.life),
+    ]
     found: dict[Rated, str] = {}
-    for title, merit in (("stiffest", _stiffness_of), ("longest life", _life_of)):
+    for title, merit in merits:
         least = MIN_DIFFERENCE * merit(first)
         studied = [item for item in (*strong, *found) if item.passed and merit(item) > least]
         best = max(studied or strong, key=merit, default=first)
@@ -96,14 +100,6 @@ def _figures(rated: Rated) -> dict[str, float]:
         "stiffness_nm_per_arcmin": figure("stiffness_nm_per_arcmin").value(at_torque),
         **{key: value for key, value in rated.study.items() if key != "turning_percent"},
     }
-
-
-def _life_of(rated: Rated) -> float:
-    return rated.life
-
-
-def _stiffness_of(rated: Rated) -> float:
-    return _stiffness(rated.reducer)
 
 
 @once

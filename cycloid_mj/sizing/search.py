@@ -39,6 +39,9 @@ class SearchSettings:
         largest.
     scatter, line
         Standard deviations of a child about its parent and along the line to another elite, as recommended.
+    neighbours
+        Smallest and largest change of a single variable about a good candidate, in the unit cube, and their number in
+        each direction, in a geometric series.
     iterations, consistency
         Ratings of a candidate at most, and the largest logarithm of its capacity over the torque of the last.
     calibrations, ratings, studies
@@ -71,6 +74,7 @@ class SearchSettings:
     weakest: float = 0.02
     scatter: float = 0.02
     line: float = 0.2
+    neighbours: tuple[float, float, int] = (0.02, 0.5, 8)
     iterations: int = 3
     consistency: float = 0.2
     calibrations: int = 4
@@ -142,8 +146,7 @@ def rate_drive(
     As `cycloid-mj rate` does, by the samples at the percentile of the largest forces, or by a `sample` with a number.
     None if it has no equilibrium, all samples jam, or a part does not fit.
     """
-    drive, needed = reducer.design.drive, torque / reducer.design.reduction
-    loaded = reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
+    loaded = reducer.with_nominal_torque(torque)
     design, zones = loaded.design, tolerance_zones(loaded)
     parts: Parts = "toleranced" if zones and sample is None else "perfect"
     try:
@@ -372,7 +375,7 @@ class Pool:
 
     def _extend(self, index: int) -> None:
         """Add neighbours of a candidate: changes of a single variable, for a local search by estimates and ratings."""
-        steps = np.concatenate([sign * np.geomspace(0.02, 0.5, 8) for sign in (-1.0, 1.0)])
+        steps = np.concatenate([sign * np.geomspace(*SETTINGS.neighbours) for sign in (-1.0, 1.0)])
         changes = (np.eye(DIMENSIONS)[:, np.newaxis] * steps[:, np.newaxis]).reshape(-1, DIMENSIONS)
         points, sizes = decode(self.requirement, np.clip(self.points[index] + changes, 0.0, 1.0 - 1e-9))
         _, first = np.unique(np.concatenate([self.sizes, sizes]), return_index=True)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.array import Array, Integers
+from cycloid_mj.base.array import Array, Integers, quarter_turned, rotate
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
@@ -223,8 +223,8 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     stage, lever, eccentricity = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
     discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)
     slope = np.zeros((crank.size, discs, cranks, 2, _unknowns(reducer)))
-    carrier_rate = _quarter_turned(stage.crank_places(crank)) / lever
-    crank_rate = eccentricity / lever * _quarter_turned(stage.eccentrics(crank))
+    carrier_rate = quarter_turned(stage.crank_places(crank)) / lever
+    crank_rate = eccentricity / lever * quarter_turned(stage.eccentrics(crank))
     for disc in range(discs):
         slope[:, disc, :, 0, 3 * disc] = slope[:, disc, :, 1, 3 * disc + 1] = -1.0
         slope[:, disc, :, :, 3 * disc + 2] = -carrier_rate
@@ -245,13 +245,19 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
     bores = np.stack([listed(errors.bore_x, shape), listed(errors.bore_y, shape)], axis=-1)
     holes = np.stack([listed(errors.carrier_x, shape[1:]), listed(errors.carrier_y, shape[1:])], axis=-1)
     axis = np.array([errors.axis_x, errors.axis_y])
-    return radial * directions + tangential * _quarter_turned(directions) + _rotate(holes - bores, carrier_angle) + axis
+    return (
+        radial * directions
+        + tangential * quarter_turned(directions)
+        + rotate(holes - bores, carrier_angle[:, np.newaxis, np.newaxis])
+        + axis
+    )
 
 
 def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
     """Compute the displacement of the teeth of each planet from its crank by run-out [m], shape (m, n, 2)."""
     errors, shape = reducer.crank_errors, (reducer.cranks.count,)
-    return _rotate(np.stack([listed(errors.planet_x, shape), listed(errors.planet_y, shape)], axis=-1), crank)
+    displacements = np.stack([listed(errors.planet_x, shape), listed(errors.planet_y, shape)], axis=-1)
+    return rotate(displacements, crank[:, np.newaxis])
 
 
 def phase_errors(reducer: RvReducer, crank: Array) -> Array:
@@ -259,7 +265,7 @@ def phase_errors(reducer: RvReducer, crank: Array) -> Array:
 
     A planet that is displaced by o along the circle of cranks is turned back by o over its pitch radius.
     """
-    forward = _quarter_turned(reducer.stage.crank_places(crank)) / reducer.lever
+    forward = quarter_turned(reducer.stage.crank_places(crank)) / reducer.lever
     displaced = np.sum(planet_offsets(reducer, crank) * forward, axis=-1)
     return np.asarray((displaced + _mesh_error(reducer, crank)) / _planet_radius(reducer))
 
@@ -285,7 +291,7 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     """
     planet, stage, lever = reducer.planet, reducer.stage, reducer.lever
     outward = stage.crank_places(crank) / lever
-    forward, carrier = _quarter_turned(outward), 3 * len(stage.phases)
+    forward, carrier = quarter_turned(outward), 3 * len(stage.phases)
     displaced = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * forward
     gaps, slopes = [], []
     for sign in (-1.0, 1.0):
@@ -483,15 +489,3 @@ def _tangent(springs: RvSprings, displacements: Array) -> Array:
     gradients, weighted = (item.reshape(len(displacements), -1, count) for item in (springs.offset_slope, weighted))
     tangent += np.swapaxes(gradients, 1, 2) @ weighted
     return np.asarray(tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(count))
-
-
-def _quarter_turned(vectors: Array) -> Array:
-    """Rotate vectors (..., 2) by 90 degrees counter-clockwise."""
-    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
-
-
-def _rotate(vectors: Array, angle: Array) -> Array:
-    """Rotate vectors (..., 2) counter-clockwise by angles (m,) [rad], shape (m, ..., 2)."""
-    turn = angle.reshape(-1, *([1] * (vectors.ndim - 1)))
-    x, y, cos, sin = vectors[..., 0], vectors[..., 1], np.cos(turn), np.sin(turn)
-    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rv_runs import FRICTIONLESS, static_loads
 
 from cycloid_mj.analysis import analyze
 from cycloid_mj.base.array import Array
@@ -21,13 +22,8 @@ from cycloid_mj.dynamics.planar.state import start_state
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv import RvLoads, compute_rv_friction, compute_rv_springs, solve_rv_loads
-from cycloid_mj.statics.rv_sheet import loss_figures, torque_on_carrier
+from cycloid_mj.statics.rv_sheet import loss_figures
 
-FRICTIONLESS = {
-    "friction": {"pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0},
-    "planet": {"friction": 0.0},
-}
 HOLD, SETTLED = 0.26, 0.05
 """Duration of the runs, and time after which they are evaluated: two turns of the cranks [s]."""
 
@@ -41,14 +37,6 @@ def rv(load: float = 784.0, **changes: Any) -> RvReducer:
 def settled(reducer: RvReducer, timestep: float = 0.0) -> Run:
     run = simulate(reducer.design, planar_model(reducer, timestep=timestep))
     return run.select(run.time > SETTLED)
-
-
-def static_loads(reducer: RvReducer, run: Run) -> RvLoads:
-    """Balance of springs with friction at the crank angles of a run."""
-    ring, _ = reducer.member.ring_and_carrier(run["output_angle"])
-    springs = compute_rv_springs(reducer, reducer.member.mesh_angle(run["sun_angle"], ring))
-    torque = torque_on_carrier(reducer, reducer.design.load.torque)
-    return solve_rv_loads(springs, torque, compute_rv_friction(reducer, springs.crank, np.sign(torque)))
 
 
 def output_error(reducer: RvReducer, run: Run) -> Array:

@@ -8,6 +8,7 @@ import build_models
 import mujoco
 import numpy as np
 import pytest
+from rv_runs import FRICTIONLESS, static_loads
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import ContactError, DesignError
@@ -24,15 +25,11 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry.involute import InvoluteGear
 from cycloid_mj.parts.convex import ConvexSettings
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv import RvLoads, compute_rv_friction, compute_rv_springs, solve_rv_loads
-from cycloid_mj.statics.rv_sheet import loss_figures, torque_on_carrier
+from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv_sheet import loss_figures
 
 MODELS = Path(__file__).parents[2] / "models"
 
-FRICTIONLESS = {
-    "friction": {"pin_gear": 0.0, "pin_socket": 0.0, "cam_rolling": 0.0},
-    "planet": {"friction": 0.0},
-}
 HOLD, SETTLED = 0.02, 0.012
 """Duration of the runs, and time after which they are evaluated [s]."""
 
@@ -48,14 +45,6 @@ def rv(load: float, **changes: Any) -> RvReducer:
 def settled(reducer: RvReducer) -> Run:
     run = simulate(reducer.design, build(reducer.design))
     return run.select(run.time > SETTLED)
-
-
-def static_loads(reducer: RvReducer, run: Run) -> RvLoads:
-    """Balance of springs with friction at the crank angles of a run."""
-    ring, _ = reducer.member.ring_and_carrier(run["output_angle"])
-    springs = compute_rv_springs(reducer, reducer.member.mesh_angle(run["sun_angle"], ring))
-    torque = torque_on_carrier(reducer, reducer.design.load.torque)
-    return solve_rv_loads(springs, torque, compute_rv_friction(reducer, springs.crank, np.sign(torque)))
 
 
 def sizes(run: Run, kind: str) -> Array:

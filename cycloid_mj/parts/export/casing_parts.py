@@ -138,7 +138,7 @@ def _fit_crank_stretches(
     if family == names.SHAFT:
         stretches = (replace(stretches[0], z0=sizes.journal), *stretches[1:])
     if reducer.design.gear.discs == 1:
-        counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes)
+        counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes, stretches)
         for stretch in stretches:
             low, high = stretch.name in (COUNTERWEIGHT, INNER), stretch.name in (JOURNAL, COUNTERWEIGHT)
             moved = replace(
@@ -162,19 +162,14 @@ def _fit_crank_stretches(
 
 
 def _add_collars(stretch: Stretch, collars: Sequence[CrankRing]) -> Iterator[Stretch]:
-    """Yield a stretch of the crank, thicker where collars are within it.
-
-    A counterweight that balances polygons differs from the exact one by micrometres: its collar ends with the stretch.
-    """
+    """Yield a stretch of the crank, thicker where collars are within it."""
     low = stretch.z0
     for collar in collars:
-        middle = 0.5 * (collar.low + collar.high)
-        if stretch.z0 < middle < stretch.z1:
+        if stretch.z0 - SAME_LENGTH < collar.low and collar.high < stretch.z1 + SAME_LENGTH:
             if collar.low > low + SAME_LENGTH:
                 yield replace(stretch, z0=low, z1=collar.low)
-            high = collar.high if collar.high + (collar.high - middle) < stretch.z1 else stretch.z1
-            yield Stretch(COLLAR, CircleContour(collar.radius), stretch.holes, max(collar.low, low), high)
-            low = high
+            yield Stretch(COLLAR, CircleContour(collar.radius), stretch.holes, max(collar.low, low), collar.high)
+            low = collar.high
     if stretch.z1 > low + SAME_LENGTH:
         yield replace(stretch, z0=low)
 

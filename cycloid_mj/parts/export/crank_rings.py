@@ -5,20 +5,15 @@ at rest. The far ring stands back by the axial play, so that the length of the d
 crank in one piece the rings are its collars; on the plain shaft of several discs they are separate parts.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from cycloid_mj.base import names
 from cycloid_mj.design import stock
-from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts import Stretch, crank_stretches
 from cycloid_mj.parts.export.bearings import cam_radius, shaft_bearing
-from cycloid_mj.parts.export.casing import (
-    Casing,
-)
-from cycloid_mj.parts.export.casing_rules import (
-    RULES,
-    shoulder_radius,
-)
+from cycloid_mj.parts.export.casing import Casing
+from cycloid_mj.parts.export.casing_rules import RULES, shoulder_radius
 from cycloid_mj.parts.shaft import COUNTERWEIGHT
 from cycloid_mj.reducer import Reducer
 
@@ -38,12 +33,15 @@ class CrankRing:
 
 def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
     """Return the rings on the shaft of several discs: before the first cam, beyond the last of a straddled shaft."""
-    return tuple(_crank_rings(reducer, sizes)) if reducer.design.gear.discs > 1 else ()
+    return tuple(_crank_rings(reducer, sizes, crank_stretches(reducer))) if reducer.design.gear.discs > 1 else ()
 
 
-def crank_collars(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
-    """Return the collars of a crank in one piece: before its counterweight, and beyond the cam of a straddled shaft."""
-    return tuple(_crank_rings(reducer, sizes)) if reducer.design.gear.discs == 1 else ()
+def crank_collars(reducer: Reducer, sizes: Casing, stretches: Iterable[Stretch]) -> tuple[CrankRing, ...]:
+    """Return the collars of a crank in one piece: before its counterweight, and beyond the cam of a straddled shaft.
+
+    `stretches` are those of the crank, whose counterweight balances exact outlines or polygons.
+    """
+    return tuple(_crank_rings(reducer, sizes, {stretch.name: stretch for stretch in stretches}))
 
 
 def counterweight_shift(reducer: Reducer) -> float:
@@ -57,9 +55,9 @@ def hub_radius(reducer: Reducer, sizes: Casing) -> float:
     return cam_radius(reducer) - reducer.design.gear.eccentricity - sizes.play
 
 
-def _crank_rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
-    """Yield the rings or collars of a crank, first that on the side of the motor."""
-    shaft, stretches = reducer.design.shaft, crank_stretches(reducer)
+def _crank_rings(reducer: Reducer, sizes: Casing, stretches: Mapping[str, Stretch]) -> Iterator[CrankRing]:
+    """Yield the rings or collars of a crank with its stretches by name, first that on the side of the motor."""
+    shaft = reducer.design.shaft
     radius = shoulder_radius(shaft.radius, sizes.seat)
     if COUNTERWEIGHT not in stretches:
         radius = min(radius, hub_radius(reducer, sizes))
