@@ -117,15 +117,17 @@ def walk(page: Tab, address: str, on_step: Shown, process: str = "printed") -> f
     for _ in range(MOTORS[process] == "nema23"):
         page.key("N")
     page.wait(f"document.querySelector('#start [name=motor]').value === '{MOTORS[process]}'", "the motor is chosen")
-    on_step("1-asked")
+    on_step("1-requirements")
     tab_to(page, "#start [type=submit]")
     page.key("Enter")
     for _ in range(MAX_REFUSALS):
-        page.wait("document.querySelector('.drives button, .way:not(.less)')", "drives, or remedies", SEARCH_SECONDS)
+        page.wait(
+            "document.querySelector('.drives button, .alternative:not(.less)')", "drives, or remedies", SEARCH_SECONDS
+        )
         if page.run("!!document.querySelector('.drives button')"):
             break
         on_step("2-refused")
-        tab_to(page, ".way:not(.less)")
+        tab_to(page, ".alternative:not(.less)")
         page.key("Enter")
     page.wait("document.querySelector('.drives button')", "drives that meet the requirements", SEARCH_SECONDS)
     on_step("3-drives")

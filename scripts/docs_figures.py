@@ -126,7 +126,7 @@ ARTEFACTS: Mapping[str, Artefact] = {
     ),
     "tutorial": Artefact(TUTORIAL, {}, (_script("tutorial"),), ("drive of the tutorial",), 3.0),
     "app": Artefact(
-        tuple(f"docs/app/{name}.png" for name in ("1-asked", "2-refused", "3-drives", "4-designed")),
+        tuple(f"docs/app/{name}.png" for name in ("1-requirements", "2-refused", "3-drives", "4-designed")),
         {"walk": Step(_script("app_walk", "--out", "{out}"))},
         (_script("picture", "walk", "{walk}"),),
         ("files of the app",),

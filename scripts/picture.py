@@ -28,7 +28,7 @@ WIDTH, HEIGHT = 1265, 1780
 
 COLOURS = 256
 
-WALKED = ("1-asked.png", "2-refused.png", "3-drives.png", "4-designed.png")
+WALKED = ("1-requirements.png", "2-refused.png", "3-drives.png", "4-designed.png")
 """Steps of the walk through the designer's page that are shown."""
 
 DOORS = {

@@ -14,7 +14,7 @@ from cycloid_mj.app.controls import controls, find_controls, key_in_words, value
 from cycloid_mj.app.drawing import section
 from cycloid_mj.app.limits import QUESTIONS
 from cycloid_mj.app.overview import overview as overview_of
-from cycloid_mj.app.state import apply_changes, changed_values, differences, parse_design
+from cycloid_mj.app.state import apply_changes, at_load, changed_values, differences, parse_design
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.file import loads
@@ -67,9 +67,9 @@ def _design_to_open(content: Content) -> Design:
 
 
 def with_load(design: Design) -> Design:
-    """Return a design under its load; without one under its nominal torque."""
-    load, _ = load_of(Reducer(design))
-    return design.but(load={"torque": load})
+    """Return a design whose load and nominal torque are equal: its load, or without one its nominal torque."""
+    reducer = Reducer(design)
+    return at_load(reducer).design.but(load={"torque": load_of(reducer)[0]})
 
 
 def view(design: Design, content: Content) -> dict[str, Any]:
@@ -78,8 +78,8 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     Parameters
     ----------
     content
-        Question of the page: ``play`` is the magnification of clearances, ``asked`` the requirements that the header is
-        judged by.
+        Question of the page: ``play`` is the magnification of clearances, ``required`` the requirements by which the
+        header is judged.
     """
     magnification = content.get("play", 1.0)
     if not isinstance(magnification, int | float) or not 1.0 <= magnification <= QUESTIONS.magnification:
@@ -91,7 +91,7 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     return {
         "design": changed_values(design),
         "name": design.name,
-        "head": summary.geometry_figures(reducer, content.get("asked")),
+        "head": summary.geometry_figures(reducer, content.get("required")),
         "load_nm": abs(design.load.torque),
         "controls": [asdict(control) for control in controls(design)],
         "section": section(reducer, float(magnification)),
@@ -110,13 +110,13 @@ def _cached_reducer(values: str) -> Reducer:
 
 def statics(content: Content) -> dict[str, Any]:
     """Return the figures of the static equilibrium."""
-    return summary.statics(_reducer(content), content.get("asked"))
+    return summary.statics(_reducer(content), content.get("required"))
 
 
 def life(content: Content) -> dict[str, Any]:
     """Return the rating, with the size of the drive with covers for a motor of the ``options``."""
     options = drive.parse_options(content.get("options"))
-    return summary.life(_reducer(content), content.get("asked"), options.motor)
+    return summary.life(_reducer(content), content.get("required"), options.motor)
 
 
 def checks(content: Content) -> dict[str, Any]:
@@ -125,8 +125,8 @@ def checks(content: Content) -> dict[str, Any]:
 
 
 def remedies(content: Content) -> dict[str, Any]:
-    """Return changes that resolve the warnings of life, heat and strength."""
-    return summary.remedies(_reducer(content))
+    """Return changes that resolve the ``check`` of that name, a warning of life, heat or strength."""
+    return summary.remedies(_reducer(content), str(content.get("check", "")))
 
 
 def compare(content: Content) -> dict[str, Any]:

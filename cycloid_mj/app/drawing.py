@@ -24,7 +24,7 @@ CHORDS_PER_RADIUS = 4000.0
 POINTS_PER_LOBE = 40
 """Points of each lobe of a profile that cannot be manufactured."""
 
-PLACES: Mapping[str, str] = {
+MARKED_PARTS: Mapping[str, str] = {
     "loops": "gear",
     "undercut": "gear",
     "undercut_margin": "gear",

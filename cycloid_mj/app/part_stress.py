@@ -4,14 +4,14 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from cycloid_mj.app.state import parse_design
-from cycloid_mj.app.summary import rating_at_load
+from cycloid_mj.app.state import at_load, parse_design
 from cycloid_mj.app.verdicts import rated_item
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import judge
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.figures import figure
 from cycloid_mj.life.item import Rating
+from cycloid_mj.life.items import rate_for_verdict
 from cycloid_mj.reducer import Reducer
 
 PARTS = {
@@ -48,7 +48,7 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     """
     design = parse_design(values)
     reducer = Reducer(design)
-    parts = _collect_rated_stress(rating_at_load(reducer))
+    parts = _collect_rated_stress(rate_for_verdict(at_load(reducer)))
     for number, (kind, (name, part, _)) in enumerate(PARTS.items()):
         on_progress({"doing": f"stress of the {name}", "share": number / len(PARTS), "parts": list(parts.values())})
         entry = figure(f"{kind}_stress_mpa")

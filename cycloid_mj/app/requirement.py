@@ -13,6 +13,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.design.processes import PROCESSES
+from cycloid_mj.figures import figure
 from cycloid_mj.life.duration import format_life
 from cycloid_mj.life.heat import COOLING
 from cycloid_mj.parts.export.motors import MotorName
@@ -123,23 +124,27 @@ def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
     """Convert the result of a search to JSON values: drives with their verdicts, or the limit and alternatives."""
     drives = [_drive_json(drive, answer.requirement, motor) for drive in answer.drives]
     return {
-        "asked": fill_form(answer.requirement),
+        "required": fill_form(answer.requirement),
         "drives": drives,
         "verdict": _summary_json(drives),
-        "most": answer.most,
+        "max_torque_nm": answer.most,
         "limit": with_symbols(answer.limit),
         "refusal": "" if answer.drives else with_symbols(answer.refusal),
-        "ways": [
-            {"words": with_symbols(option.words), "asked": fill_form(option.requirement)} for option in answer.remedies
+        "remedies": [
+            {"words": with_symbols(option.words), "required": fill_form(option.requirement)}
+            for option in answer.remedies
         ],
     }
 
 
 def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[str, Any]:
     """Convert a drive to JSON values, judged by the requirement with its covers for a motor."""
-    figures, form, reason = dict(drive.figures), fill_form(required), ""
+    form, reason = fill_form(required), ""
+    design = drive.design.but(name=f"{required.process}-{required.ratio}", load={"torque": required.torque})
+    # the backlash of parts without deviations, as in the header of the page: samples within the tolerances have less
+    figures = dict(drive.figures) | {"backlash_arcmin": figure("backlash_arcmin").value(Reducer(design))}
     if motor != "auto":
-        covered, reason = covered_size(Reducer(drive.design), motor)
+        covered, reason = covered_size(Reducer(design), motor)
         sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
         figures |= {figure: covered[key] for figure, key in sizes.items()} if covered else {}
     verdicts = requirement_verdicts(form, figures) | (unmet_without_covers(form) if reason else {})
@@ -149,7 +154,7 @@ def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> d
     return {
         "title": drive.title,
         "why": drive.why,
-        "design": changed_values(drive.design.but(load={"torque": required.torque})),
+        "design": changed_values(design),
         "figures": figures,
         "life": format_life(figures["life_h"]),
         "verdicts": verdicts,

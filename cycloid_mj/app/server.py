@@ -87,8 +87,8 @@ class Page:
             job = create_job(content)
             return self.jobs.describe(self.jobs.start(job.queue, job.name, job.work, *job.args))
         number = content.get("job")
-        if name in ("look", "stop") and isinstance(number, int):
-            return self.jobs.describe((self.jobs.get if name == "look" else self.jobs.stop)(number))
+        if name in ("status", "stop") and isinstance(number, int):
+            return self.jobs.describe((self.jobs.get if name == "status" else self.jobs.stop)(number))
         raise KeyError(name)
 
 

@@ -38,7 +38,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     -------
     dict
         ``parts``: name, ``colour`` (RGBA, 0 to 1), ``corners`` of triangles (float32 [mm] in base64, shape (triangles,
-        3, 3)) and ``places``, the components that are copies of the part, see `_component_json`. ``steps``: the moves
+        3, 3)) and ``copies``, the components that are copies of the part, see `_component_json`. ``steps``: the moves
         of the assembly in words. ``orbit``: eccentricity [mm]; ``gear_rate``: turns of a disc per crank turn. Without
         covers, ``reason`` says why they do not fit.
 
@@ -59,7 +59,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
             "name": name.replace("_", " "),
             "colour": list(tint(COLOURS[names.family(name)], name)),
             "corners": _triangles(part),
-            "places": [
+            "copies": [
                 _component_json(component, phases, steps.get(component.name, 0), shifts[names.family(component.part)])
                 for component in components
                 if component.part == name
@@ -68,7 +68,7 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
         for name, part in geometry.items()
     ]
     return {
-        "parts": [part for part in parts if part["places"]],
+        "parts": [part for part in parts if part["copies"]],
         "steps": [*_describe_steps(ordered_moves)],
         "orbit": MILLIMETRES * design.gear.eccentricity,
         "gear_rate": -1.0 / design.lobes,

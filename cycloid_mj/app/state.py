@@ -98,7 +98,8 @@ def apply_changes(design: Design, changes: Any) -> Design:
 def at_load(reducer: Reducer) -> Reducer:
     """Return a reducer whose nominal torque is its load: a design file may have two torques, the page shows one."""
     load, _ = load_of(reducer)
-    return reducer.with_nominal_torque(load)
+    loaded = reducer.with_nominal_torque(load)
+    return reducer if loaded == reducer else loaded  # results of the reducer itself are cached
 
 
 def _as_integer(key: str, value: Any) -> Any:

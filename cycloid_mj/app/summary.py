@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import Any
 
 from cycloid_mj.app.controls import key_in_words, number_with_unit, with_symbols
-from cycloid_mj.app.drawing import PLACES
+from cycloid_mj.app.drawing import MARKED_PARTS
 from cycloid_mj.app.drive import reducer_at_reference
 from cycloid_mj.app.state import apply_changes, at_load
 from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, unmet_without_covers, verdict
@@ -21,11 +21,10 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.checks import Check, soundness
 from cycloid_mj.design import value_of
 from cycloid_mj.figures import figure
-from cycloid_mj.life import rate
-from cycloid_mj.life.as_built import has_tolerances
-from cycloid_mj.life.checks import KINDS, check_design, life_remedies
+from cycloid_mj.life.checks import KINDS, check_reducer, life_remedies
 from cycloid_mj.life.duration import format_life
 from cycloid_mj.life.item import Rating
+from cycloid_mj.life.items import rate_for_verdict
 from cycloid_mj.life.rated import rated_and_momentary_torque, rated_torque
 from cycloid_mj.parts.export import casing_or_none
 from cycloid_mj.parts.export.drive import assembly_mass
@@ -84,7 +83,7 @@ def errors(reducer: Reducer) -> list[dict[str, Any]]:
 def checks(reducer: Reducer) -> dict[str, Any]:
     """Run all checks of a design at its load; return failures, then warnings, and a summary as JSON values."""
     loaded = at_load(reducer)
-    results = check_design(loaded.design)
+    results = check_reducer(loaded)
     return {
         "count": len(results),
         "judgement": gravest(check.judgement for check in results),
@@ -95,13 +94,11 @@ def checks(reducer: Reducer) -> dict[str, Any]:
     }
 
 
-def remedies(reducer: Reducer) -> dict[str, Any]:
-    """Return the changes that resolve each warning of life, heat and strength at the load: check -> changes."""
-    loaded = at_load(reducer)
-    return {
-        _check_name(name): [_remedy_json(loaded, dict([change])) for change in changes]
-        for name, changes in life_remedies(loaded).items()
-    }
+def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
+    """Return the ``changes`` that resolve a warning of life, heat or strength at the load, and its ``name``."""
+    loaded, name = at_load(reducer), check_name.replace(" ", "_")
+    changes = life_remedies(loaded, [name]).get(name, ())
+    return {"name": check_name, "changes": [_remedy_json(loaded, dict([change])) for change in changes]}
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
@@ -146,7 +143,7 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     length are those with covers for the motor: without covers no size is met.
     """
     hours_required = reducer.design.service.life
-    rating = rating_at_load(reducer)
+    rating = rate_for_verdict(at_load(reducer))
     lives = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
     shortest = min(lives, default=math.inf)
     rated, limit = _rated_torque(reducer, rating)
@@ -170,15 +167,6 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
         "cased": size_with_covers,
         "no_covers": no_covers,
     }
-
-
-def rating_at_load(reducer: Reducer) -> Rating:
-    """Rate a valid design at its load and speed for its required life, with the parts that ``cycloid-mj rate`` takes.
-
-    These are samples within its tolerances if it has any.
-    """
-    design = at_load(reducer).design
-    return rate(design, parts="toleranced" if has_tolerances(design) else "perfect")
 
 
 def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str]:
@@ -236,7 +224,7 @@ def _failed_checks_json(reducer: Reducer, failed: Iterable[Check]) -> list[dict[
             "name": _check_name(check.name),
             "severity": check.severity,
             "judgement": check.judgement,
-            "place": PLACES.get(check.name, ""),
+            "part": MARKED_PARTS.get(check.name, ""),
             "what": sentence_in_words(f"{key_in_words(check.key)} is {check.got}, must be {check.limit}"),
             "why": sentence_in_words(check.why),
             "remedy": "" if check.name in KINDS else sentence_in_words(check.remedy),

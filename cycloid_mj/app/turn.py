@@ -50,8 +50,8 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
         Lists with a row for each of the crank angles, which include both ends of the turn, and a column for each disc:
 
         ``teeth`` and ``output`` : dict
-            ``force`` [N], shape (angles, discs, contacts), position ``place`` [mm] and unit direction ``way`` of the
-            contacts, shape (angles, discs, contacts, 2).
+            ``force`` [N], shape (angles, discs, contacts), ``position`` [mm] and unit ``direction`` of the contacts, shape
+            (angles, discs, contacts, 2).
         ``cam``
             Force of the cam on each disc [N], shape (angles, discs, 2).
         ``discs``
@@ -145,8 +145,8 @@ def _contact_lists(force: Array, position: Array, direction: Array, discs: int) 
     shape = (len(force), discs, -1)
     return {
         "force": np.round(force, 3).reshape(shape).tolist(),
-        "place": np.round(MILLIMETRES * position, 4).reshape(*shape, 2).tolist(),
-        "way": np.round(direction, 5).reshape(*shape, 2).tolist(),
+        "position": np.round(MILLIMETRES * position, 4).reshape(*shape, 2).tolist(),
+        "direction": np.round(direction, 5).reshape(*shape, 2).tolist(),
     }
 
 

@@ -87,17 +87,17 @@ def check(
     and the weakest item of `cycloid-mj rate` for service.life_h. The exit code is 1 if the design cannot be built,
     else 0; warnings count with --strict only.
     """
-    from cycloid_mj.life.checks import check_design
+    from cycloid_mj.life.checks import check_reducer
 
     design = design_options.resolve()
     destination = claim_destination(delivery, f"{design.name}-check")
-    checks, inheritance = check_design(design), design_options.inheritance()
-    reducer = reducer_of(design)
+    reducer, inheritance = reducer_of(design), design_options.inheritance()
+    checks = check_reducer(reducer)
     if isinstance(reducer, RvReducer):
         outcome = replace(_outcome(design, checks, None, None, inheritance), summary=_rv_lines(reducer, checks))
         return deliver(_strictly(outcome, strict), destination, delivery)
-    summary = None if checks.failures else _compute_summary(design)
-    rating = _compute_rating(design) if summary else None
+    summary = None if checks.failures else _compute_summary(reducer)
+    rating = _compute_rating(reducer) if summary else None
     return deliver(_strictly(_outcome(design, checks, summary, rating, inheritance), strict), destination, delivery)
 
 
@@ -189,22 +189,22 @@ def _describe_defaults(design: Design, motor: Sequence[str]) -> str:
     )
 
 
-def _compute_summary(design: Design) -> "Summary | None":
-    """Compute the summary of a design; None if it has no static equilibrium, which a check reports."""
+def _compute_summary(reducer: Reducer) -> "Summary | None":
+    """Compute the summary of a reducer; None if it has no static equilibrium, which a check reports."""
     from cycloid_mj.checks import summarize
 
     try:
-        return summarize(Reducer(design))
+        return summarize(reducer)
     except CycloidError:
         return None
 
 
-def _compute_rating(design: Design) -> "Rating | None":
-    """Rate the life of a design at nominal torque and speed; None if this fails, as for a crank at rest."""
-    from cycloid_mj.life.items import rate_at_rated_load
+def _compute_rating(reducer: Reducer) -> "Rating | None":
+    """Rate the life of a reducer at nominal torque and speed; None if this fails, as for a crank at rest."""
+    from cycloid_mj.life.items import rate_for_verdict
 
     try:
-        return rate_at_rated_load(Reducer(design))
+        return rate_for_verdict(reducer)
     except CycloidError:
         return None
 

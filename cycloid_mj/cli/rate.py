@@ -78,7 +78,7 @@ def rate(
     Values that the design file does not state are assumed, and printed next to the result. Set them in [bearing] and
     [service]. The exit code is 0 for any safety factor, unless --check is set.
     """
-    from cycloid_mj.life.as_built import has_tolerances
+    from cycloid_mj.life.as_built import default_parts
     from cycloid_mj.life.items import rate as rated
     from cycloid_mj.life.ranges import read_ranges
 
@@ -89,8 +89,7 @@ def rate(
     cycle = duty_cycle(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
     destination = claim_destination(delivery, f"{design.name}-rating")
-    chosen_parts = parts or ("toleranced" if has_tolerances(design) else "perfect")
-    rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True, parts=chosen_parts)
+    rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True, parts=parts or default_parts(design))
     outcome = _outcome(rating, destination)
     return deliver(replace(outcome, code=1) if check and rating.failing else outcome, destination, delivery)
 

@@ -65,6 +65,11 @@ def has_tolerances(design: Design) -> bool:
     return design.layout == Reducer.LAYOUT and bool(tolerance_zones(Reducer(design)))
 
 
+def default_parts(design: Design) -> Parts:
+    """Return the parts that are rated unless others are chosen: toleranced if the design has tolerances."""
+    return "toleranced" if has_tolerances(design) else "perfect"
+
+
 def find_critical_sample(reducer: Reducer) -> int | None:
     """Return the number of the sample whose largest tooth force is at the rated percentile of all samples.
 

@@ -1,6 +1,6 @@
 """Checks of life, fatigue, heat and emergency stops at the nominal torque, and all checks of a design together."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -9,8 +9,9 @@ from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.checks import Check, Checks, check
 from cycloid_mj.checks.advice import verify_remedies
 from cycloid_mj.design import Named, override, resolve
+from cycloid_mj.life.as_built import default_parts
 from cycloid_mj.life.item import RatedItem, Rating
-from cycloid_mj.life.items import rate, rate_at_rated_load
+from cycloid_mj.life.items import rate_for_verdict
 from cycloid_mj.life.rated import is_momentary, rated_torque
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
@@ -66,7 +67,11 @@ def check_design(design: Named) -> Checks:
     Checks
         Each check with value, bound and advice; `failures` and `warnings` list those that are not passed.
     """
-    reducer = reducer_of(resolve(design))
+    return check_reducer(reducer_of(resolve(design)))
+
+
+def check_reducer(reducer: Reducer) -> Checks:
+    """Run all checks of a reducer, as `check_design`."""
     checks = check(reducer.design)
     if isinstance(reducer, RvReducer):
         return checks
@@ -77,23 +82,24 @@ def check_design(design: Named) -> Checks:
 def life_checks(reducer: Reducer) -> tuple[Check, ...]:
     """Check whether a sound design withstands its nominal torque and speed for its required life.
 
+    The parts are those that ``cycloid-mj rate`` takes: within the tolerances of the design if it has any.
     Returns one check for each of `KINDS`, all of them warnings. Empty if the crank stands still or no static
     equilibrium exists, which the check `rated_load` reports.
     """
     try:
-        return checks_of_rating(rate_at_rated_load(reducer))
+        return checks_of_rating(rate_for_verdict(reducer))
     except CycloidError:
         return ()
 
 
-def life_remedies(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
-    """Return single changes of the design with which each failed check of `life_checks` passes.
+def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str, tuple[tuple[str, float], ...]]:
+    """Return single changes of the design with which each failed check of `life_checks` in `names` passes.
 
     By name of the check: (key of the design file, value) of each change. Candidates are less torque and, depending on
     the check, a wider face, a shorter life or a slower crank; each was rated again and passes.
     """
     try:
-        rating = rate_at_rated_load(reducer)
+        rating = rate_for_verdict(reducer)
     except CycloidError:
         return {}
     return {
@@ -101,7 +107,7 @@ def life_remedies(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
             change for change in _candidate_changes(reducer, rating, check) if _passes_with(reducer, change, check.name)
         )
         for check in checks_of_rating(rating)
-        if not check.passed
+        if not check.passed and check.name in names
     }
 
 
@@ -121,6 +127,7 @@ def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) ->
             crank_angles=REMEDIES.crank_angles,
             rtol=REMEDIES.rtol,
             with_stops=True,
+            parts=default_parts(design),
         )
         yield "drive.torque_nm", _round_safely(torque, BELOW) / design.reduction
         if (
@@ -137,10 +144,10 @@ def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) ->
 def _passes_with(reducer: Reducer, change: tuple[str, float], check_name: str) -> bool:
     """Return whether the check of a name passes once a change (key of the design file, value) is applied."""
     try:
-        checks = checks_of_rating(rate(override(reducer.design, dict([change]))))
+        rating = rate_for_verdict(Reducer(override(reducer.design, dict([change]))))
     except CycloidError:
         return False
-    return all(check.passed for check in checks if check.name == check_name)
+    return all(check.passed for check in checks_of_rating(rating) if check.name == check_name)
 
 
 def _round_safely(value: float, direction: int) -> float:
@@ -168,7 +175,8 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
             passed=margin >= 1.0,
             got=f"{weakest.verdict} ({weakest.name})",
             limit=f"at least {rating.life:g} h" if by_life else "at least 1",
-            why=f"{explanation}; {weakest.load_text}, limit {weakest.limit_text}, at {rating.duty}",
+            why=f"{explanation}; {weakest.load_text}, limit {weakest.limit_text}, at {rating.duty}"
+            f"{', toleranced parts' if rating.parts == 'toleranced' else ''}",
             remedy="" if margin >= 1.0 else REMEDY,
             severity="warning",
             key=about,

@@ -8,7 +8,7 @@ from itertools import chain
 from cycloid_mj.base.errors import CycloidWarning, DesignError, UsageError
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.geometry.measured import part_notes
-from cycloid_mj.life.as_built import Parts, select_rated_samples
+from cycloid_mj.life.as_built import Parts, default_parts, select_rated_samples
 from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import rate_cam_compliance
 from cycloid_mj.life.duty import Duty, constant_duty
@@ -27,7 +27,7 @@ from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 
 
 def rate(
-    design: Named,
+    design: Named | Reducer,
     duty: Duty | None = None,
     life: float = 0.0,
     ranges: dict[str, StressRange] | None = None,
@@ -42,7 +42,7 @@ def rate(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file.
+        A design, or the name of a preset or a file; a reducer keeps its samples within the tolerances.
     duty, life
         Torques and speeds with their shares of the time, by default the nominal torque at the design's speed; and the
         required life [h], by default that of the design.
@@ -73,8 +73,8 @@ def rate(
     if give is not None:
         warnings.warn("the argument `give` of rate() is deprecated: use `compliance`", CycloidWarning, stacklevel=2)
         compliance = give
-    design = resolve(design)
-    reducer = reducer_of(design)
+    reducer = design if isinstance(design, Reducer) else reducer_of(resolve(design))
+    design = reducer.design
     life = life or design.service.life
     duty = duty or constant_duty(design.rated_torque, design.drive.speed)
     if isinstance(reducer, RvReducer):
@@ -170,8 +170,15 @@ def _rate_all_items(
 
 @once
 def rate_at_rated_load(reducer: Reducer) -> Rating:
-    """Rate a design at its nominal torque and speed for its own life, once per design; errors as `rate`."""
-    return rate(reducer.design)
+    """Rate perfect parts at nominal torque and speed for the life of the design; errors as `rate`."""
+    return rate(reducer)
+
+
+@once
+def rate_for_verdict(reducer: Reducer) -> Rating:
+    """Rate as `rate_at_rated_load`, but within the tolerances of the design if it has any, as ``cycloid-mj rate``."""
+    parts = default_parts(reducer.design)
+    return rate(reducer, parts=parts) if parts == "toleranced" else rate_at_rated_load(reducer)
 
 
 def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:

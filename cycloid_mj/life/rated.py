@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
+from cycloid_mj.life.as_built import Parts
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
@@ -53,6 +54,7 @@ def rated_torque(
     crank_angles: int = POSES,
     rtol: float = SEARCH.rtol,
     with_stops: bool = False,
+    parts: Parts = "perfect",
 ) -> tuple[float, RatedItem]:
     """Compute the rated torque [N m] for a life at a speed of the crank, and the item that limits it.
 
@@ -74,6 +76,8 @@ def rated_torque(
         Number of crank angles of the rating, and relative accuracy of the torque.
     with_stops
         Whether emergency stops are rated, for a `limits_torque` that includes them.
+    parts
+        Parts that are rated, as in `rate`.
 
     Raises
     ------
@@ -85,7 +89,7 @@ def rated_torque(
     decides = limits_torque or _limits_rated_torque
     weakest: RatedItem | None = None
     while high > SEARCH.lowest * design.rated_torque:
-        limit, item = _extrapolate_torque_limit(reducer, torque, speed, life, decides, crank_angles, with_stops)
+        limit, item = _extrapolate_torque_limit(reducer, torque, speed, life, decides, crank_angles, with_stops, parts)
         if abs(limit / torque - 1.0) <= rtol and item:
             return limit, item
         if limit >= torque and item:
@@ -109,6 +113,7 @@ def _extrapolate_torque_limit(
     limits_torque: Callable[[str], bool],
     crank_angles: int,
     with_stops: bool,
+    parts: Parts,
 ) -> tuple[float, RatedItem | None]:
     """Rate the reducer at a torque [N m] and extrapolate its torque limit by the law of the weakest item.
 
@@ -117,7 +122,7 @@ def _extrapolate_torque_limit(
     """
     try:
         items = rate(
-            reducer.design, constant_duty(torque, speed), life, poses=crank_angles, stops=with_stops
+            reducer, constant_duty(torque, speed), life, poses=crank_angles, stops=with_stops, parts=parts
         ).items.values()
     except CycloidError:
         return 0.0, None

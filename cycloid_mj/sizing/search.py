@@ -14,7 +14,6 @@ from cycloid_mj.explore.sampling import sample_design, tolerance_zones
 from cycloid_mj.figures import figure
 from cycloid_mj.life.as_built import SETTINGS as SAMPLES
 from cycloid_mj.life.as_built import Parts, find_critical_sample, select_rated_samples
-from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.figures import drive_mass
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
@@ -334,19 +333,19 @@ class Pool:
         """Rate a drive as on its design file, at the required torque or the most it carries.
 
         After a study at too much torque, the next is far below, as capacities by pitting fall nearly with the torque.
-        None if samples jam, or a check of its life fails.
+        None if samples jam.
         """
         ratio = (one.capacity / one.torque) ** 2 if one.study else self.bias
         torque = min(self.requirement.torque, floor_digits(SETTINGS.study_share * min(ratio, 1.0) * one.capacity))
         full = rate_drive(self.requirement, one.reducer, torque)
+        if full and full.capacity >= self.requirement.torque > torque:
+            torque = self.requirement.torque
+            full = rate_drive(self.requirement, one.reducer, torque)
         study = tolerance_study(self.requirement, full.reducer) if full else {}
         if not full or study["turning_percent"] < SETTINGS.min_yield:
             return None
         self.ratios += [] if one.study else [full.capacity / one.capacity]
-        carries = full.capacity >= torque
-        if carries and not self.requirement.duty and not all(item.passed for item in life_checks(full.reducer)):
-            return None
-        passed = carries and study["yield_percent"] >= SETTINGS.min_yield
+        passed = full.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
         figures = {**full.figures, "backlash": study["backlash_p99_arcmin"]}
         return replace(full, figures=figures, study=study, passed=passed)
 

@@ -37,11 +37,11 @@ from cycloid_mj.app.api import (
     with_load,
 )
 from cycloid_mj.app.controls import controls, find_controls
-from cycloid_mj.app.drawing import PLACES, section
+from cycloid_mj.app.drawing import MARKED_PARTS, section
 from cycloid_mj.app.drive import BuildOptions, describe_drive, parse_options
 from cycloid_mj.app.jobs import Download, InProcess, Jobs
 from cycloid_mj.app.limits import QUESTIONS
-from cycloid_mj.app.state import apply_changes, at_load, changed_values, parse_design
+from cycloid_mj.app.state import apply_changes, changed_values, parse_design
 from cycloid_mj.app.verdicts import REQUIREMENTS, SMALLEST_BAR, rated_item, requirement_verdicts
 from cycloid_mj.app.workers import NICENESS, Worker, WorkerDied
 from cycloid_mj.base.errors import CycloidError, UsageError
@@ -51,6 +51,7 @@ from cycloid_mj.design import PRESETS, Design, dump, override, presets_for, valu
 from cycloid_mj.design.layouts import SUPPORTED
 from cycloid_mj.figures import FIGURES, figure
 from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.items import rate_for_verdict
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.robot import files as robot_files
@@ -123,7 +124,7 @@ def test_clearances_are_magnified_by_the_factor() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "place"),
+    ("changes", "part"),
     [
         ({"ring.pin_radius_mm": 4.0}, "gear"),
         ({"gear.eccentricity_mm": 3.0}, "gear"),
@@ -132,7 +133,7 @@ def test_clearances_are_magnified_by_the_factor() -> None:
         ({"output.pins": 20}, "hole"),
     ],
 )
-def test_a_design_that_cannot_be_built_is_drawn_with_marks_and_remedies(changes: dict[str, Any], place: str) -> None:
+def test_a_design_that_cannot_be_built_is_drawn_with_marks_and_remedies(changes: dict[str, Any], part: str) -> None:
     design = override(PRESETS["pin"], changes)
     drawn, errors = section(Reducer(design)), summary.errors(Reducer(design))
     assert not drawn["whole"]
@@ -140,7 +141,7 @@ def test_a_design_that_cannot_be_built_is_drawn_with_marks_and_remedies(changes:
         drawn["ring"] != section(Reducer(PRESETS["pin"]))["ring"]
         or drawn["discs"] != section(Reducer(PRESETS["pin"]))["discs"]
     )
-    (wrong, *_) = [one for one in errors if one["place"] == place]
+    (wrong, *_) = [one for one in errors if one["part"] == part]
     mended = []
     for change in wrong["changes"]:
         names = [one["name"] for one in summary.errors(Reducer(apply_changes(design, change["changes"])))]
@@ -154,20 +155,27 @@ def test_a_design_that_cannot_be_built_is_drawn_with_marks_and_remedies(changes:
 def test_every_marked_check_exists() -> None:
     names = {one.name for design in DESIGNS.values() for one in check(design)}
     names |= {one.name for one in check(UNDERCUT)}
-    assert PLACES.keys() - names <= {"pin_in_socket", "sleeve"}, "no check has that name"
+    assert MARKED_PARTS.keys() - names <= {"pin_in_socket", "sleeve"}, "no check has that name"
 
 
 def test_header_and_checks_state_the_same_life() -> None:
-    """The file of the printed drive is loaded by 10 N m, and made for 10.4; both bearings before the disc bear more."""
     reducer = Reducer(with_load(PRESETS["printed"].but(shaft={"mounting": "overhang"})))
     failed = {one["name"]: one["what"] for one in summary.checks(reducer)["failed"]}
     assert [*failed] == ["momentary torque", "life"]
     assert f"life is {summary.life(reducer)['life']} (" in failed["life"]
-    for name, ways in summary.remedies(reducer).items():
-        assert [*ways[0]["changes"]] == ["load.torque_nm"]
-        for way in ways:
-            left = summary.checks(Reducer(apply_changes(reducer.design, way["changes"])))["failed"]
+    for name in failed:
+        remedies = summary.remedies(reducer, name)["changes"]
+        assert [*remedies[0]["changes"]] == ["load.torque_nm"]
+        for remedy in remedies:
+            left = summary.checks(Reducer(apply_changes(reducer.design, remedy["changes"])))["failed"]
             assert name not in {one["name"] for one in left}
+
+
+def test_the_page_opens_a_design_with_one_torque() -> None:
+    """The file of the printed drive has a load of 10 N m and a nominal torque of 10.4, which `design check` takes."""
+    design = with_load(PRESETS["printed"])
+    assert PRESETS["printed"].rated_torque == pytest.approx(10.4)
+    assert (design.load.torque, design.rated_torque) == pytest.approx((10.0, 10.0))
 
 
 def test_the_page_changes_the_torques_of_load_and_drive_together() -> None:
@@ -249,7 +257,7 @@ def test_every_design_has_its_figures(design: Design) -> None:
     assert cased is None or cased["mass_kg"] > figure("mass_kg").value(Reducer(design))
     lives = [
         item.life
-        for item in summary.rating_at_load(Reducer(design)).items.values()
+        for item in rate_for_verdict(Reducer(design)).items.values()
         if item.decisive and item.life is not None
     ]
     assert rated["life_h"] == pytest.approx(min(lives, default=math.inf))
@@ -268,7 +276,7 @@ def rated_for(torque: float) -> Reducer:
 @pytest.mark.parametrize("torque", [0.2, 10.0])
 def test_items_of_the_life_tab_are_judged_as_by_rate(torque: float) -> None:
     reducer = rated_for(torque)
-    rating = summary.rating_at_load(reducer)
+    rating = rate_for_verdict(reducer)
     rows = {row["name"]: row for row in summary.life(reducer)["items"]}
     judged = {item.name: item for item in rating.items.values() if item.safety is not None or item.life is not None}
     assert rows.keys() == judged.keys()
@@ -393,12 +401,14 @@ def test_forces_of_a_turn_balance_the_load(name: str) -> None:
     design = with_load(DESIGNS[name])
     told = turn.forces(Reducer(design))
     output = told["output"]
-    place, way, force = (np.array(output[key]) for key in ("place", "way", "force"))
-    moment = 1e-3 * np.sum(force * (place[..., 0] * way[..., 1] - place[..., 1] * way[..., 0]), axis=(1, 2))
+    position, direction, force = (np.array(output[key]) for key in ("position", "direction", "force"))
+    moment = 1e-3 * np.sum(
+        force * (position[..., 0] * direction[..., 1] - position[..., 1] * direction[..., 0]), axis=(1, 2)
+    )
     carried = abs(told["load_nm"]) * Reducer(design).share
     assert np.abs(moment) == pytest.approx(carried, rel=0.03)
     teeth = told["teeth"]
-    place, way, force = (np.array(teeth[key]) for key in ("place", "way", "force"))
+    position, direction, force = (np.array(teeth[key]) for key in ("position", "direction", "force"))
     assert force.shape == (turn.SETTINGS.crank_angles + 1, design.gear.discs, design.ring.teeth)
     later = turn.forces(Reducer(design), 1)["teeth"]["force"]
     assert force[-1] == pytest.approx(np.array(later)[0], abs=1e-3 * force.max())  # turns follow each other
@@ -432,14 +442,14 @@ def test_orders_of_output_pins_and_mesh_are_resolved(member: str, passing: float
 def test_triangles_of_the_assembly_close_and_carry_their_motion() -> None:
     design = PRESETS["twodisc"]
     told = solid.assembly_meshes(Reducer(design), BuildOptions())
-    moved = {part["name"]: {place["moves"] for place in part["places"]} for part in told["parts"]}
+    moved = {part["name"]: {copy["moves"] for copy in part["copies"]} for part in told["parts"]}
     assert moved["gear 1"] == moved["gear 2"] == moved["cam bearing"] == {"disc"}
     assert moved["shaft"] == {"crank"}
     assert moved["output flange"] == {"output"}
     assert moved["motor cover"] == {""}
     corners = np.frombuffer(base64.b64decode(told["parts"][0]["corners"]), "<f4").reshape(-1, 3, 3)
     assert np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)).max() < 1.0
-    steps = {place["step"] for part in told["parts"] for place in part["places"]}
+    steps = {copy["step"] for part in told["parts"] for copy in part["copies"]}
     assert steps == set(range(1, len(told["steps"]) + 1)), "every part has a step, and every step a part"
 
 
@@ -533,10 +543,16 @@ def test_ticks_and_crosses_equal_design_check_and_rate(
     """The page judges nothing on its own: at the same torque the commands say the same of every check and item."""
     design = with_load(override(PRESETS["printed"], changes))
     file = tmp_path / "drive.toml"
-    file.write_text(dump(at_load(Reducer(design)).design))
+    file.write_text(dump(design))
     main(["design", "check", str(file), "--json"])
     checked = json.loads(capsys.readouterr().out)["checks"]
     shown = checks({"design": changed_values(design)})
+    page = life({"design": changed_values(design)})
+    life_check = next(check for check in checked if check["name"] == "life")
+    assert (page["life_h"], page["verdicts"]["life_h"]["judgement"] == "passed") == (
+        pytest.approx(life_check["value"]),
+        life_check["passed"],
+    )
     judged = {check["name"].replace("_", " "): check["judgement"] for check in checked if not check["passed"]}
     assert {one["name"]: one["judgement"] for one in shown["failed"]} == judged
     assert shown["count"] == len(checked)
@@ -544,7 +560,6 @@ def test_ticks_and_crosses_equal_design_check_and_rate(
     items = json.loads(capsys.readouterr().out)["items"]
     del items["thermal_torque"]  # takes a second, so that the page leaves it out
     rated = items.values()
-    page = life({"design": changed_values(design)})
     judged = {item["name"]: item["judgement"] for item in rated}
     rows = {row["name"]: row["judgement"] for row in page["items"]}
     assert rows.items() <= judged.items()
@@ -638,9 +653,9 @@ def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: 
     monkeypatch.setattr(requirement, "size_drive", searched)
     heard: list[Any] = []
     told = requirement.size(heard.append, requirement.fill_form(wanted))
-    assert heard[-1]["answer"]["most"] == 0.7
-    assert requirement.parse_form(told["ways"][0]["asked"]) == wanted.but(diameter=0.1)
-    assert told["ways"][1]["words"] == "a clearance of 5 µm"
+    assert heard[-1]["answer"]["max_torque_nm"] == 0.7
+    assert requirement.parse_form(told["remedies"][0]["required"]) == wanted.but(diameter=0.1)
+    assert told["remedies"][1]["words"] == "a clearance of 5 µm"
 
 
 def test_the_chosen_motor_is_part_of_the_requirement() -> None:
@@ -663,13 +678,20 @@ def test_a_drive_whose_covers_do_not_fit_the_motor_does_not_meet_the_requirement
 
 
 @pytest.mark.slow
-def test_a_sized_drive_can_be_drawn() -> None:
+def test_a_sized_drive_has_the_figures_of_its_card() -> None:
     told = requirement.size(lambda _: None, {"ratio": 15, "diameter_mm": 60, "torque_nm": 0.5, "process": "printed"})
     for drive in told["drives"]:
         taken = draw({"design": drive["design"]})
         assert not taken["errors"]
         assert taken["head"]["mass_kg"] == pytest.approx(drive["figures"]["mechanism_mass_kg"], rel=1e-6)
         assert taken["load_nm"] == pytest.approx(0.5)
+        page, figures = life({"design": drive["design"]}), drive["figures"]
+        assert (page["life_h"], page["rated_torque_nm"]) == pytest.approx(
+            (figures["life_h"], figures["rated_torque_nm"])
+        )
+        backlash = statics({"design": drive["design"]})["backlash_arcmin"]
+        assert figures["backlash_arcmin"] == pytest.approx(backlash)
+        assert taken["name"] == "printed-15"
 
 
 def test_tolerances_are_those_of_the_design_or_a_common_half_width() -> None:
@@ -850,10 +872,10 @@ def test_a_run_is_evaluated_after_its_start_has_settled() -> None:
 def test_the_exported_joint_opens_in_mujoco(tmp_path: Path) -> None:
     (content,) = artifacts.joint_files_zip(PRESETS["printed"], BuildOptions()).values()
     zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
-    place = tmp_path / "printed-joint"
+    folder = tmp_path / "printed-joint"
     for name in ("scene.xml", "lossy_scene.xml"):
-        assert mujoco.MjModel.from_xml_path(str(place / name)).joint("output").name == "output"
-    assert {file.name for file in place.iterdir()} == {
+        assert mujoco.MjModel.from_xml_path(str(folder / name)).joint("output").name == "output"
+    assert {file.name for file in folder.iterdir()} == {
         *robot_files.BASE_FILES,
         *robot_files.SPRING_FILES,
         "reducer.json",

@@ -174,7 +174,7 @@ def test_without_the_token_nothing_is_sent(server: Running, path: str) -> None:
 
 
 def test_without_the_token_no_question_is_answered(server: Running) -> None:
-    for name in ("start", "look", "stop", "job"):
+    for name in ("start", "status", "stop", "job"):
         assert request(server, f"/ask/{name}", {"job": 1}, token="")[0] == 403
     assert request(server, f"/ask/start?token={TOKEN}", {}, token="")[0] == 403
 
@@ -261,7 +261,7 @@ def test_questions_are_answered_and_failures_reported(server: Running, caplog: p
 def test_every_question_of_the_page_has_an_answer() -> None:
     text = "".join(file.read_text() for file in resources.files("cycloid_mj.app").joinpath("assets").iterdir())
     asks = set(re.findall(r'(?:ask|newest|replace)\("(\w+)"', text))
-    assert asks == {*AT_ONCE, *QUICK, *SLOWER, "start", "job", "look", "stop"}
+    assert asks == {*AT_ONCE, *QUICK, *SLOWER, "start", "job", "status", "stop"}
 
 
 def test_sliders_are_written_in_json() -> None:
@@ -275,7 +275,7 @@ def test_sliders_are_written_in_json() -> None:
     ("path", "body", "headers", "status"),
     [
         ("/ask/nothing", {}, {}, 404),
-        ("/ask/look", {}, {}, 404),
+        ("/ask/status", {}, {}, 404),
         ("/ask/draw", b"{", {}, 400),
         ("/ask/draw", b"[1]", {}, 400),
         ("/ask/draw", b"[" * 100_000, {}, 400),
@@ -284,8 +284,8 @@ def test_sliders_are_written_in_json() -> None:
         ("/ask/draw", b"{}", {"Content-Type": "text/plain"}, 415),
         ("/ask/draw", b"", {"Content-Length": str(LIMITS.body_bytes + 1)}, 413),
         ("/ask/draw", b" " * (LIMITS.body_bytes + 1), {}, 413),
-        ("/ask/look", {"job": 77}, {}, 200),
-        ("/ask/look", {"job": 10**30}, {}, 200),
+        ("/ask/status", {"job": 77}, {}, 200),
+        ("/ask/status", {"job": 10**30}, {}, 200),
         ("/ask/job", {"kind": "rm"}, {}, 200),
         ("/ask/job", {"kind": "size", "form": {"ratio": 1}}, {}, 200),
         ("/ask/open", {"preset": "none"}, {}, 200),

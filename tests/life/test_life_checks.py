@@ -6,7 +6,7 @@ import pytest
 from commands import told
 
 from cycloid_mj.base.judgement import Judgement
-from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life import emergency_stop, rate
 from cycloid_mj.life.bearing_compliance import CamCase, CamCompliance
@@ -90,10 +90,33 @@ def test_the_checks_state_the_weakest_item_of_each_kind() -> None:
     assert found["momentary_torque"].value == pytest.approx(rating.items["peak_yield"].safety)
 
 
-@pytest.mark.parametrize("name", ["pin", "printed", pytest.param("twodisc", marks=pytest.mark.slow)])
-def test_each_remedy_of_a_failed_check_makes_it_pass(name: str) -> None:
-    reducer = Reducer(PRESETS[name])
+TOLERANCED = override(PRESETS["printed"], ['tolerance.cam="uniform 10"', 'tolerance.pin_position="normal 5"'])
+
+
+def test_a_design_with_tolerances_is_checked_within_them_as_by_rate() -> None:
+    """At 3 N m, perfect parts last 4000 h and those of the samples 70 h: check and rate disagreed."""
+    design = Reducer(TOLERANCED).with_nominal_torque(3.0).design
+    life = next(check for check in check_design(design) if check.name == "life")
+    rating = rate(design, parts="toleranced")
+    assert life.value == pytest.approx(min(item.life for item in rating.items.values() if item.life and item.decisive))
+    assert life.value < 0.1 * rate(design).shortest_life
+    assert "toleranced parts" in life.why
+
+
+@pytest.mark.parametrize(
+    "design",
+    [
+        PRESETS["pin"],
+        PRESETS["printed"],
+        pytest.param(PRESETS["twodisc"], marks=pytest.mark.slow),
+        pytest.param(TOLERANCED, marks=pytest.mark.slow),
+    ],
+    ids=["pin", "printed", "twodisc", "toleranced"],
+)
+def test_each_remedy_of_a_failed_check_makes_it_pass(design: Design) -> None:
+    reducer = Reducer(design)
     ways = life_remedies(reducer)
+    assert ways
     assert ways.keys() == {item.name for item in life_checks(reducer) if not item.passed}
     for check, changes in ways.items():
         assert "drive.torque_nm" in dict(changes)

@@ -44,6 +44,7 @@ def require_held(drive: SizedDrive, asked: Requirement) -> None:
     assert design.lobes == asked.ratio
     assert 2.0 * casing(reducer).outer <= asked.diameter + 1e-5
     assert design.service.life == asked.life
+    assert design.rated_torque == pytest.approx(asked.torque), "the search rated it at another torque"
     assert all(item.passed for item in check(design) if item.severity == "error")
     assert all(item.passed for item in life_checks(reducer))
     rating = rate(design, parts="toleranced")  # as `cycloid-mj rate` does

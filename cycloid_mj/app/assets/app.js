@@ -7,7 +7,7 @@ import { showControls, markControl, filterControls } from "./controls.js";
 import { Tabs } from "./tabs.js";
 import { Start } from "./start.js";
 
-const state = { design: {}, asked: {}, name: "", shown: null, statics: null, life: null, checks: null, remedies: null };
+const state = { design: {}, required: {}, name: "", shown: null, statics: null, life: null, checks: null, remedies: {} };
 const history = { past: [], at: -1, key: "", time: 0 };
 const COALESCED = 900; // ms: changes of one slider within this time are undone together
 const ADDRESSED = 250; // ms from a change to the update of the address
@@ -21,10 +21,11 @@ const start = new Start(byId("start"), take, open);
 const solved = {
   statics: newest("statics", data => { state.statics = data; showHead(); tabs.receive("statics", data); }, words => { state.statics = null; showHead(); tabs.receiveError("statics", words); }),
   forces: newest("forces", data => { section.forces(data); tabs.receive("forces", data); }, words => { section.forces(null); tabs.receiveError("forces", words); }),
-  checks: newest("checks", data => { state.checks = data; showRemedies(); showHead(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
+  checks: newest("checks", data => { state.checks = data; showRemedies(); showHead(); askRemedies(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
   life: newest("life", data => { state.life = data; showHead(); tabs.receive("life", data); }, words => { state.life = null; showHead(); tabs.receiveError("life", words); }),
-  remedies: newest("remedies", data => { state.remedies = data; showRemedies(); }, () => {}),
 };
+// After the checks, a question for each warning: none of them holds up the results of the next change for long.
+const remediesOf = newest("remedies", data => { state.remedies[data.name] = data.changes; showRemedies(); askRemedies(); }, toast);
 
 section.nextTurn = turn => ask("forces", { design: state.design, turn });
 
@@ -35,17 +36,17 @@ export async function apply(changes, { step = true } = {}) {
   if (drawing) return;
   drawing = true;
   while (pending) {
-    const asked = pending;
+    const sent = pending;
     pending = null;
     let data;
     try {
-      data = await ask("draw", { design: state.design, changes: asked, play: section.play, asked: state.asked });
+      data = await ask("draw", { design: state.design, changes: sent, play: section.play, required: state.required });
     } catch (error) {
-      refuse(asked, error.message);
+      refuse(sent, error.message);
       continue;
     }
     show(data);
-    if (step) remember(Object.keys(asked).join());
+    if (step) remember(Object.keys(sent).join());
   }
   drawing = false;
 }
@@ -54,8 +55,9 @@ function show(data) {
   state.design = data.design;
   state.name = data.name;
   state.shown = data;
-  state.remedies = null;
-  if (!data.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked, options: tabs.options() }); // solved by the workers while the browser draws
+  state.remedies = {};
+  remediesOf.drop();
+  if (!data.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, required: state.required, options: tabs.options() }); // solved by the workers while the browser draws
   showControls(byId("parameters"), data.controls, apply);
   find();
   section.show(data.section, data.errors);
@@ -69,7 +71,7 @@ function show(data) {
     showChecks(data.errors, { judgement: "failed", words: `This design cannot be built: ${data.errors.length} ${data.errors.length > 1 ? "errors" : "error"}` });
     tabs.broken(data.errors);
   } else {
-    for (const place of ["head", "checks"]) byId(place).classList.add("old");
+    for (const id of ["head", "checks"]) byId(id).classList.add("old");
     tabs.changed();
   }
   showHead();
@@ -176,8 +178,13 @@ function remedies(check) {
 // The checks, with the remedies that were tried for those without one; either may arrive first.
 function showRemedies() {
   if (!state.checks) return;
-  for (const one of state.checks.failed) one.changes = state.remedies?.[one.name] ?? one.changes;
+  for (const one of state.checks.failed) one.changes = state.remedies[one.name] ?? one.changes;
   showChecks(state.checks.failed, state.checks);
+}
+
+function askRemedies() {
+  const next = state.checks?.failed.find(one => !one.remedy && !one.changes.length && !state.remedies[one.name]);
+  if (next) remediesOf.ask({ design: state.design, check: next.name });
 }
 
 function showChecks(failed, verdict, words = "") {
@@ -187,10 +194,10 @@ function showChecks(failed, verdict, words = "") {
   refill(byId("checks"),
     el("h2", { class: look }, el("span", { class: "mark" }, mark), verdict.words),
     words ? el("p", {}, words) : null,
-    ...failed.map((one, place) => el("details", { class: one.severity, "data-name": one.name, open: place < 1 || open.has(one.name) },
-      el("summary", {}, el("span", { class: "badge" }, String(place + 1)), one.name),
+    ...failed.map((one, index) => el("details", { class: one.severity, "data-name": one.name, open: index < 1 || open.has(one.name) },
+      el("summary", {}, el("span", { class: "badge" }, String(index + 1)), one.name),
       el("p", {}, `${one.what}: ${one.why}.`),
-      one.changes.length ? remedies(one) : el("p", { class: "soft" }, one.remedy || (state.remedies ? "No single change was found that resolves it." : "Searching for a change that resolves it …")))));
+      one.changes.length ? remedies(one) : el("p", { class: "soft" }, one.remedy || (state.remedies[one.name] ? "No single change was found that resolves it." : "Searching for a change that resolves it …")))));
   section.marks(failed);
 }
 
@@ -198,7 +205,7 @@ function showChecks(failed, verdict, words = "") {
 
 function remember(key) {
   const now = performance.now();
-  const entry = { design: { ...state.design }, asked: { ...state.asked } };
+  const entry = { design: { ...state.design }, required: { ...state.required } };
   if (JSON.stringify(entry) !== JSON.stringify(history.past[history.at])) {
     if (!(key && key === history.key && now - history.time < COALESCED)) history.at += 1;
     history.past.splice(history.at, Infinity, entry);
@@ -219,25 +226,26 @@ function writeAddress() {
   clearTimeout(history.timer);
   const values = new URLSearchParams();
   for (const [key, value] of Object.entries(state.design)) values.set(key, typeof value === "string" ? value : JSON.stringify(value));
-  for (const [key, value] of Object.entries(state.asked)) if (value !== null && value !== "") values.set(`asked.${key}`, typeof value === "string" ? value : JSON.stringify(value));
+  for (const [key, value] of Object.entries(state.required)) if (value !== null && value !== "") values.set(`required.${key}`, typeof value === "string" ? value : JSON.stringify(value));
   window.history.replaceState(null, "", `#${values}`);
 }
 
 function fromAddress() {
-  const design = {}, asked = {};
-  for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
+  const design = {}, required = {};
+  for (const [name, text] of new URLSearchParams(location.hash.slice(1))) {
+    const key = name.replace(/^asked\./, "required."); // addresses of version 0.2
     let value = text;
     try { value = JSON.parse(text); } catch { /* not JSON: a word */ }
-    if (key.startsWith("asked.")) asked[key.slice(6)] = value; else design[key] = value;
+    if (key.startsWith("required.")) required[key.slice(9)] = value; else design[key] = value;
   }
-  return { design, asked };
+  return { design, required };
 }
 
 // Show the design that answers a question; return whether there is one.
-async function replace(question, content, asked) {
+async function replace(question, content, required) {
   let data;
   try {
-    data = await ask(question, { ...content, play: section.play, asked });
+    data = await ask(question, { ...content, play: section.play, required });
   } catch (error) {
     toast(error.message);
     return false;
@@ -246,14 +254,14 @@ async function replace(question, content, asked) {
     start.overview(content);
     return false;
   }
-  state.asked = { ...asked };
+  state.required = { ...required };
   another();
   show(data);
   return true;
 }
 
 async function put(entry, step = true) {
-  const shown = await replace("draw", { design: entry.design, changes: {} }, entry.asked);
+  const shown = await replace("draw", { design: entry.design, changes: {} }, entry.required);
   if (shown && step) remember("");
   else if (shown) address();
   return shown;
@@ -267,7 +275,7 @@ async function back(by) {
   await put(entry, false);
 }
 
-function take(drive, form) { return put({ design: drive.design, asked: form }); }
+function take(drive, form) { return put({ design: drive.design, required: form }); }
 
 // --- files
 
@@ -290,7 +298,7 @@ byId("file").addEventListener("change", async event => {
 });
 byId("open").addEventListener("click", () => byId("file").click());
 byId("save").addEventListener("click", save);
-byId("new").addEventListener("click", () => start.open(state.asked));
+byId("new").addEventListener("click", () => start.open(state.required));
 byId("undo").addEventListener("click", () => back(-1));
 byId("redo").addEventListener("click", () => back(1));
 byId("skip").addEventListener("click", () => byId("tabs").querySelector("[aria-selected=true]").focus());
@@ -308,8 +316,8 @@ window.addEventListener("pagehide", writeAddress);
 
 tabs.swap = entry => put(entry);
 tabs.choseMotor = motor => {
-  state.asked = { ...state.asked, motor };
-  if (!state.shown.errors.length) solved.life.ask({ design: state.design, asked: state.asked, options: tabs.options() });
+  state.required = { ...state.required, motor };
+  if (!state.shown.errors.length) solved.life.ask({ design: state.design, required: state.required, options: tabs.options() });
   remember("motor");
 };
 
@@ -319,6 +327,6 @@ const offers = await ask("start");
 start.offer(offers);
 tabs.offer(offers);
 const given = location.hash.length > 1 ? fromAddress() : null;
-const entry = given || { design: offers.design, asked: {} };
-if (!(await put(entry)) && given) await put({ design: offers.design, asked: {} });
+const entry = given || { design: offers.design, required: {} };
+if (!(await put(entry)) && given) await put({ design: offers.design, required: {} });
 if (!given && offers.fresh) start.open({});

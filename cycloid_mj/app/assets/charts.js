@@ -48,10 +48,10 @@ function chart(title, draw) {
 
 // The values of a chart as a table, which is built when it is opened.
 function values(title, heads, rows) {
-  const every = Math.max(1, Math.ceil(rows.length / TABLE_ROWS)), place = el("div", { class: "values", role: "region", tabindex: "0", "aria-label": `Values: ${title}` });
-  const open = () => place.firstChild || place.append(el("table", {}, el("thead", {}, el("tr", {}, heads.map(head => el("th", { scope: "col" }, head)))),
+  const every = Math.max(1, Math.ceil(rows.length / TABLE_ROWS)), region = el("div", { class: "values", role: "region", tabindex: "0", "aria-label": `Values: ${title}` });
+  const open = () => region.firstChild || region.append(el("table", {}, el("thead", {}, el("tr", {}, heads.map(head => el("th", { scope: "col" }, head)))),
     el("tbody", {}, rows.filter((_, at) => at % every === 0).map(row => el("tr", {}, row.map((value, at) => el(at ? "td" : "th", at ? {} : { scope: "row" }, typeof value === "number" ? number(value) : value)))))));
-  return el("details", { class: "values-of", ontoggle: open }, el("summary", {}, "Values"), place);
+  return el("details", { class: "values-of", ontoggle: open }, el("summary", {}, "Values"), region);
 }
 
 // Lines over the crank angle: series of {name, y, look} with common `x`. The values at the cursor are shown below.
@@ -73,7 +73,7 @@ export function lines(title, x, series, labels) {
   });
   drawn.addEventListener("pointermove", event => {
     const at = event.clientX - drawn.getBoundingClientRect().left;
-    near = x.reduce((best, value, place) => (Math.abs(across(value) - at) < Math.abs(across(x[best]) - at) ? place : best), 0);
+    near = x.reduce((best, value, index) => (Math.abs(across(value) - at) < Math.abs(across(x[best]) - at) ? index : best), 0);
     mark();
   });
   drawn.addEventListener("pointerleave", () => { near = -1; mark(); });

@@ -2,18 +2,18 @@
 
 import { el, number, fill } from "./dom.js";
 
-const layouts = new Map(); // place -> keys and options of its controls
+const layouts = new Map(); // container -> keys and options of its controls
 
-export function showControls(place, controls, apply) {
+export function showControls(container, controls, apply) {
   const shape = controls.map(control => `${control.key}:${control.options.length}`).join();
-  if (shape !== layouts.get(place)) {
-    layouts.set(place, shape);
+  if (shape !== layouts.get(container)) {
+    layouts.set(container, shape);
     const groups = new Map();
     for (const control of controls) groups.set(control.group, [...(groups.get(control.group) || []), control]);
-    fill(place, ...[...groups].map(([group, inside]) => el("fieldset", {}, el("legend", {}, group),
+    fill(container, ...[...groups].map(([group, inside]) => el("fieldset", {}, el("legend", {}, group),
       inside.map(control => control.options.length ? list(control, apply) : slider(control, apply)))));
   }
-  for (const control of controls) update(place.querySelector(`[data-key="${control.key}"]`), control);
+  for (const control of controls) update(container.querySelector(`[data-key="${control.key}"]`), control);
 }
 
 export function markControl(key, words) {
@@ -24,10 +24,10 @@ export function markControl(key, words) {
 }
 
 // Hide the controls that a text does not match; return the number of the others.
-export function filterControls(place, text) {
+export function filterControls(container, text) {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
   let count = 0;
-  for (const group of place.querySelectorAll("fieldset")) {
+  for (const group of container.querySelectorAll("fieldset")) {
     const name = group.querySelector("legend").textContent;
     let shown = 0;
     for (const row of group.querySelectorAll(".control")) {

@@ -44,7 +44,7 @@ export async function work(content, data = () => {}) {
   data(job);
   while (job.state === "queued" || job.state === "running") {
     await new Promise(done => setTimeout(done, 250));
-    job = await ask("look", { job: job.job });
+    job = await ask("status", { job: job.job });
     data(job);
   }
   if (job.error) throw new Error(job.error);

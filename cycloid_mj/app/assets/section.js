@@ -6,8 +6,8 @@ const SECONDS = 8; // duration of one crank turn of the animation
 const FRAME = 1.34; // half the picture over the outer radius of the reducer: leaves space for the load bars
 
 export class Section {
-  constructor(place, crank, controls, legend) {
-    Object.assign(this, { place, legend, crank: 17, play: 1, drawn: null, acting: null, wrong: [], zoom: 1, middle: [0, 0], ahead: new Map() });
+  constructor(picture, crank, controls, legend) {
+    Object.assign(this, { picture, legend, crank: 17, play: 1, drawn: null, acting: null, wrong: [], zoom: 1, middle: [0, 0], ahead: new Map() });
     this.nextTurn = null;
     this.changedPlay = () => {};
     this.shows = { arrows: true, bars: true, dimensions: false };
@@ -22,31 +22,31 @@ export class Section {
     this.ahead.clear();
     this.wrong = errors;
     this.#build();
-    this.#place();
+    this.#move();
   }
 
   forces(data) {
     this.acting = data;
     this.ahead.clear();
     if (data) this.ahead.set(data.turn, data);
-    this.#place();
+    this.#move();
   }
 
   marks(failed) {
     this.wrong = failed;
     this.#build();
-    this.#place();
+    this.#move();
   }
 
-  #controls(crank, place) {
-    const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this.shows[key], onchange: event => { this.shows[key] = event.target.checked; this.#build(); this.#place(); } }), words);
+  #controls(crank, container) {
+    const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this.shows[key], onchange: event => { this.shows[key] = event.target.checked; this.#build(); this.#move(); } }), words);
     this.button = el("button", { "aria-pressed": "false", title: "Rotate the crank (space)", onclick: () => this.#toggle() }, "▶ Rotate");
-    this.angle = el("input", { id: "crank", type: "range", min: 0, max: 360, step: 1, "aria-label": "Crank angle", oninput: event => { this.#halt(); this.crank = event.target.valueAsNumber; this.#place(); } });
+    this.angle = el("input", { id: "crank", type: "range", min: 0, max: 360, step: 1, "aria-label": "Crank angle", oninput: event => { this.#halt(); this.crank = event.target.valueAsNumber; this.#move(); } });
     this.degrees = el("span", { class: "degrees", "aria-hidden": "true" });
     this.factor = el("select", { id: "play", onchange: event => { this.play = +event.target.value; this.changedPlay(); } },
       [1, 5, 20, 50, 200].map(times => el("option", { value: times }, times === 1 ? "true scale" : `× ${times}`)));
     crank.append(el("div", { class: "crank" }, this.button, this.angle, this.degrees));
-    place.append(
+    container.append(
       el("div", { class: "shows" }, toggle("arrows", "Forces"), toggle("bars", "Load bars"), toggle("dimensions", "Dimensions"),
         el("label", { title: "Factor by which clearances are magnified in the drawing" }, "Clearances ", this.factor),
         el("span", { class: "zooms" },
@@ -57,28 +57,28 @@ export class Section {
 
   #mouse() {
     const at = event => {
-      const box = this.place.getBoundingClientRect(), half = this.half / this.zoom;
+      const box = this.picture.getBoundingClientRect(), half = this.half / this.zoom;
       const size = Math.min(box.width, box.height);
       return [(event.clientX - box.left - box.width / 2) / size * 2 * half, (event.clientY - box.top - box.height / 2) / size * 2 * half];
     };
-    this.place.addEventListener("wheel", event => {
+    this.picture.addEventListener("wheel", event => {
       if (!(event.ctrlKey || event.metaKey || this.zoom > 1) && event.deltaY > 0) return;
       event.preventDefault();
       this.#nearer(Math.exp(-event.deltaY / 500), at(event));
     }, { passive: false });
-    this.place.addEventListener("pointerdown", event => {
+    this.picture.addEventListener("pointerdown", event => {
       if (this.zoom <= 1) return;
-      this.place.setPointerCapture(event.pointerId);
+      this.picture.setPointerCapture(event.pointerId);
       this.from = [at(event), [...this.middle]];
     });
-    this.place.addEventListener("pointermove", event => {
+    this.picture.addEventListener("pointermove", event => {
       if (!this.from) return;
       const here = at(event), [start, middle] = this.from;
       this.middle = [middle[0] + start[0] - here[0], middle[1] + start[1] - here[1]];
       this.#frame();
     });
-    for (const end of ["pointerup", "pointercancel"]) this.place.addEventListener(end, () => { this.from = null; });
-    this.place.addEventListener("keydown", event => {
+    for (const end of ["pointerup", "pointercancel"]) this.picture.addEventListener(end, () => { this.from = null; });
+    this.picture.addEventListener("keydown", event => {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       const step = 0.12 * this.half / this.zoom;
       const move = (x, y) => { this.middle = [this.middle[0] + x * step, this.middle[1] + y * step]; this.#frame(); };
@@ -92,7 +92,7 @@ export class Section {
 
   // Size of text of so many pixels, in units of the picture.
   #text(pixels) {
-    const box = this.place.getBoundingClientRect();
+    const box = this.picture.getBoundingClientRect();
     return pixels * 2 * this.half / this.zoom / (Math.min(box.width, box.height) || 500);
   }
 
@@ -104,18 +104,18 @@ export class Section {
     const share = 1 - before / this.zoom;
     this.middle = this.zoom === 1 ? [0, 0] : [this.middle[0] + about[0] * share, this.middle[1] + about[1] * share];
     this.#build();
-    this.#place();
+    this.#move();
   }
 
   #whole() {
     Object.assign(this, { zoom: 1, middle: [0, 0] });
     this.#build();
-    this.#place();
+    this.#move();
   }
 
   #frame() {
     const half = this.half / this.zoom;
-    this.place.setAttribute("viewBox", `${this.middle[0] - half} ${this.middle[1] - half} ${2 * half} ${2 * half}`);
+    this.picture.setAttribute("viewBox", `${this.middle[0] - half} ${this.middle[1] - half} ${2 * half} ${2 * half}`);
   }
 
   #toggle() {
@@ -126,7 +126,7 @@ export class Section {
     const frame = now => {
       if (!this.playing) return;
       this.crank = (now - this.playing) / 1000 / SECONDS * 360;
-      this.#place();
+      this.#move();
       requestAnimationFrame(frame);
     };
     requestAnimationFrame(frame);
@@ -139,12 +139,12 @@ export class Section {
     this.button.setAttribute("aria-pressed", "false");
   }
 
-  // Create the elements of the parts; `#place` moves them.
+  // Create the elements of the parts; `#move` moves them.
   #build() {
     const d = this.drawn;
     if (!d) return;
     this.#frame();
-    const bad = part => { const check = this.wrong.find(one => one.place === part); return check ? ` ${check.severity}` : ""; };
+    const bad = part => { const check = this.wrong.find(one => one.part === part); return check ? ` ${check.severity}` : ""; };
     const circle = (at, r, look) => svg("circle", { cx: at[0], cy: at[1], r, class: look });
     this.discs = d.discs.map((path, disc) => svg("g", { class: `disc${disc ? " behind" : ""}` }, svg("path", { d: path, class: `gear${bad("gear")}`, "fill-rule": "evenodd" }),
       ["bore", "hole"].map(part => bad(part) && (part === "bore" ? circle([0, 0], d.bore_radius, `mark-of${bad(part)}`) : d.holes.map(at => circle(at, d.hole_radius, `mark-of${bad(part)}`))))));
@@ -153,7 +153,7 @@ export class Section {
     this.arm = svg("line", { class: "arm" });
     this.over = svg("g", { class: "forces" });
     this.bars = svg("g", { class: "bars" });
-    fill(this.place,
+    fill(this.picture,
       svg("defs", {}, svg("marker", { id: "tip", viewBox: "0 0 10 10", refX: 9, refY: 5, markerWidth: 5, markerHeight: 5, orient: "auto-start-reverse" }, svg("path", { d: "M0,0L10,5L0,10z", fill: "context-stroke" }))),
       svg("g", { transform: "scale(1,-1)", class: d.whole ? "" : "unmade" },
         svg("path", { d: d.ring, class: `ring${bad("ring")}`, "fill-rule": "evenodd" }),
@@ -161,7 +161,7 @@ export class Section {
         d.pins.map(at => circle(at, d.pin_radius, `pin${bad("pin")}`)),
         [...this.discs].reverse(), this.output, this.cam, circle([0, 0], d.shaft_radius, `shaft${bad("shaft")}`), this.arm, this.over),
       this.shows.dimensions ? this.#dimensions() : null, this.#badges());
-    this.place.style.setProperty("--line", `${this.half / this.zoom / 330}px`);
+    this.picture.style.setProperty("--line", `${this.half / this.zoom / 330}px`);
   }
 
   #badges() {
@@ -171,12 +171,12 @@ export class Section {
       hole: [d.holes[0][0] / d.reach, -d.holes[0][1] / d.reach], output: [d.holes[0][0] / d.reach + 0.1, -d.holes[0][1] / d.reach + 0.06],
     };
     const size = Math.max(0.055 * this.half / this.zoom, this.#text(9));
-    return svg("g", { class: "badges" }, this.wrong.map((one, place) => {
-      const spot = spots[one.place];
+    return svg("g", { class: "badges" }, this.wrong.map((one, index) => {
+      const spot = spots[one.part];
       if (!spot) return null;
-      const shift = 2.1 * size * (seen[one.place] = (seen[one.place] ?? -1) + 1);
+      const shift = 2.1 * size * (seen[one.part] = (seen[one.part] ?? -1) + 1);
       return svg("g", { class: one.severity, transform: `translate(${spot[0] * d.reach + shift},${spot[1] * d.reach})` },
-        svg("title", {}, `${one.name}: ${one.what}`), svg("circle", { r: size }), svg("text", { "font-size": 1.25 * size }, String(place + 1)));
+        svg("title", {}, `${one.name}: ${one.what}`), svg("circle", { r: size }), svg("text", { "font-size": 1.25 * size }, String(index + 1)));
     }));
   }
 
@@ -196,16 +196,16 @@ export class Section {
     const turn = Math.floor(this.crank / 360 + 1e-9);
     const data = this.ahead.get(turn) || (this.playing ? null : this.acting);
     if (this.playing && this.nextTurn && this.acting && !this.ahead.has(turn + 1)) {
-      const asked = this.acting;
+      const present = this.acting;
       this.ahead.set(turn + 1, null);
-      this.nextTurn(turn + 1).then(next => { if (this.acting === asked) { this.ahead.set(turn + 1, next); this.ahead.delete(turn - 1); } }, () => {});
+      this.nextTurn(turn + 1).then(next => { if (this.acting === present) { this.ahead.set(turn + 1, next); this.ahead.delete(turn - 1); } }, () => {});
     }
     if (!data) return null;
-    const count = data.cam.length - 1, place = (this.crank / 360 - turn) * count, low = Math.min(count - 1, Math.floor(place));
-    return { data, low, share: place - low };
+    const count = data.cam.length - 1, position = (this.crank / 360 - turn) * count, low = Math.min(count - 1, Math.floor(position));
+    return { data, low, share: position - low };
   }
 
-  #place() {
+  #move() {
     const d = this.drawn;
     if (!d) return;
     const angle = this.crank * Math.PI / 180, turn = d.gear_rate * this.crank, now = this.#now();
@@ -213,11 +213,11 @@ export class Section {
     this.angle.value = this.crank % 360;
     this.angle.setAttribute("aria-valuetext", `${Math.round(this.crank % 360)} degrees`);
     const between = values => values[now.low] + now.share * (values[now.low + 1] - values[now.low]);
-    this.discs.forEach((disc, place) => {
-      const at = angle + d.phases[place];
+    this.discs.forEach((disc, index) => {
+      const at = angle + d.phases[index];
       let [x, y, z] = [-d.orbit * Math.sin(at), d.orbit * Math.cos(at), turn];
       if (now) {
-        const part = axis => between(now.data.discs.map(row => row[place][axis]));
+        const part = axis => between(now.data.discs.map(row => row[index][axis]));
         [x, y, z] = [x + d.play * part(0), y + d.play * part(1), z + d.play * part(2) * 180 / Math.PI];
       }
       disc.setAttribute("transform", `translate(${x},${y}) rotate(${z})`);
@@ -244,9 +244,9 @@ export class Section {
       data[kind].force[row].forEach((forces, disc) => forces.forEach((force, at) => {
         here[kind] = Math.max(here[kind], force);
         if (force < 0.004 * most[kind] || !this.shows.arrows) return;
-        const size = long * force / most[kind], way = data[kind].way[row][disc][at];
-        const tip = kind === "output" ? turned(data[kind].place[row][disc][at]) : data[kind].place[row][disc][at];
-        this.over.append(arrow([tip[0] - size * way[0], tip[1] - size * way[1]], tip, `${kind}${disc ? " second" : ""}`));
+        const size = long * force / most[kind], direction = data[kind].direction[row][disc][at];
+        const tip = kind === "output" ? turned(data[kind].position[row][disc][at]) : data[kind].position[row][disc][at];
+        this.over.append(arrow([tip[0] - size * direction[0], tip[1] - size * direction[1]], tip, `${kind}${disc ? " second" : ""}`));
       }));
     }
     data.cam[row].forEach((force, disc) => {

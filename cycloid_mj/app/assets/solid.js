@@ -2,8 +2,8 @@
 
 import { el, announce } from "./dom.js";
 
-const VERTEX = `attribute vec3 corner, normal; uniform mat4 place, view; uniform vec2 aspect; varying vec3 n, world;
-void main() { vec4 there = place * vec4(corner, 1.0); world = there.xyz; vec4 at = view * there; n = mat3(view) * mat3(place) * normal; gl_Position = vec4(at.xy * aspect, at.z * 0.25, 1.0); }`;
+const VERTEX = `attribute vec3 corner, normal; uniform mat4 pose, view; uniform vec2 aspect; varying vec3 n, world;
+void main() { vec4 there = pose * vec4(corner, 1.0); world = there.xyz; vec4 at = view * there; n = mat3(view) * mat3(pose) * normal; gl_Position = vec4(at.xy * aspect, at.z * 0.25, 1.0); }`;
 // What lies before the section plane is left out; the inside of a part that is cut open is drawn as its cut face.
 const FRAGMENT = `precision mediump float; uniform vec4 colour; uniform vec2 cut; varying vec3 n, world;
 void main() { if (world.x > cut.x) discard; vec3 m = normalize(n); bool inside = m.z > 0.0; if (inside) m = -m;
@@ -22,8 +22,8 @@ function normalsOf(corners) {
     faces.push(face);
     for (const corner of [at, at + 3, at + 6]) meeting.set(spot(corner), [...(meeting.get(spot(corner)) || []), face]);
   }
-  faces.forEach(({ n }, place) => {
-    for (let corner = 9 * place; corner < 9 * place + 9; corner += 3) {
+  faces.forEach(({ n }, index) => {
+    for (let corner = 9 * index; corner < 9 * index + 9; corner += 3) {
       for (const other of meeting.get(spot(corner))) {
         if (n[0] * other.n[0] + n[1] * other.n[1] + n[2] * other.n[2] < CREASE) continue;
         for (let k = 0; k < 3; k += 1) normals[corner + k] += other.size * other.n[k];
@@ -90,7 +90,7 @@ export class Solid {
     }
     gl.linkProgram(program);
     gl.useProgram(program);
-    this.uniforms = Object.fromEntries(["place", "view", "aspect", "colour", "cut"].map(name => [name, gl.getUniformLocation(program, name)]));
+    this.uniforms = Object.fromEntries(["pose", "view", "aspect", "colour", "cut"].map(name => [name, gl.getUniformLocation(program, name)]));
     this.reach = 0;
     const ends = [[Infinity, -Infinity], [Infinity, -Infinity]]; // assembled, exploded
     this.parts = this.data.parts.map(part => {
@@ -101,9 +101,9 @@ export class Solid {
         low = Math.min(low, corners[at + 2]);
         high = Math.max(high, corners[at + 2]);
       }
-      for (const place of part.places) {
-        this.reach = Math.max(this.reach, reach + Math.hypot(place.at[0], place.at[1]));
-        ends.forEach((end, apart) => { end[0] = Math.min(end[0], low + place.at[2] + apart * place.apart); end[1] = Math.max(end[1], high + place.at[2] + apart * place.apart); });
+      for (const copy of part.copies) {
+        this.reach = Math.max(this.reach, reach + Math.hypot(copy.at[0], copy.at[1]));
+        ends.forEach((end, apart) => { end[0] = Math.min(end[0], low + copy.at[2] + apart * copy.apart); end[1] = Math.max(end[1], high + copy.at[2] + apart * copy.apart); });
       }
       const buffers = [corners, normalsOf(corners)].map(data => { const buffer = gl.createBuffer(); gl.bindBuffer(gl.ARRAY_BUFFER, buffer); gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW); return buffer; });
       return { ...part, corners: null, buffers, count: corners.length / 3 };
@@ -153,11 +153,11 @@ export class Solid {
     for (const part of this.parts) {
       const [r, g, b] = part.colour;
       this.names.forEach((name, at) => { gl.bindBuffer(gl.ARRAY_BUFFER, part.buffers[at]); gl.enableVertexAttribArray(name); gl.vertexAttribPointer(name, 3, gl.FLOAT, false, 0, 0); });
-      for (const place of part.places) {
-        if (place.step > this.step) continue;
-        const fresh = place.step === this.step && this.step < this.data.steps.length; // the part of this step is brighter
+      for (const copy of part.copies) {
+        if (copy.step > this.step) continue;
+        const fresh = copy.step === this.step && this.step < this.data.steps.length; // the part of this step is brighter
         gl.uniform4f(this.uniforms.colour, ...(fresh ? [0.95, 0.55, 0.15] : [r, g, b]), 1);
-        gl.uniformMatrix4fv(this.uniforms.place, false, new Float32Array(this.#pose(place)));
+        gl.uniformMatrix4fv(this.uniforms.pose, false, new Float32Array(this.#pose(copy)));
         gl.drawArrays(gl.TRIANGLES, 0, part.count);
       }
     }

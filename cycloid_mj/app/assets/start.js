@@ -26,9 +26,9 @@ export class Start {
 
   offer(offers) { this.offers = offers; }
 
-  open(asked) {
-    const process = asked.process || "printed";
-    this.#build({ process, discs: 1, ...Object.fromEntries([...FIELDS, ...MORE].map(([key, , , value]) => [key, value])), ...this.offers.processes[process], material: "", ...asked });
+  open(required) {
+    const process = required.process || "printed";
+    this.#build({ process, discs: 1, ...Object.fromEntries([...FIELDS, ...MORE].map(([key, , , value]) => [key, value])), ...this.offers.processes[process], material: "", ...required });
     this.dialog.showModal();
     this.form.elements.ratio.select();
   }
@@ -64,7 +64,7 @@ export class Start {
     fill(this.dialog,
       el("form", { method: "dialog", class: "close" }, el("button", { "aria-label": "Close" }, "×")),
       el("h2", { id: "start-title" }, "Requirements of the drive"), this.form, this.answer,
-      el("p", { class: "instead" }, "Or start from ", this.offers.presets.map((name, place) => [place ? ", " : "", el("button", { class: "link", type: "button", onclick: async () => { if (await this.open_({ preset: name })) this.#shut(); } }, name)]),
+      el("p", { class: "instead" }, "Or start from ", this.offers.presets.map((name, index) => [index ? ", " : "", el("button", { class: "link", type: "button", onclick: async () => { if (await this.open_({ preset: name })) this.#shut(); } }, name)]),
         " or ", el("button", { class: "link", type: "button", onclick: () => { this.dialog.close(); document.getElementById("open").click(); } }, "a design file"), "."));
     materials();
     this.dialog.onclose = () => this.#stop();
@@ -92,16 +92,16 @@ export class Start {
   }
 
   // Search with other values, and show them in the form.
-  #instead(asked) {
-    asked = { ...asked, motor: this.form.elements.motor.value };
-    this.#build({ ...asked, material: asked.material || "" });
+  #instead(required) {
+    required = { ...required, motor: this.form.elements.motor.value };
+    this.#build({ ...required, material: required.material || "" });
     this.form.querySelector("[type=submit]").focus(); // the button of the alternative is gone
-    this.#find(Object.fromEntries(Object.entries({ ...asked, motor: asked.motor || "auto" }).filter(([, value]) => value !== null && value !== "")));
+    this.#find(Object.fromEntries(Object.entries({ ...required, motor: required.motor || "auto" }).filter(([, value]) => value !== null && value !== "")));
   }
 
   async #find(form) {
     this.#stop();
-    const began = performance.now(), place = document.activeElement;
+    const began = performance.now(), focused = document.activeElement;
     const time = el("span", {}), doing = el("span", {}, "searching"), found = el("div", {});
     fill(this.answer,
       el("div", { class: "busy" }, el("span", { class: "spinner", "aria-hidden": "true" }), doing, " · ", time, el("button", { type: "button", onclick: () => { this.#stop(); fill(this.answer); } }, "Stop")), found);
@@ -110,16 +110,16 @@ export class Start {
     this.clock = setInterval(tick, 500);
     const look = () => (found.firstChild ? found : this.answer).scrollIntoView({ block: "nearest" });
     look();
-    let mine = null, ways = -1;
+    let mine = null, listed = -1;
     try {
       const job = await work({ kind: "size", form }, data => {
         this.job = mine = data.job;
         if (data.progress?.doing) doing.textContent = data.progress.doing;
         if (data.progress?.answer) {
           doing.textContent = "searching for alternatives: life, duty, speed, cooling, material, size";
-          if (data.progress.answer.ways.length !== ways) { // else the buttons stay: one may just be about to be pressed
-            const first = ways < 0;
-            ways = data.progress.answer.ways.length;
+          if (data.progress.answer.remedies.length !== listed) { // else the buttons stay: one may just be about to be pressed
+            const first = listed < 0;
+            listed = data.progress.answer.remedies.length;
             this.#refused(found, data.progress.answer, false);
             if (first) announce(found.querySelector("h3").textContent);
             if (first) look(); // later ones must not move the text that is being read
@@ -134,7 +134,7 @@ export class Start {
       else this.#refused(found, job.result, true);
       announce(found.querySelector("h3").textContent);
       // not while the user is typing, or has already chosen
-      if ([place, document.body, this.dialog].includes(document.activeElement)) found.querySelector("button")?.focus();
+      if ([focused, document.body, this.dialog].includes(document.activeElement)) found.querySelector("button")?.focus();
     } catch (error) {
       if (mine !== this.job) return;
       clearInterval(this.clock);
@@ -143,29 +143,29 @@ export class Start {
     }
   }
 
-  #drives(place, answer) {
+  #drives(container, answer) {
     const rows = [["mass_kg", "Mass", "kg"], ["drive_diameter_mm", "Diameter with covers", "mm", "diameter_mm"], ["drive_length_mm", "Length", "mm", "length_mm"], ["rated_torque_nm", "Rated torque", "N m", "torque_nm"], ["momentary_torque_nm", "Emergency-stop torque", "N m"],
       ["stiffness_nm_per_arcmin", "Stiffness", "N m/arcmin"], ["backlash_arcmin", "Backlash", "arcmin", "backlash_arcmin"], ["temperature_c", "Housing temperature", "°C"]];
     const { mark, look } = JUDGED[answer.verdict.judgement];
     const judged = (drive, field) => { const verdict = drive.verdicts[field]; return verdict && verdict.judgement !== "passed" ? { class: JUDGED[verdict.judgement].look, title: `required: ${verdict.words}` } : {}; };
-    fill(place, el("h3", { class: look }, `${mark} ${answer.verdict.words}`),
+    fill(container, el("h3", { class: look }, `${mark} ${answer.verdict.words}`),
       el("div", { class: "drives" }, answer.drives.map((drive, at) => el("article", { class: at ? "" : "first" },
         el("h4", {}, drive.title), el("p", { class: "soft" }, drive.why),
         drive.verdict.words ? el("p", { class: JUDGED[drive.verdict.judgement].look }, `${JUDGED[drive.verdict.judgement].mark} ${drive.verdict.words}`) : null,
         el("dl", {}, rows.map(([key, word, unit, field]) => [el("dt", {}, word), el("dd", judged(drive, field), `${number(drive.figures[key], 3)} ${unit}`)]), el("dt", {}, "Life"), el("dd", judged(drive, "life_h"), drive.life)),
-        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, { ...answer.asked, motor: this.form.elements.motor.value })) this.#shut(); } }, "Use this drive")))));
+        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, { ...answer.required, motor: this.form.elements.motor.value })) this.#shut(); } }, "Use this drive")))));
   }
 
-  #refused(place, answer, done) {
-    const most = answer.most ? `${number(answer.most, 3)} N m` : "";
-    refill(place,
-      el("h3", { class: "fails" }, `${JUDGED.failed.mark} No design reaches ${number(answer.asked.torque_nm)} N m with these requirements`),
-      el("p", {}, answer.most ? ["Maximum: ", el("b", {}, most), `, limited by: ${answer.limit}.`] : `${answer.limit}.`),
+  #refused(container, answer, done) {
+    const most = answer.max_torque_nm ? `${number(answer.max_torque_nm, 3)} N m` : "";
+    refill(container,
+      el("h3", { class: "fails" }, `${JUDGED.failed.mark} No design reaches ${number(answer.required.torque_nm)} N m with these requirements`),
+      el("p", {}, answer.max_torque_nm ? ["Maximum: ", el("b", {}, most), `, limited by: ${answer.limit}.`] : `${answer.limit}.`),
       el("h4", {}, done ? "Alternatives" : "Alternatives so far"),
-      el("div", { class: "ways" },
-        answer.ways.map(way => el("button", { type: "button", class: "way", onclick: () => this.#instead(way.asked) }, el("b", {}, way.words), el("small", {}, this.#also(way.asked)))),
-        answer.most ? el("button", { type: "button", class: "way less", onclick: () => this.#instead({ ...answer.asked, torque_nm: answer.most }) }, el("b", {}, most), el("small", {}, "the same requirements with less torque")) : null,
-        !answer.ways.length && done && !answer.most ? el("p", { class: "soft" }, "No alternative was found. Try a larger diameter, a smaller torque or another process.") : null));
+      el("div", { class: "alternatives" },
+        answer.remedies.map(remedy => el("button", { type: "button", class: "alternative", onclick: () => this.#instead(remedy.required) }, el("b", {}, remedy.words), el("small", {}, this.#also(remedy.required)))),
+        answer.max_torque_nm ? el("button", { type: "button", class: "alternative less", onclick: () => this.#instead({ ...answer.required, torque_nm: answer.max_torque_nm }) }, el("b", {}, most), el("small", {}, "the same requirements with less torque")) : null,
+        !answer.remedies.length && done && !answer.max_torque_nm ? el("p", { class: "soft" }, "No alternative was found. Try a larger diameter, a smaller torque or another process.") : null));
   }
 
   // A design that the page cannot draw: its figures, and the commands that support it.
@@ -193,7 +193,7 @@ export class Start {
     announce(data.title);
   }
 
-  #also(asked) {
-    return `${asked.ratio}:1, ${number(asked.diameter_mm)} mm, ${number(asked.torque_nm)} N m, ${PROCESS[asked.process]?.[0].toLowerCase() ?? asked.process}`;
+  #also(required) {
+    return `${required.ratio}:1, ${number(required.diameter_mm)} mm, ${number(required.torque_nm)} N m, ${PROCESS[required.process]?.[0].toLowerCase() ?? required.process}`;
   }
 }

@@ -9,8 +9,8 @@ const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losse
 const STUDIES = ["scatter", "stress"]; // tabs whose results stay until they are computed again
 
 export class Tabs {
-  constructor(place, state, apply) {
-    Object.assign(this, { place, state, apply, open: "figures", last: {}, jobs: {}, other: null, printer: {} });
+  constructor(container, state, apply) {
+    Object.assign(this, { container, state, apply, open: "figures", last: {}, jobs: {}, other: null, printer: {} });
     this.choseMotor = () => {};
     this.solved = {
       error: newest("error", data => this.receive("error", data), words => this.receiveError("error", words)),
@@ -20,7 +20,7 @@ export class Tabs {
     this.list = el("div", { role: "tablist", "aria-label": "Results", onkeydown: event => this.#keys(event) }, Object.entries(TABS).map(([key, word]) =>
       el("button", { role: "tab", id: `tab-${key}`, "aria-controls": "panel", "aria-selected": String(key === this.open), tabindex: key === this.open ? "0" : "-1", onclick: () => this.choose(key) }, word)));
     this.panel = el("div", { role: "tabpanel", id: "panel", tabindex: "0", "aria-labelledby": "tab-figures" });
-    place.append(this.list, this.panel);
+    container.append(this.list, this.panel);
   }
 
   offer(offers) { this.offers = offers; this.#draw(); }
@@ -81,7 +81,7 @@ export class Tabs {
   }
 
   // Choices that are not in the design file: the motor of the requirements, and those of the printer.
-  options() { return { motor: this.state().asked.motor || "auto", ...this.printer }; }
+  options() { return { motor: this.state().required.motor || "auto", ...this.printer }; }
 
   #draw() {
     this.panel.classList.remove("old");
@@ -112,11 +112,11 @@ export class Tabs {
       const count = data.cam.length, x = Array.from({ length: count }, (_, at) => at * 360 / (count - 1));
       const largest = kind => x.map((_, at) => Math.max(...data[kind].force[at].flat()));
       const carrying = x.map((_, at) => { const all = data.teeth.force[at].flat(), most = Math.max(...all); return all.filter(one => one > 0.01 * most).length; });
-      const place = at => data.teeth.force.map(row => row[0][at]);
+      const forceOn = at => data.teeth.force.map(row => row[0][at]);
       const pins = data.teeth.force[0][0].length;
       return [
         lines("Largest forces over the turn", x, [{ name: "tooth", y: largest("teeth"), look: "teeth" }, { name: "output pin", y: largest("output"), look: "output" }, { name: "cam", y: data.cam.map(row => Math.max(...row.map(([a, b]) => Math.hypot(a, b)))), look: "cam" }], ["crank angle [°]", "force [N]"]),
-        lines("Force on three ring teeth of the first disc", x, [0, Math.floor(pins / 4), Math.floor(pins / 2)].map((at, row) => ({ name: `tooth ${at + 1}`, y: place(at), look: ["teeth", "output", "cam"][row] })), ["crank angle [°]", "force [N]"]),
+        lines("Force on three ring teeth of the first disc", x, [0, Math.floor(pins / 4), Math.floor(pins / 2)].map((at, row) => ({ name: `tooth ${at + 1}`, y: forceOn(at), look: ["teeth", "output", "cam"][row] })), ["crank angle [°]", "force [N]"]),
         lines("Loaded teeth", x, [{ name: "force above 1 % of the largest", y: carrying, look: "teeth" }], ["crank angle [°]", "teeth"])];
     });
   }
@@ -165,7 +165,7 @@ export class Tabs {
   #study(key, label, content, draw, before = null) {
     const last = this.last[key], job = this.jobs[key];
     const begin = async () => {
-      const mine = this.jobs[key] = { asked: this.state().design, words: label };
+      const mine = this.jobs[key] = { design: this.state().design, words: label };
       this.last[key] = null;
       this.#draw();
       let seen = "";
@@ -178,7 +178,7 @@ export class Tabs {
           this.last[key] = { data: found };
           if (this.open === key && this.jobs[key] === mine) this.#draw();
         });
-        if (done.result) this.last[key] = { data: done.result, old: mine.asked !== this.state().design };
+        if (done.result) this.last[key] = { data: done.result, old: mine.design !== this.state().design };
         announce(done.result ? `${TABS[key]}: finished` : `${TABS[key]}: stopped`);
         if (!done.result) mine.stopped = true;
       } catch (error) { this.last[key] = { words: error.message }; announce(`${TABS[key]}: ${error.message}`); }
@@ -233,8 +233,8 @@ export class Tabs {
   }
 
   #compare() {
-    const { shown, statics, life, design, asked } = this.state();
-    const mine = { name: shown?.name, head: shown?.head, statics, life, design: { ...design }, asked: { ...asked } };
+    const { shown, statics, life, design, required } = this.state();
+    const mine = { name: shown?.name, head: shown?.head, statics, life, design: { ...design }, required: { ...required } };
     const keep = el("button", { class: "strong", onclick: () => { this.other = mine; this.#draw(); } }, this.other ? "Keep this design as A instead" : "Keep this design as A");
     if (!this.other) return [el("p", {}, "Keep the present design as A, then change it: A and B are compared here."), keep];
     const rows = [["Ratio", one => one.head?.ratio, ":1"], ["Diameter", one => one.head?.diameter_mm, "mm"], ["Mass", one => one.head?.mass_kg, "kg"], ["Rated torque", one => one.life?.rated_torque_nm, "N m"], ["Life", one => one.life?.life_h, "h"]];
