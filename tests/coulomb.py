@@ -45,7 +45,7 @@ def friction_borne(reducer: Reducer, springs: Springs, load: Array, most: float)
     """
     contacts, ideal = springs.contacts, np.zeros(load.size)
     discs = ideal[:-1].reshape(-1, 3)
-    discs[:, :2] = contacts.cam_place[0]
+    discs[:, :2] = contacts.cam_position[0]
     slopes, scale = exact_contacts(reducer, float(springs.crank[0]), ideal)[1], float(np.abs(load).max())
     unit = scale / contacts.cam_stiffness
 

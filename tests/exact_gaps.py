@@ -17,10 +17,10 @@ def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.n
     turned = float(kinematics.gear_rotation(gear, crank))
     angle, out = turned + z[2] / output.pin_circle_radius, turned + z[3] / output.pin_circle_radius
     flanks = design_flanks(Reducer(design))
-    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place
+    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_displacement
     mesh = pin_gaps(gear, GearPose(centre, angle), pins, flanks)
     teeth = mesh.distance + profile_offset(design) - gear.pin_radius - made.pin_radius
     around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
-    between = rotate(around, out) - centre - rotate(around + made.hole_place[0], angle)
+    between = rotate(around, out) - centre - rotate(around + made.hole_displacement[0], angle)
     room = output.hole_radius + design.clearance.output - output.pin_radius
     return teeth, room - np.linalg.norm(between, axis=1)

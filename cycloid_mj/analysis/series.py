@@ -313,8 +313,8 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
 def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
     """Return the run up to its first sample with a value that is not finite or too large.
 
-    A failed run may end in such samples. All columns are checked, not only those needed; the note of the shortened run
-    says where it was cut.
+    A failed run may end in such samples. All columns are checked, not only those needed, `column_names`; the note of
+    the shortened run says where it was cut.
 
     Raises
     ------

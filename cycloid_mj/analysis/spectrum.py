@@ -189,10 +189,10 @@ def tapered_orders(
 
 
 def _invert_samples(increasing: Array, targets: Array) -> Array:
-    """Compute the fractional sample numbers (k,) at which increasing values (n,) reach targets (k,); n is at least 4.
+    """Compute the fractional sample numbers (k,) [1] at which increasing values (n,) reach targets (k,).
 
-    Lagrange's cubic interpolation is right to 1e-5 samples, because the crank angle of a run is smooth; importing
-    SciPy's splines would take longer than the evaluation of a run.
+    n is at least 4. Lagrange's cubic interpolation is right to 1e-5 samples, because the crank angle of a run is
+    smooth; importing SciPy's splines would take longer than the evaluation of a run.
     """
     first_index = np.clip(np.searchsorted(increasing, targets) - 2, 0, len(increasing) - 4)
     node_values = increasing[first_index + np.arange(4)[:, np.newaxis]]

@@ -145,7 +145,10 @@ def _format_row(
     closed_form: float | None = None,
     error: float | None = None,
 ) -> FigureRow:
-    """Return a table row with values to five digits; missing values are empty cells."""
+    """Return a row of the table: a quantity with its unit, the simulated value, its closed form and its error.
+
+    Values have five digits; missing values are empty cells.
+    """
     return FigureRow(quantity, _format_value(simulated), _format_value(closed_form), _format_value(error), unit)
 
 

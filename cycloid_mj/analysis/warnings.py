@@ -166,7 +166,8 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
 def _open_balance_warning(missing_power: float, total_power: float, speed: float, is_idle: bool, remedy: str) -> str:
     """Return the warning that a power [W] is missing in the balance, out of the total power [W].
 
-    `speed` is that of the crank [rad/s]; `is_idle` for a drive whose output power is negligible.
+    `speed` is that of the crank [rad/s]; `is_idle` for a drive whose output power is negligible; `remedy` ends the
+    warning.
     """
     figures = "powers and losses" if is_idle else "powers, losses and efficiency"
     whose = f"{' of the idling drive' if is_idle else ''} at {RPM.from_si(speed):.4g} rpm"

@@ -26,7 +26,10 @@ def significant(value: float) -> float:
 
 
 def significant_tensor(values: npt.ArrayLike) -> Array:
-    """Round an array: its largest element to `DIGITS` significant digits, all others to as many decimals."""
+    """Round an array of any shape: its largest element to `DIGITS` significant digits, all others to as many decimals.
+
+    The unit of the `values` does not matter.
+    """
     array = np.asarray(values, dtype=np.float64)
     largest = float(np.abs(array).max(initial=0.0))
     if largest == 0.0:

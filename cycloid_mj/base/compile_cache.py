@@ -70,7 +70,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
             config.CACHE_DIR = before
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return the cached machine code for a signature, or None if there is none or if it is damaged."""
+        """Return the cached machine code for a signature and a `target`; None if there is none or it is damaged."""
         try:
             return super().load_overload(signature, target)
         except Exception:  # whatever a damaged pickle raises
@@ -82,7 +82,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
             return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Store the machine code for a signature; report once if that is not possible."""
+        """Store the machine code of a `compiled` function for a signature; report once if that is not possible."""
         try:
             super().save_overload(signature, compiled)
         except OSError as problem:

@@ -36,7 +36,7 @@ def njit(
 
 
 def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
-    """Return a decorator that compiles a function which C can call, as ``numba.cfunc`` does.
+    """Return a decorator that compiles a function which C can call, as ``numba.cfunc`` does, with a numba `signature`.
 
     With `cache` the machine code is stored in a `KernelCache`.
     """

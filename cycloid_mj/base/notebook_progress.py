@@ -36,7 +36,7 @@ class CellBar:
         self._handle: Any = None
 
     def __call__(self, done: int, total: int) -> None:
-        """Update the bar in the cell: share of the items done and estimated time left."""
+        """Update the bar in the cell: share of the `total` items that are `done`, and estimated time left."""
         now = monotonic()
         if now - self._start < TIMING.delay or now - self._updated < TIMING.interval:
             return

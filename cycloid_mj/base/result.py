@@ -116,7 +116,7 @@ def quantity_frame(quantities: Mapping[str, Quantity]) -> "Frame":
 def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
     """Return a table with a row per quantity: name, value, unit, numerical error, closed form and source.
 
-    A value that is NaN is a dash; a missing error or closed form is an empty cell.
+    `title` is that of the table. A value that is NaN is a dash; a missing error or closed form is an empty cell.
     """
     rows = (
         (

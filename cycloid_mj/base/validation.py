@@ -88,19 +88,19 @@ class ValidationPart:
 
 
 def relative(
-    quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
+    quantity: str, result: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Return a row judged by |ours/reference - 1|, with `bound` in percent; it fails if the reference is 0."""
-    error = 100.0 * abs(ours / reference - 1.0) if reference else float("nan")
-    return ValidationRow(_as_quantity(quantity, ours, reference, unit, source, note), float(error), "%", bound)
+    """Return a row judged by |result/reference - 1|, with `bound` in percent; it fails if the reference is 0."""
+    error = 100.0 * abs(result / reference - 1.0) if reference else float("nan")
+    return ValidationRow(_as_quantity(quantity, result, reference, unit, source, note), float(error), "%", bound)
 
 
 def absolute(
-    quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
+    quantity: str, result: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Return a row judged by |ours - reference| in `unit`; the difference of two percentages is in points."""
-    measured = _as_quantity(quantity, ours, reference, unit, source, note)
-    return ValidationRow(measured, float(abs(ours - reference)), "points" if unit == "%" else unit, bound)
+    """Return a row judged by |result - reference| in `unit`; the difference of two percentages is in points."""
+    measured = _as_quantity(quantity, result, reference, unit, source, note)
+    return ValidationRow(measured, float(abs(result - reference)), "points" if unit == "%" else unit, bound)
 
 
 def deviation_row(
@@ -110,6 +110,17 @@ def deviation_row(
 
     The row shows the largest magnitude of both sides, judged by the largest difference in percent of the largest
     reference.
+
+    Parameters
+    ----------
+    quantity, unit
+        Name and unit of the values.
+    result, reference
+        Values, and their reference.
+    source, note
+        Source of the reference, and a remark.
+    bound
+        Allowed difference [%]; None: not judged.
     """
     size, largest, error = (float(_sizes(values).max()) for values in (result, reference, result - reference))
     return ValidationRow(_as_quantity(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
@@ -121,8 +132,8 @@ def failed_part(reason: str) -> ValidationRow:
     return ValidationRow(_as_quantity("could not be run", nan, nan, "", "", reason), nan, "", 0.0)
 
 
-def _as_quantity(name: str, ours: float, reference: float, unit: str, source: str, note: str) -> Quantity:
-    return Quantity("", name, float(ours), unit, None, float(reference), source, note)
+def _as_quantity(name: str, result: float, reference: float, unit: str, source: str, note: str) -> Quantity:
+    return Quantity("", name, float(result), unit, None, float(reference), source, note)
 
 
 def _sizes(values: Array) -> Array:

@@ -353,7 +353,7 @@ def _estimate_json(estimate: Estimate) -> dict[str, Any]:
 
 
 def _loop_json(fit: Fitted, number: int) -> dict[str, Any]:
-    """Convert the loop with the index `number`, its residual and its fitted offsets to JSON values."""
+    """Convert the loop with the index `number`, its residual and its offsets in a fit to JSON values."""
     loop, rms, offset = fit.loops[number], fit.rms(number), fit.offsets[number]
     return {
         "name": loop.name,
@@ -578,7 +578,10 @@ def _percent(shares: Sequence[float]) -> str:
 
 
 def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[model_selection.ModelFit]) -> Table:
-    """Return a table of fits of several models to the same loops, with their criteria above the lowest."""
+    """Return a table of fits of several models to the same loops, with their criteria above the lowest.
+
+    `title` is that of the table, `compared` are the fits.
+    """
     bayesian, akaike = (min(getattr(item, key) for item in compared) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
     rows = tuple(
@@ -595,7 +598,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
 
 
 def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
-    """Convert the fit of a model to JSON values."""
+    """Convert the fit of a model, `item`, to JSON values."""
     criteria = {"bic": item.bayesian, "aic": item.akaike}
     return {
         "key": item.key,
@@ -675,7 +678,7 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:
     """Check that torques are in N m and deflections in degrees, by comparison with the loops of the design itself.
 
-    A loop at which the design has no static balance is not checked.
+    `bench` is the condition of the measurement. A loop at which the design has no static balance is not checked.
 
     Raises
     ------
@@ -705,7 +708,7 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
 
 
 def _require_sensitivity(problem: FitProblem) -> None:
-    """Raise UsageError if none of the parameters changes any loop, by central differences of the residuals."""
+    """Raise UsageError if no parameter of the fit `problem` changes any loop (central differences of the residuals)."""
     start = np.array([item.to_scale(item.start) for item in problem.parameters] + [0.0] * (2 * len(problem.loops)))
     if not np.any(np.abs(problem.slopes(start, range(len(problem.parameters)), central=True)) > LIMITS.min_sensitivity):
         raise UsageError(

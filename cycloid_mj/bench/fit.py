@@ -274,7 +274,9 @@ def _refine(
 
 
 def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
-    """Compute the fit at scaled values, shape (v,), with the intervals of the linearised model and `MODEL_ERROR`.
+    """Compute the fit of a `problem` at scaled values, shape (v,), with the intervals of the linearised model.
+
+    The intervals include `MODEL_ERROR`.
 
     Raises
     ------
@@ -330,9 +332,9 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
 
 
 def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
-    """Sum n log(mean square residual) over the loops: twice the negative log-likelihood, except for a constant.
+    """Sum n log(mean square residual) over the loops [1]: twice the negative log-likelihood, except for a constant.
 
-    `independent` has the number n of independent residuals of each loop.
+    `residuals` are those of each loop, `independent` is the number n of independent residuals of each loop.
     """
     return sum(
         count * float(np.log(np.mean(loop_residuals**2)))
@@ -345,8 +347,13 @@ def _choose_offset(
 ) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
     """Choose by the Bayesian information criterion whether the loops have zero offsets of torque.
 
-    `problem` is that with offsets; `solutions` are cost and scaled values of its searches, the best first. Returns the
-    chosen problem, by how much the criterion is lower with offsets, and the solutions of the chosen problem.
+    `problem` is that with offsets; `solutions` are cost and scaled values (v,) of its searches, the best first.
+
+    Returns
+    -------
+    tuple
+        The chosen problem, by how much the criterion is lower with offsets [1], and the solutions of the chosen
+        problem.
     """
     problem_without_offset = replace(problem, torque_offset=False)
     steps = SETTINGS.max_steps_from_start
@@ -385,7 +392,7 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
     Returns
     -------
     Array or None
-        Scaled values with a lower cost than the solution, if a search reached some.
+        Scaled values (v,) with a lower cost than the solution, if a search reached some.
     """
     inverse, lowest_cost = fitted.uncertainty.inverse, valleys[0][0]
     is_distinct = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in valleys[1:]]
@@ -421,15 +428,15 @@ def _profile_distance(
 ) -> tuple[float, tuple[float, Array] | None]:
     """Compute the signed distance of a value from a valley at which the profile cost has risen by an allowed amount.
 
-    The value of an `index` is fixed at distances that double, all others are fitted again, and the end is
-    interpolated.
+    The value of an `index` is fixed at distances that double, all others are fitted again, and the end is interpolated.
+    Values are scaled, without unit.
 
     Parameters
     ----------
     problem, fitted
         The least-squares problem and its solution.
     valley
-        Cost and scaled values at the bottom of the valley.
+        Cost and scaled values (v,) at the bottom of the valley.
     index, side
         Index of the value; 0 for its lower end, 1 for its upper end.
     allowed_rise

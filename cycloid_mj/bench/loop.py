@@ -202,7 +202,7 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
 
 
 def _parse_number(text: str, location: str) -> float:
-    """Parse a finite number.
+    """Parse a finite number in a file, in its unit there.
 
     Raises
     ------
@@ -296,7 +296,7 @@ def require_torque(loop: MeasuredLoop, rated_torque: float) -> None:
 
 
 def _require_degrees(height: float, origin: str) -> None:
-    """Raise UsageError for a loop whose height [deg] is implausible in degrees."""
+    """Raise UsageError for a loop whose height [deg] is implausible in degrees; the message begins with `origin`."""
     if not SETTINGS.min_height_deg <= height <= SETTINGS.max_height_deg:
         likely_unit = (
             "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"

@@ -147,9 +147,10 @@ def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
 
 
 def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure:
-    """Compute the mean slope of both loading branches between two torques [N m], as `stiffness_nm_per_rad` is defined.
+    """Compute the mean slope of both loading branches of a loop [N m/rad], as `stiffness_nm_per_rad` is defined.
 
-    NaN where the loop does not reach the higher torque.
+    `low` and `high` are the magnitudes of the torques between which lines are fitted [N m]. NaN where the loop does not
+    reach the higher one.
     """
     if min(high, *map(abs, loop.ends)) < high * READING.loaded[1]:
         return NO_FIGURE
@@ -160,7 +161,7 @@ def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure
 
 
 def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
-    """Compute the rotation between the middles of the branches at +3 % and -3 % of a rated torque [N m], in rad.
+    """Compute the rotation [rad] between the middles of a loop's branches at +3 % and -3 % of a rated torque [N m].
 
     NaN if a branch does not cross one of these torques.
     """
@@ -178,10 +179,11 @@ def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
 
 
 def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
-    """Compute the rotation between the branches at zero torque, each unloaded from its side, before the play [rad].
+    """Compute the rotation [rad] between a loop's branches at zero torque, each unloaded from its side.
 
-    It is that of the lines through the points of the branches from 3 % of a rated torque down to 0.5 %, extended to
-    zero torque. Without enough points there, the branch is interpolated. NaN if a branch does not cross zero torque.
+    It is that of the lines through the points of the branches from 3 % of a rated torque [N m] down to 0.5 %, before
+    the play, extended to zero torque. Without enough points there, the branch is interpolated. NaN if a branch does not
+    cross zero torque.
     """
     readings = []
     for direction in (1, -1):
@@ -216,7 +218,7 @@ def loop_coulomb_torque(loop: MeasuredLoop) -> LoopFigure:
 def _fit_loading_line(
     loop: MeasuredLoop, direction: int, low: float, high: float, coulomb_torque: float
 ) -> _Line | None:
-    """Fit a line, deflection over torque, to the loading branches of one side between two torques [N m].
+    """Fit a line, deflection over torque, to the loading branches of one side of a loop between two torques [N m].
 
     `low` and `high` are magnitudes, `direction` is 1 for positive, -1 for negative torque. Points below
     `READING.loaded_coulomb` Coulomb torques are left out. Return None if there are too few points.
@@ -279,11 +281,16 @@ def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: 
 def _find_crossings(
     loop: MeasuredLoop, abscissa: Array, values: Array, level: float, window: float
 ) -> tuple[_Crossing, _Crossing] | None:
-    """Compute the `values` at which the falling and the rising branches cross a level of `abscissa`.
+    """Compute the `values` at which the falling and the rising branches of a loop cross a level of `abscissa`.
 
-    `abscissa` and `values` have shape (n,). The results are those of lines fitted within `window` of the level; with
-    too few points, of an interpolation. Return value, variance and degrees of freedom for the falling, then the rising
-    branches; None if one does not cross the level.
+    Lines are fitted within `window` of the level; with too few points, the branch is interpolated. `abscissa` and
+    `values` have shape (n,).
+
+    Returns
+    -------
+    tuple or None
+        Value, variance and degrees of freedom for the falling, then the rising branches; None if one does not cross the
+        level.
     """
     crossings = []
     for direction in (-1, 1):
@@ -312,10 +319,10 @@ def _interpolate_leap(x: Array, y: Array, level: float) -> _Crossing:
 
 
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
-    """Fit a line to the masked ones of n points, shape (n,) each, by least squares; None for too few points or one x.
+    """Fit a line to the masked ones of n points (x, y), shape (n,) each, by least squares.
 
     The variances account for autocorrelated residuals: the number of independent points is smaller by
-    `autocorrelation_time`.
+    `autocorrelation_time`. None for too few points, or if all have the same x.
     """
     x, y = x[mask], y[mask]
     count, offsets = len(x), x - np.mean(x) if len(x) else x

@@ -104,10 +104,15 @@ def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]
 def fit_candidates(
     model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition, trials: Trials
 ) -> Iterator[tuple[str, Fitted]]:
-    """Yield the key and the fit of each model in `CANDIDATES` to the loops, one after the other.
+    """Fit each model in `CANDIDATES` to the loops, one after the other.
 
-    The fits have the likeliest values without confidence intervals. `bench` is the condition of the loops. The
-    progress in `trials` includes a later fit of the model `WRITTEN` with intervals.
+    The fits have the likeliest values without confidence intervals. `bench` is the condition of the loops. The progress
+    in `trials` includes a later fit of the model `WRITTEN` with intervals.
+
+    Yields
+    ------
+    tuple
+        Key of the model, and its fit.
 
     Raises
     ------

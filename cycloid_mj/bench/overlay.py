@@ -60,7 +60,8 @@ def apply_values(model: Model, parameters: Sequence[Parameter], values: Array) -
 def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, torque_offset: float = 0.0) -> Branches:
     """Compute torque [N m] and rotation [rad] of a model along each branch of a loop.
 
-    The torques are those of the loop less an offset [N m]. A loop of the same size precedes it, so that it closes.
+    `bench` is the condition of the measurement. The torques are those of the loop less an offset [N m]. A loop of the
+    same size precedes it, so that it closes.
     """
     ends = [end - torque_offset for end in loop.turns]
     if model.contact_friction:
@@ -76,8 +77,9 @@ def _branches_with_contact_friction(
 ) -> Branches:
     """Compute the branches between reversal torques [N m] with friction in the contacts (`friction_path`).
 
-    The distance of neighbouring points is at most `max_turn` [rad]. Two branches, from rest to the second reversal and
-    back to the first, lead to the loop and are left out. Return torque [N m] and rotation [rad] along each branch.
+    `bench` is the condition of the measurement. The distance of neighbouring points is at most `max_turn` [rad]. Two
+    branches, from rest to the second reversal and back to the first, lead to the loop and are left out. Return torque
+    [N m] and rotation [rad] along each branch.
     """
     spans = list(pairwise(reversals))
     lead = [

@@ -189,7 +189,7 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
     def make_play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
         """Return the clearance of some kinds of pairs as a parameter, with the tolerances that change it as its prior.
 
-        `start` is the design's clearance [m].
+        `key` and `meaning` are those of the parameter, `start` is the design's clearance [m].
         """
         tolerances = [
             item for item in SHIFTING if item in zones and {"teeth": tooth}.get(SHIFTING[item], SHIFTING[item]) in kinds

@@ -299,10 +299,11 @@ def protocol(
 
 
 def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> MeasuredLoop:
-    """Compute the loop of a model with a locked crank [rad], to a torque on the output [N m] and back, as of a bench.
+    """Compute the loop of a model with the crank locked at an angle [rad], up to +-`rated_torque` [N m] on the output.
 
-    It is a run as of `measure lost-motion`. Where the design has friction of its wind-up (`springs`), which no run has,
-    it is computed by statics, and that friction represents all; a loop of the same size precedes it, so that it closes.
+    It has the form of a loop that a bench measures. It is a run as of `measure lost-motion`. Where the design has
+    friction of its wind-up (`springs`), which no run has, it is computed by statics, and that friction represents all;
+    a loop of the same size precedes it, so that it closes.
 
     Raises
     ------
@@ -402,7 +403,10 @@ def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
 
 
 def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute transmission error and torques of the model, by keys of `LINES`, with the functions of the catalogue."""
+    """Compute transmission error and torques of the model, by keys of `LINES`, with the functions of the catalogue.
+
+    The transmission error is that under a small share of `rated_torque` [N m].
+    """
     catalogue_keys = {"starting_torque_nm": "starting_torque_nm", "running_torque_nm": "no_load_torque_nm"}
     catalogue_keys |= {"back_driving_torque_nm": "back_driving_torque_free_nm"}
     return {

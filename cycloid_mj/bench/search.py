@@ -168,9 +168,10 @@ class FitProblem:
         return branches
 
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
-        """Compute the residuals of each loop's points: signed distances, as shares of the loop's ranges, (n,) each.
+        """Compute the residuals of each loop's points at `scaled` values (v,): signed distances over ranges, (n,).
 
-        They are `SETTINGS.failed_residual` where the model has no static balance.
+        Distances are those of the points from the model's branches, as shares of the loop's ranges. They are
+        `SETTINGS.failed_residual` where the model has no static balance.
         """
         residuals = []
         for loop, branches, (torque, deflection) in self._modelled_loops(scaled):
@@ -187,12 +188,10 @@ class FitProblem:
             yield loop, self._cached_branches(values, index, torque), (torque, deflection)
 
     def residuals(self, scaled: Array) -> Array:
-        """Compute the residuals of all loops, each loop with the same weight, followed by those of the priors.
+        """Compute the residuals of all loops [1], each loop with the same weight, followed by those of the priors.
 
-        `scaled` are the scaled values, shape (v,); the result has shape (points + priors,).
-
-        A value that differs from its prior by one standard deviation counts as a loop with a residual of
-        `MODEL_ERROR`.
+        `scaled` are the scaled values, shape (v,); the result has shape (points + priors,). A value that differs from
+        its prior by one standard deviation counts as a loop with a residual of `MODEL_ERROR`.
         """
         self.trials()
         prior_residuals = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
@@ -204,7 +203,7 @@ class FitProblem:
         )
 
     def deflection_errors(self, scaled_values: Array) -> Array:
-        """Compute (model deflection - measured deflection) / loop height at each measured torque.
+        """Compute (model deflection - measured deflection) / loop height [1] at each measured torque.
 
         `scaled_values` have shape (v,). The errors of all loops are concatenated, shape (points,), without the first
         `points_left_out` points of each loop. Those of a loop are divided by the square root of their number: all loops
@@ -299,7 +298,7 @@ class FitProblem:
     def minimise(
         self, start: Array, max_steps: int, method: Literal["trf", "dogbox"], fixed: int | None = None
     ) -> tuple[float, Array]:
-        """Minimise the robust sum of squares (soft L1 loss) from a start; return the cost and the scaled values.
+        """Minimise the robust sum of squares (soft L1 loss) from a start.
 
         Values whose bounds coincide keep their start, too.
 
@@ -313,6 +312,11 @@ class FitProblem:
             Trust-region method of `scipy.optimize.least_squares`.
         fixed
             Index of a value that keeps its start.
+
+        Returns
+        -------
+        tuple
+            Cost, and scaled values (v,).
         """
         from scipy.optimize import least_squares
 
@@ -352,9 +356,10 @@ class FitProblem:
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
         """Return the scaled values between bounds, (v,), with the deflections nearest to the measured ones, rms.
 
-        `low` and `high` are the ends of the intervals of the values. A value that moves from the start by a quarter of
-        the distance between its ends, which is its standard deviation, adds the cost of a loop with a residual of
-        `MODEL_ERROR`, so that a value on which the deflections hardly depend stays.
+        `start` are the initial values, `low` and `high` the ends of the intervals of the values, shape (v,) each. A
+        value that moves from the start by a quarter of the distance between its ends, which is its standard deviation,
+        adds the cost of a loop with a residual of `MODEL_ERROR`, so that a value on which the deflections hardly depend
+        stays.
         """
         from scipy.optimize import least_squares
 

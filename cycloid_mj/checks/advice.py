@@ -146,7 +146,8 @@ def _repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Ch
 def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
     """Change one key by more, in the same direction, until a check passes: by growing strides, then bisection.
 
-    Returns the value to four digits, or None if the check never passes.
+    `applied_change` maps the key to its value so far, with which `failed_check` fails. Returns the key with its value
+    to four digits, or None if the check never passes.
     """
     ((key, value),) = applied_change.items()
     original = value_of(reducer.design, key)

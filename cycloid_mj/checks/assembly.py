@@ -50,7 +50,7 @@ def _assembly_gap(reducer: Reducer) -> Check:
     Parts that overlap run under load only. The pose is the best fit at up to `MAX_POSES` crank angles.
     """
     poses = min(MAX_POSES, reducer.design.ring.teeth)
-    smallest_gap = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
+    smallest_gap = min(best_fit(reducer, 2 * np.pi * pose / poses).min_gap for pose in range(poses))
     value_text, limit = value_and_limit(smallest_gap, "at least", 0.0, MICROMETRE)
     pairs = (reducer.design.tooth_pair, "cam", "output")
     wider = [

@@ -107,9 +107,12 @@ def bearing_room_rule(reducer: Reducer) -> Rule:
 
 
 def _static_moments(reducer: Reducer) -> tuple[float, float]:
-    """Compute the static moment of disc and cam [m4], and of the counterweight per thickness [m3], over the density.
+    """Compute the static moments that a counterweight balances, divided by the shaft's density.
 
-    Both are divided by the shaft's density.
+    Returns
+    -------
+    tuple of float
+        Moment of disc and cam [m4], and of the counterweight per thickness [m3].
     """
     design = reducer.design
     gear, shaft = design.gear, design.shaft

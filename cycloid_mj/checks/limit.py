@@ -159,6 +159,12 @@ def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[
     """Format a value and its limit [SI] in a unit, with at least four digits and as many as distinguish them.
 
     Equal numbers are written with all digits, so that a remedy, which is slightly larger or smaller, differs from both.
+    `side` precedes the `bound`, such as "at most".
+
+    Returns
+    -------
+    tuple of str
+        Value and limit with their unit.
     """
     unit_symbol = SYMBOLS.get(unit.suffix, unit.suffix)
     shown_value, limit = unit.from_si(value), unit.from_si(bound)

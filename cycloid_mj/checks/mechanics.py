@@ -154,7 +154,7 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
 def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     """Yield the check that the clearances from crank to output add up to little.
 
-    If they do not, another one checks that the disc skips no tooth.
+    If they do not, another one checks that the disc skips no tooth, provided that the disc has a feasible shape.
     """
     design = reducer.design
     names = design.pair_kinds

@@ -88,7 +88,8 @@ def _missing_balance(error: CycloidError) -> Check:
 def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
     """Yield the checks of a part's largest Hertz pressure against first yield, shakedown and hardness.
 
-    `part` is a key of `PARTS`. The remedies of a failed check are a wider face, a stronger material, and less torque.
+    `state` are the loads at the nominal torque, `part` is a key of `PARTS`. The remedies of a failed check are a wider
+    face, a stronger material, and less torque.
     """
     reducer, design = state.reducer, state.reducer.design
     kind = design.tooth_pair if part == "tooth" else part
@@ -139,15 +140,20 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
 
 
 def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strength: str) -> tuple[str, float, float]:
-    """Return key, value and pressure ratio of the lower strength of the two surfaces of a kind of pair.
-
-    The value [Pa] is the strength over the pressure ratio, which is 1 except for bare rollers (`roller_contacts`). The
-    key is that of the design file, without unit: ``surface_yield`` if it is set.
+    """Return the lower strength of the two surfaces of a kind of pair.
 
     Parameters
     ----------
+    kind
+        Kind of pair.
     strength, surface_strength
         Attributes of the material: the strength that a key sets, and that of the surface in its place.
+
+    Returns
+    -------
+    tuple
+        Key of the design file, without unit (``surface_yield`` if it is set); strength over the pressure ratio [Pa];
+        and pressure ratio [1], which is 1 except for bare rollers (`roller_contacts`).
     """
     design = reducer.design
     has_bare_rollers_on_disc = kind == "cam" and has_bare_rollers(reducer)
@@ -181,7 +187,7 @@ def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], all
 
 
 def _check_load_sharing(state: RatedLoad) -> Check:
-    """Check the largest tooth force relative to that of ideal load sharing.
+    """Check the largest tooth force relative to that of ideal load sharing, under the loads `state`.
 
     The remedy is a common factor on all clearances, by bisection; if none is small enough, a stiffer cam in words.
     """
@@ -226,7 +232,7 @@ def _clearances(reducer: Reducer) -> tuple[str, ...]:
 
 
 def _check_pressure_angle(state: RatedLoad) -> Check:
-    """Check the mean pressure angle of the tooth forces, averaged by force.
+    """Check the mean pressure angle of the tooth forces, averaged by force, under the loads `state`.
 
     The remedy is an eccentricity towards its largest, where the pins' path has loops, by bisection; if none is enough,
     smaller clearances in words.
@@ -330,7 +336,7 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
 
 
 def _check_wall(state: RatedLoad, wall: Wall) -> Check:
-    """Check that no pin tears out through its wall, in tension or shear at its largest force."""
+    """Check that no pin tears out through its wall, in tension or shear, under the loads `state`."""
     reducer, design = state.reducer, state.reducer.design
 
     def wall_stress(state: RatedLoad) -> float:

@@ -145,7 +145,10 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def remaining_angle(pin_radius: float, eccentricity: float) -> float:
-        """Compute the angle [rad] of the socket's support beyond the largest direction of the force."""
+        """Compute the angle [rad] of the socket's support beyond the largest direction of the force.
+
+        It is that with a `pin_radius` and an `eccentricity` [m] in place of those of the design.
+        """
         changed_design = design.model_copy(
             update={
                 "ring": design.ring.model_copy(update={"pin_radius": pin_radius}),
@@ -202,7 +205,8 @@ def circles_on_circle(half_pitch_share: float) -> float:
 def _find_decreasing_root(function: Callable[[float], float], high: float) -> float:
     """Find the root of a decreasing function in (0, `high`) by bisection, to rounding; 0 if there is none.
 
-    The lower end is returned: the function is positive there. A root below 1e-12 of `high` counts as none.
+    The root has the unit of `high`. The lower end of the last interval is returned: the function is positive there. A
+    root below 1e-12 of `high` counts as none.
     """
     low, floor = 0.0, 1e-12 * high
     while max(low, floor) < (midpoint := (low + high) / 2) < high:

@@ -187,7 +187,10 @@ def _has_command(paper: "Paper") -> bool:
 
 
 def _expand_folded_command(words: list[str]) -> list[str]:
-    """Return a command line with the group in front of a command that was called by its old name, and warn."""
+    """Return the `words` of a command line with the group in front of a command with an old name, and warn of it.
+
+    A command line without an old name is returned unchanged.
+    """
     if not words or (group := FOLDED.get(words[0])) is None:
         return words
     tell(

@@ -170,7 +170,7 @@ def calibrate(
 
 
 def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
-    """Read measured loops from CSV files.
+    """Read measured loops from CSV files at the `paths` of ``--loop``.
 
     Raises
     ------
@@ -222,7 +222,7 @@ def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
     """Test the calibrated design by its checks, statics and reduction; return a sentence on the first failure.
 
     The sentence names each fitted parameter without which the design can be used, with the value of the original design
-    instead. The result is empty if no test fails.
+    instead. The result is empty if no test fails. With `quiet` no progress is printed.
     """
     from cycloid_mj.cli.progress import show_activity
 

@@ -78,7 +78,9 @@ def build(
 
     reducer = reducer_of(design_options.resolve_checked([(TIMESTEP, timestep_us)]))
     if plain_coacd and isinstance(reducer, RvReducer):
-        raise UsageError("--plain-coacd supports designs with a central crank only: leave it out")
+        raise UsageError(
+            f'--plain-coacd does not support layout = "rv" ({reducer.design.name}), only a central crank: remove it'
+        )
     _require_writable(out)
     claim_outputs(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-model")
@@ -102,7 +104,7 @@ def build(
 
 
 def _require_writable(out: str) -> None:
-    """Raise CycloidError if the output folder cannot be created or written to; do not create it."""
+    """Raise CycloidError if the output folder `out` cannot be created or written to; do not create it."""
     existing = Path(out)
     while not existing.exists() and existing != existing.parent:
         existing = existing.parent
@@ -121,7 +123,7 @@ def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
 
 
 def _measure_plain_coacd(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
-    """Decompose the toothed parts by CoACD without slices, for comparison.
+    """Decompose the toothed parts by CoACD without slices, for comparison; `seed` is that of CoACD.
 
     Returns the deviations of their surfaces [um] by part and threshold of CoACD.
     """

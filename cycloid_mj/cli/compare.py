@@ -242,7 +242,8 @@ def _first_design(names: Sequence[str]) -> str:
 def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destination: Destination) -> Outcome:
     """Compare logged runs, and return the `Outcome` of their comparison.
 
-    `q` is the point of the disc whose motion is compared [m]; None: the default point.
+    `names` are the files of the logs, `q` is the point of the disc whose motion is compared [m]; None: the default
+    point.
     """
     from cycloid_mj.comparison import compare as compared
 
@@ -309,9 +310,19 @@ def _compare_runs(
 
 
 def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
-    """Read a log, and return its settled motion and the run's measures; raise LogError if it is incomplete.
+    """Read a log, and measure the run.
 
     `q` is the point of the disc whose motion is measured [m]; None: the default point.
+
+    Returns
+    -------
+    tuple
+        The motion after settling, and the measures of the run.
+
+    Raises
+    ------
+    LogError
+        The run is incomplete.
     """
     from cycloid_mj.comparison import Trial, measure_run, settle_run
     from cycloid_mj.log import read
@@ -327,7 +338,7 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
 
 
 def _draw_figures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
-    """Return functions that encode the figures of a comparison, by name.
+    """Return functions that encode the figures of a comparison, by name; `motions` are the settled motions of its runs.
 
     The figure of the curvature has the designs of the first load.
     """

@@ -106,7 +106,8 @@ def claim_page(
 ) -> Path | None:
     """Claim the file name of the HTML page, and return it; None if no page is requested.
 
-    Parameters and errors are those of `claim_destination`; `directory` is the folder of a page without a name.
+    Parameters and errors are those of `claim_destination`: output flags of the command, and the `stem` of the page's
+    name in the folder `directory` if ``--html`` does not name the page.
     """
     if flags.html is None and not with_page:
         return None
@@ -132,7 +133,10 @@ def claim_page(
 
 
 def deliver(outcome: Outcome, destination: Destination, flags: CommonFlags) -> int:
-    """Write the files of an outcome, print it as text, or as JSON with ``--json``, and return its exit code."""
+    """Write the files of an outcome, print it as text, or as JSON with ``--json``, and return its exit code.
+
+    `flags` are the output flags of the command.
+    """
     write(outcome, destination, flags)
     if flags.json:
         say_json(_result_json(outcome))
@@ -159,8 +163,8 @@ def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, fl
 def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, flags: CommonFlags) -> int:
     """Write columns, shape (n,) each, as CSV to `file` or stdout, and return the exit code.
 
-    With ``--all`` or ``--json`` their ranges are printed; with ``--json``, a table for stdout is printed as JSON
-    instead.
+    `title` and `page` are those of the outcome. With ``--all`` or ``--json`` among the `flags`, ranges are printed;
+    with ``--json``, a table for stdout is printed as JSON instead.
     """
     destination, files = Destination(title, None, page), [] if file == STDOUT else [file]
     rows = len(next(iter(columns.values())))
@@ -185,7 +189,7 @@ def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, 
 def write(outcome: Outcome, destination: Destination, flags: CommonFlags) -> None:
     """Write the files of an outcome, all or none, and print the names of those that its text does not name.
 
-    With ``--quiet`` nothing is printed.
+    With ``--quiet`` among the `flags` nothing is printed.
     """
     files = dict(_encode_files(outcome, destination))
     if files:
@@ -204,9 +208,14 @@ def _list_files(files: Collection[Path]) -> str:
 
 
 def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[Path, bytes]]:
-    """Yield path and content of every file of an outcome: files, pictures in each format, JSON, CSV and page.
+    """Yield every file of an outcome: files, pictures in each format, JSON, CSV and page.
 
     Without a folder there is at most the page.
+
+    Yields
+    ------
+    tuple
+        Path and content.
     """
     if destination.folder:
         for name, content in outcome.files.items():

@@ -321,7 +321,7 @@ def export(
     settings = flags.print_settings(reducer)
     outlines = _export_outlines(design, format_, motor, flags)
     sizes = _casing_sizes(reducer, motor, flags.cover_material) if flags.has_casing else None
-    plates = _lay_out_plates(reducer, sizes, settings) if flags.plate else None
+    plates = _make_print_plates(reducer, sizes, settings) if flags.plate else None
     files = {**outlines.files, **_drive_files(reducer, format_, sizes, settings, flags)}
     if plates:
         files |= plates.files
@@ -336,7 +336,10 @@ def export(
 
 
 def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flags: ExportFlags) -> "Export":
-    """Compute the files of the mechanism's parts, with the clearances measured in their outlines."""
+    """Compute the files of the mechanism's parts in a file format, with the clearances measured in their outlines.
+
+    `flags` are those of the command.
+    """
     from cycloid_mj.parts.export import export
 
     return export(
@@ -354,9 +357,10 @@ def _export_outlines(design: Design, file_format: "Format", motor: "Motor", flag
 def _drive_files(
     reducer: Reducer, file_format: "Format", sizes: "Casing | None", settings: "PrintSettings", flags: ExportFlags
 ) -> Mapping[str, bytes]:
-    """Return the files of covers, flanges and the parts that are joined to them by name; none without a casing.
+    """Return the files of covers, flanges and the parts that are joined to them: name -> content.
 
-    The clearances are widened by the offset of ``--offset-um``.
+    There are none if `sizes`, those of the casing, are None. The clearances are widened by the offset of
+    ``--offset-um``.
     """
     from cycloid_mj.parts.export import drive_files, widen_clearances
 
@@ -384,7 +388,18 @@ def _outcome(
 ) -> Outcome:
     """Convert exported parts to an `Outcome`: files, clearances, plates and bill of materials.
 
-    `name` is that of the design, `offset` the increase of its clearances [m].
+    Parameters
+    ----------
+    name
+        Name of the design.
+    outlines, plates
+        Exported parts of the mechanism, and print plates; None without plates.
+    files
+        All files, name -> content.
+    offset
+        Increase of the clearances [m].
+    destination
+        Where the files are written.
     """
     paths = destination.paths(files)
     clearances = [asdict(clearance) for clearance in outlines.clearances]
@@ -401,7 +416,12 @@ def _outcome(
 
 
 def _bed_size(text: str | None) -> tuple[float, float] | None:
-    """Parse length and width of a printer's bed [m] from a text ``LxW`` in mm; None without a text.
+    """Parse the size of a printer's bed from a text ``LxW`` in mm; return None for None.
+
+    Returns
+    -------
+    tuple of float
+        Length and width [m].
 
     Raises
     ------
@@ -452,10 +472,10 @@ class _Plates:
         return {"plate": plates[0], "plates": plates, **self.entries}
 
 
-def _lay_out_plates(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Plates:
-    """Return files, notes and tables of print plates and bill of materials; warn of what cannot be bought or printed.
+def _make_print_plates(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Plates:
+    """Return the files of print plates and of the bill of materials, with the tables and notes about them.
 
-    `sizes` are those of the casing, None for the mechanism alone.
+    Warns of what cannot be bought or printed. `sizes` are those of the casing, None for the mechanism alone.
     """
     from cycloid_mj.life.joints import tightening_torques
     from cycloid_mj.parts.export.print_files import print_files
@@ -478,7 +498,7 @@ def _lay_out_plates(reducer: Reducer, sizes: "Casing | None", settings: "PrintSe
 def _casing_sizes(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
     """Return the sizes of covers and flanges, or None if they do not fit; warn of the reason and of weak joints.
 
-    An RV reducer has none.
+    `cover_material` is the name of the covers' material. An RV reducer has no covers.
     """
     from cycloid_mj.parts.export import casing_or_none
     from cycloid_mj.parts.export.rules import describe_violations

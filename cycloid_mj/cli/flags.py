@@ -242,8 +242,18 @@ Values = Sequence[tuple[DesignValue, float | None]]
 def load_design(name_or_file: str, changes: Sequence[str], values: Values, temperature: float | None = None) -> Design:
     """Return the design of a command line: a file or preset, changed by ``--set``, then by other flags.
 
-    A preload that is given as a torque is converted to an angle by statics. `temperature` [°C] is that of all parts,
-    before ``--set`` changes single parts.
+    A preload that is given as a torque is converted to an angle by statics.
+
+    Parameters
+    ----------
+    name_or_file
+        Name of a preset, or path of a design file.
+    changes
+        Texts of ``--set``, such as ``ring.teeth=36``.
+    values
+        Design values of other flags; None if a flag is not set.
+    temperature
+        Temperature of all parts [°C], before ``--set`` changes single parts.
 
     Raises
     ------
@@ -390,7 +400,12 @@ def require_distinct_names(designs: Iterable[Design]) -> None:
 
 
 def parse_point(text: str | None) -> tuple[float, float] | None:
-    """Parse the point q of the disc [m] from ``X,Y`` in mm; return None for None.
+    """Parse the point q of the disc from a text ``X,Y`` in mm; return None for None.
+
+    Returns
+    -------
+    tuple of float
+        x and y [m].
 
     Raises
     ------

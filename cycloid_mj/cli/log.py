@@ -174,7 +174,7 @@ def repair(
     from cycloid_mj.log import load, write
 
     contents = load(log)
-    if contents.whole and scene_hz is None:
+    if contents.complete and scene_hz is None:
         note(f"{log} is complete: nothing to repair")
         return deliver_files(f"nothing to repair: {log}", [], claim_page(delivery, "repaired"), delivery)
     source = Path(log)
@@ -266,7 +266,7 @@ def _describe_contents(log: "Log") -> dict[str, Any]:
     run = log.run
     return {
         "bytes": log.size,
-        "whole": log.whole,
+        "whole": log.complete,
         "complete": run.complete,
         "note": run.note,
         "samples": len(run),

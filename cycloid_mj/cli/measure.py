@@ -96,10 +96,10 @@ def _in_si(name: str, value: Any) -> Any:
     return [SPEED.unit.to_si(item) for item in value] if isinstance(value, tuple) else SPEED.unit.to_si(value)
 
 
-def several(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
+def positive_values_flag(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
     """Declare a flag for one or more positive values within the limits of a design value, for example speeds.
 
-    `text` is its help, `default` its default in words.
+    `quantity` is the design value, `text` the help of the flag, `default` its default in words.
     """
 
     def require(_: Any, values: tuple[float, ...] | None) -> None:
@@ -124,7 +124,9 @@ def several(name: str, quantity: DesignValue, text: str, default: str) -> Parame
 LoadedFlag = Annotated[float | None, LOAD.flag("Torque of the loaded runs", AT_RATED)]
 SpeedsFlag = Annotated[
     tuple[float, ...],
-    several("--speed-rpm", SPEED, "Crank speeds", "Default: 0.5 to 1.5 times drive.speed_rpm of the design."),
+    positive_values_flag(
+        "--speed-rpm", SPEED, "Crank speeds", "Default: 0.5 to 1.5 times drive.speed_rpm of the design."
+    ),
 ]
 TurnsFlag = Annotated[
     int,
@@ -286,7 +288,7 @@ class EfficiencyOptions(MeasureOptions):
 
     loads_nm: Annotated[
         tuple[float, ...],
-        several(
+        positive_values_flag(
             "--load-nm",
             LOAD,
             "Output torques of the map",

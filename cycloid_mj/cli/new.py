@@ -331,7 +331,15 @@ def _file_stem(name: str) -> str:
 
 
 def _copy_design(stem: str, source: str, discs: str, changes: tuple[str, ...], delivery: NewDelivery) -> int:
-    """Write a copy of a preset or a file, with the changes of ``--set``; raise UsageError if ``--discs`` is set."""
+    """Write a copy of a preset or a file, `source`, with the `changes` of ``--set``; return the exit code.
+
+    `stem` is the name of the copy without ending.
+
+    Raises
+    ------
+    UsageError
+        ``--discs`` is set, which applies to a new drive only.
+    """
     if discs:
         raise UsageError(
             f"--discs {discs} applies only when a new drive is sized: to change a copied design, use --set "

@@ -18,7 +18,10 @@ SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 @contextmanager
 def show_activity(activity: str, quiet: bool = False) -> Iterator[None]:
-    """Print an activity on stderr, and every few seconds that it continues, for as long as the context is open."""
+    """Print an activity on stderr, and every few seconds that it continues, for as long as the context is open.
+
+    With `quiet` nothing is printed.
+    """
     if quiet:
         yield
         return
@@ -95,7 +98,10 @@ class Progress:
         self._waiting.enter_context(show_activity(JUDGING, self._quiet))
 
     def _line(self, simulated_time: float) -> str:
-        """Return a line with the finished share and the time left, estimated from the speed since the first sample."""
+        """Return a line with the finished share and the time left, at `simulated_time` [s] of the run.
+
+        The time left is estimated from the speed since the first sample.
+        """
         line = f"{simulated_time / self._end:4.0%}  {simulated_time:.3f} of {self._end:g} s simulated"
         start, start_time = self._first or (0.0, simulated_time)
         if simulated_time <= start_time:

@@ -119,7 +119,7 @@ def protocol(
 
 
 def _outcome(sheet: "Protocol") -> Outcome:
-    """Convert a test protocol to an `Outcome`: figures of model and bench, definitions and picture.
+    """Convert a test protocol, `sheet`, to an `Outcome`: figures of model and bench, definitions and picture.
 
     The headline has the figure of the bench where it was measured, else that of the model.
     """

@@ -188,7 +188,7 @@ def _encode_files(
 
 
 def _require_scene_values(timestep_ms: float | None, load_inertia: float | None) -> None:
-    """Raise UsageError if the time step [ms] or the inertia of the load [kg m2] is out of range."""
+    """Raise UsageError if the time step `timestep_ms` [ms] or the inertia of the load [kg m2] is out of range."""
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g} is out of range: give a time step from 0.01 to 10 ms")
     if load_inertia is not None and not 0.0 < load_inertia < float("inf"):
@@ -198,12 +198,24 @@ def _require_scene_values(timestep_ms: float | None, load_inertia: float | None)
 
 
 def _choose_samples(spread: bool, samples: int | None, seed: int | None) -> tuple[int, int]:
-    """Return number and seed of the samples, with defaults.
+    """Return number and seed of the drawn drives: the values of the flags, or the defaults.
+
+    Parameters
+    ----------
+    spread
+        Whether ``--spread`` is set.
+    samples, seed
+        Values of these flags; None if not set.
+
+    Returns
+    -------
+    tuple of int
+        Number of samples, and seed.
 
     Raises
     ------
     UsageError
-        One is out of range, or set without ``--spread``.
+        A value is out of range, or set without ``--spread``.
     """
     if not spread and (samples, seed) != (None, None):
         flag = "--seed" if samples is None else "--samples"
@@ -226,7 +238,21 @@ def _outcome(
     drives: "Population | None",
     files: "Mapping[str, bytes]",
 ) -> Outcome:
-    """Convert a reduced joint to an `Outcome`: figures, comparison with the full model, time steps, files and page."""
+    """Convert a reduced joint to an `Outcome`: figures, comparison with the full model, time steps, files and page.
+
+    Parameters
+    ----------
+    joint, comparison
+        The joint, and its comparison with the full model.
+    steps
+        Trials of the study of time steps.
+    scene, lossy
+        Time steps of scene.xml and of lossy_scene.xml; None without the latter.
+    drives
+        Joints of the drawn drives; None without ``--spread``.
+    files
+        Other files to write, name -> content.
+    """
     from cycloid_mj.base.result import quantity_frame, quantity_table
     from cycloid_mj.report.joint import joint_page
     from cycloid_mj.robot.bam import fit_bam_models

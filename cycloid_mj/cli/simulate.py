@@ -161,10 +161,23 @@ def _with_explanations(
     design_options: DesignOptions,
     quiet: bool,
 ) -> Outcome:
-    """Return the outcome with an explanation of its figures in place of the headline.
+    """Return the outcome of a run with an explanation of its figures in place of the headline.
 
     The condition also states the number of steps and the wall time. The summary ends with the files and the commands to
-    continue with; the review page is drawn when the outcome is delivered, without progress lines if `quiet`.
+    continue with; the review page is drawn when the outcome is delivered.
+
+    Parameters
+    ----------
+    outcome, findings
+        Outcome to change, and the findings of the run.
+    logged_run
+        The run with its log.
+    page
+        File of the review page; None without one.
+    design_options
+        Flags that choose the design.
+    quiet
+        Whether to print no progress lines.
     """
     from cycloid_mj.analysis import explain
 
@@ -293,9 +306,10 @@ def require_runnable(design: Design, solver: "Solver" = "mujoco") -> None:
 
 
 def logs_folder(default_folder: str, out: str | None, names: Sequence[str], force: bool) -> Path:
-    """Return the folder for files `names`: the requested folder, or the first unused of `default_folder`, `-2`, ...
+    """Return the folder for the logs `names`: the requested one, or the first unused of `default_folder`, `-2`, ...
 
-    The folder is created, which claims it: two commands at the same time get different folders.
+    The folder is created, which claims it: two commands at the same time get different folders. `out` is the requested
+    folder, None without one; `force` is whether existing files are replaced.
 
     Raises
     ------
@@ -386,7 +400,8 @@ def _log_opener(
 ) -> "Callable[[Path], LogWriter]":
     """Return a function that opens a path as the log of a run, with its columns, provenance and files for viewers.
 
-    Logs that are not `viewable` have the design as their only file; those of an RV reducer have no 3-D scene.
+    `compiled` is the model of the run; `force` is whether an existing log is replaced. Logs that are not `viewable`
+    have the design as their only file; those of an RV reducer have no 3-D scene.
     """
     from cycloid_mj.analysis.series import DESIGN_FILE
     from cycloid_mj.dynamics.run import attachments, log_columns, run_warnings, warnings_entry
@@ -422,9 +437,14 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
 
 
 def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
-    """Flush and evaluate a log that is not closed; return its findings, or an error, and the run without forces.
+    """Flush and evaluate a log that is not closed.
 
-    The run is None if it cannot be evaluated. That of an RV reducer has the forces, which its findings include.
+    `note` is the note of the run. The run of an RV reducer is read `with_forces`, which its findings include.
+
+    Returns
+    -------
+    tuple
+        The findings, or the error if the log cannot be evaluated; and the run, None in that case.
     """
     from cycloid_mj.analysis import analyze
     from cycloid_mj.log import read
@@ -443,7 +463,7 @@ def _findings_attachment(findings: "Findings") -> dict[str, bytes]:
 
 
 def _require_held_samples(design: Design, plan: "Schedule") -> None:
-    """Raise UsageError if the hold is too short for `FEWEST_HELD` samples at the sampling interval of the run."""
+    """Raise UsageError if the hold of a design is too short for `FEWEST_HELD` samples at the interval of a `plan`."""
     sampling = plan.stride * plan.timestep
     if design.drive.hold < FEWEST_HELD * sampling:
         raise UsageError(

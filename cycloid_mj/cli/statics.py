@@ -98,7 +98,19 @@ def _outcome(
     inheritance: Inheritance | None,
     points: Sequence["MapPoint"],
 ) -> Outcome:
-    """Convert the statics of a design to an `Outcome`: figures, and the efficiency map if it was computed."""
+    """Convert the statics of a design to an `Outcome`: figures, and the efficiency map if it was computed.
+
+    Parameters
+    ----------
+    static
+        Static figures of the design.
+    figures
+        Figures of the catalogue by key.
+    inheritance
+        What a design file takes from its preset; None without a file.
+    points
+        Points of the efficiency map; empty if it was not computed.
+    """
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json
     from cycloid_mj.figures.film_map import map_tables

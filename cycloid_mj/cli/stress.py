@@ -228,7 +228,10 @@ def _require_consistent(designs: Sequence[str], logs: Sequence[str], has_changes
 
 
 def _require_springs(springs: bool, has_selection: bool) -> None:
-    """Raise UsageError if ``--mounts`` is set without ``--springs``, or if flags select parts, logs or figures."""
+    """Raise UsageError if ``--mounts`` is set without ``--springs``, or if flags select parts, logs or figures.
+
+    `springs` is whether ``--springs`` is set, `has_selection` whether such flags are set.
+    """
     if not springs:
         raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
     if has_selection:
@@ -259,7 +262,10 @@ def _read_logs(
     settings: "StudySettings",
     delivery: StressDelivery,
 ) -> _Job:
-    """Read the logs to study, mesh the requested parts, and claim the files of the results; return all three."""
+    """Read the logs to study, mesh the requested parts, and claim the files of the results; return all three.
+
+    `designs` are the names of the designs of the logs, empty to accept any; `parts` are empty for all parts.
+    """
     runs = [_read_log(Path(log), designs[index] if designs else "") for index, log in enumerate(logs)]
     grids = _plan_cost([design for design, _, _ in runs], parts, settings, delivery.quiet)
     default_folder = f"{logs[0].removesuffix('.mcap')}-stress"
@@ -391,7 +397,10 @@ def _read_log(path: Path, design: str) -> Logged:
 def _study_parts(
     runs: Sequence[Logged], grids_by_run: Sequence[Grids], settings: "StudySettings", quiet: bool
 ) -> "list[StressStudy]":
-    """Compute the stress of the meshed parts of every run by finite elements, with progress on stderr."""
+    """Compute the stress of the meshed parts of every run by finite elements, with progress on stderr.
+
+    `grids_by_run` are the meshes by part of each run. With `quiet` no progress is printed.
+    """
     from cycloid_mj.stress.cost import estimate_cost
     from cycloid_mj.stress.study import stress_study
 

@@ -90,7 +90,7 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
 
 
 def _draw_figures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
-    """Return functions that encode the figures of the requested kinds, by name; empty without kinds."""
+    """Return functions that encode the `figures` of stress studies, requested by kind, by name; empty without any."""
     if not figures:
         return {}
     from cycloid_mj.plots.save import encode_figure

@@ -171,6 +171,15 @@ def _choose_points(
 ) -> "Points":
     """Return the points of the flags: the rows of a table, a grid, or a sample of varied keys.
 
+    Parameters
+    ----------
+    vary
+        Texts of ``--vary``, such as ``clearance.cam_um=1:5:5``.
+    table
+        CSV file with a point per row; None without one.
+    sample, points, seed
+        Kind of the sample (None: a grid), number of its points (None: the default), and its seed.
+
     Raises
     ------
     UsageError

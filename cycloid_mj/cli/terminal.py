@@ -74,7 +74,14 @@ def say_groups(
 ) -> None:
     """Print a table with grouped rows on stdout, each group under its name; a group without a name has no heading.
 
-    `words` are the indices of columns that are set flush left.
+    Parameters
+    ----------
+    title, header
+        Title of the table, and names of its columns.
+    groups
+        Name and rows of each group.
+    words
+        Indices of columns that are set flush left.
     """
     from rich.console import Console
     from rich.table import Table

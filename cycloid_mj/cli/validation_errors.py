@@ -29,7 +29,8 @@ def describe_error(error: CycloptsError) -> str:
 def correct_case(error: CoercionError, words: Sequence[str]) -> list[str] | None:
     """Correct a word of a command line that differs from a flag's allowed value in capital letters only.
 
-    Return the corrected words, or None if the flag has no fixed values or none of them matches.
+    `error` is that of cyclopts, `words` is the command line. Returns the corrected words, or None if the flag has no
+    fixed values or none of them matches.
     """
     if error.token is None or error.argument is None:
         return None
@@ -106,7 +107,7 @@ def _unknown_option(word: str, suggestions: Sequence[str]) -> str:
 
 
 def _unknown_command(word: str, app: App) -> str:
-    """Return a message on an unknown command, with similar commands or, if there are none, all commands."""
+    """Return a message on the unknown command `word`, with similar commands or, if there are none, all commands."""
     names = commands(app)
     if word.startswith("-"):
         return f"unknown option {word}; options come after a command"

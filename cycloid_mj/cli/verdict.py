@@ -121,7 +121,7 @@ def overloads(designs: Iterable[Design]) -> dict[str, str]:
 
 
 def capacity_of(case: Design) -> float:
-    """Compute the torque at which a contact of a design first yields [N m], by statics under its load.
+    """Compute the torque at which a contact of a loaded design first yields [N m], by statics under its load.
 
     NaN without load. A large overload has no equilibrium: then a tenth of it is tried, and NaN returned if that fails,
     too.
@@ -143,7 +143,7 @@ def _headline(
 ) -> dict[str, tuple[str, ...]]:
     """Return figures of statics and of the runs under one load: name -> values by design, ratios to the first, unit.
 
-    `by_statics` has the figures of statics by design and key.
+    `trials` are the runs of each design, `by_statics` are the figures of statics by design and key.
     """
     from cycloid_mj.comparison.table import HEADLINE as OF_RUNS
 

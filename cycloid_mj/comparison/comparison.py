@@ -161,7 +161,10 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
 
 
 def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
-    """Raise UsageError unless each design has exactly one run under each load."""
+    """Raise UsageError unless each design, by its name, has exactly one run under each load.
+
+    `cases` are the designs under the loads of the runs, `names` those of the designs.
+    """
     names_and_loads = [(case.name, case.load.torque) for case in cases]
     for name in names:
         for load in sorted({load for _, load in names_and_loads}):
@@ -192,7 +195,7 @@ def _same_solver(trials: Sequence[Trial]) -> str:
 
 
 def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequence[str]) -> None:
-    """Raise UsageError if the settings of two cases differ in a key that is not in `exempt_keys`."""
+    """Raise UsageError if the settings of a `case` differ from those of a `reference` in a key not in `exempt_keys`."""
     expected, actual = conditions(reference), conditions(case)
     for key in expected | actual:
         if actual.get(key) != expected.get(key) and key not in exempt_keys:

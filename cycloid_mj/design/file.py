@@ -144,7 +144,10 @@ def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _base(table: Any, source: str) -> Design:
-    """Return the preset that the table ``[base]`` names; raise DesignError for anything else in it."""
+    """Return the preset that the table ``[base]`` names; raise DesignError for anything else in the table.
+
+    `source` names the file in errors.
+    """
     name = table.get("preset") if isinstance(table, Mapping) and len(table) == 1 else None
     if not isinstance(name, str) or name.casefold() not in PRESETS:
         raise DesignError(
@@ -364,7 +367,13 @@ def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
 
 
 def _file_tables(section: Section, table_names: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
-    """Yield the file keys of a section with their values in the units of the file, or only those of selected names."""
+    """Yield the file keys of a section of the design with their values, or only those of selected names.
+
+    Yields
+    ------
+    tuple
+        Key, and value in the unit of the file; a table of such pairs for a section within it.
+    """
     for name, field, value in _fields(section):
         if table_names is not None and name not in table_names:
             continue
@@ -394,7 +403,16 @@ def _read_table(
 ) -> dict[str, Any]:
     """Convert a table of a file to values of the model: names instead of file keys, SI instead of file units.
 
-    `source` names the file in errors, `prefix` the table that contains this one, `root` the model of the whole file.
+    Parameters
+    ----------
+    section, table
+        The section of the model, and the table of the file.
+    source
+        Name of the file in errors.
+    prefix
+        Name of the table that contains this one, with a point.
+    root
+        Model of the whole file.
     """
     known_keys = _keys_of(section)
     values: dict[str, Any] = {}
@@ -436,7 +454,8 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 def _expand_sparse_lists(values: dict[str, Any], source: str) -> dict[str, Any]:
     """Expand lists such as ``{3 = 5.0}``, in place, to full ones: the third value 5 and the others 0; return `values`.
 
-    `values` are the tables of the file; the lengths of lists follow from counts such as ``ring.teeth``.
+    `values` are the tables of the file, `source` names it in errors; the lengths of lists follow from counts such as
+    ``ring.teeth``.
     """
     for table, section in values.items():
         inner = section_of(Design.model_fields[table])

@@ -75,7 +75,12 @@ def grade_width(grade: int, size: float) -> float:
 
 
 def limits(zone: str, size: float) -> tuple[float, float]:
-    """Compute lower and upper deviation [m] of a tolerance zone, such as ``g6`` or ``H7``, at a nominal size [m].
+    """Compute the deviations of a tolerance zone, such as ``g6`` or ``H7``, at a nominal size [m].
+
+    Returns
+    -------
+    tuple of float
+        Lower and upper deviation [m].
 
     Raises
     ------
@@ -101,9 +106,12 @@ def limits(zone: str, size: float) -> tuple[float, float]:
 
 
 def clearances(fit: str, size: float) -> tuple[float, float]:
-    """Compute the least and the largest clearance [m] on the diameter of a fit, such as ``H7/g6``, at a size [m].
+    """Compute the clearances on the diameter of a fit, such as ``H7/g6``, at a nominal size [m].
 
-    Below zero it is an interference.
+    Returns
+    -------
+    tuple of float
+        Least and largest clearance [m]; below zero it is an interference.
 
     Raises
     ------

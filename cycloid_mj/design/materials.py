@@ -68,10 +68,11 @@ def _entry(
     surface_yield: float = 0.0,
     endurance_pressure: float = 0.0,
 ) -> Entry:
-    """Build a library entry in SI units.
+    """Build an entry of the library of materials in SI units.
 
     Modulus, strengths and pressures are in MPa, density in kg/m3, expansion in um/(m K), and `hottest`, the highest
-    temperature of use, in °C.
+    temperature of use, in °C; `poisson` is Poisson's ratio, `source` names the source. `surface_yield` and
+    `endurance_pressure` of a hardened surface are 0 if it has none.
     """
     strengths = (tensile * 1e6, yield_strength * 1e6)
     surface_strength = (surface_yield * 1e6, endurance_pressure * 1e6)

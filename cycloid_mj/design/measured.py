@@ -176,9 +176,17 @@ READERS = {"gear": _read_gear, "pins": _read_pins}
 
 
 def _read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of each line of a CSV file that is neither empty nor a comment (#).
+    """Yield each line of a CSV file that is neither empty nor a comment (#).
 
-    Raises DesignError if the file cannot be read, has no line below its header, or exceeds `LIMITS`.
+    Yields
+    ------
+    tuple
+        Number of the line, and its cells.
+
+    Raises
+    ------
+    DesignError
+        The file cannot be read, has no line below its header, or exceeds `LIMITS`.
     """
     try:
         if note_input(path).stat().st_size > LIMITS.size:

@@ -921,7 +921,10 @@ def _rv_table(what: str) -> Any:
 
 
 def _value_rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
-    """Yield a row (key, value, unit, meaning) for each value of a section and its tables, in the units of the file."""
+    """Yield a row (key, value, unit, meaning) for each value of a section and its tables, in the units of the file.
+
+    `prefix` is the name of the section with a point, which begins the keys.
+    """
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
@@ -1130,8 +1133,8 @@ class Design(Section, Presented):
 
     def partners(self, pair: str) -> tuple[Material, Material]:
         """Return the materials of the two parts that meet in a kind of mating pair."""
-        one, other = PARTNERS[pair]
-        return self.material_of(one), self.material_of(other)
+        part, other_part = PARTNERS[pair]
+        return self.material_of(part), self.material_of(other_part)
 
     @property
     def rated_torque(self) -> float:
@@ -1145,7 +1148,7 @@ class Design(Section, Presented):
 
     @property
     def ratio(self) -> float:
-        """Input turns per output turn; negative if they rotate in opposite directions.
+        """Input turns per output turn [1]; negative if they rotate in opposite directions.
 
         It is R with the carrier as output and 1 - R with the ring. R is -(N - 1) with a central crank, and 1 + N
         z_p/z_s of an RV reducer with z_s teeth of the sun, z_p of a planet; its input is the sun.
@@ -1319,7 +1322,13 @@ class Design(Section, Presented):
 
 
 def _unused_keys(design: Design) -> Iterator[tuple[str, bool]]:
-    """Yield the file keys that do not apply to the layout of a design, each with whether its value is the default."""
+    """Yield the file keys that do not apply to the layout of a design.
+
+    Yields
+    ------
+    tuple
+        Key, and whether its value is the default.
+    """
     for name, field in Design.model_fields.items():
         table = section_of(field)
         if table is None or name.endswith("material"):

@@ -348,10 +348,15 @@ def dowel_diameters() -> tuple[float, ...]:
 
 
 def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
-    """Find the shortest pin in stock of a diameter that fills a length [m], and how many in line; None if none fits.
+    """Find the shortest pin in stock of a diameter [m] that fills a length [m], or several in line; None if none fits.
 
     Diameters of dowels (ISO 8734) have one that is at least as long, or several in line; other small ones have a pin
     gauge (DIN 2269).
+
+    Returns
+    -------
+    tuple
+        The pin, and how many are in line.
     """
     size_mm, length_mm = round(diameter / MM, 6), length / MM
     if size_mm in _DOWELS:
@@ -416,7 +421,7 @@ def free_pin(diameter: float, width: float, play: float) -> Roller | None:
 
 
 def key_for(shaft: float, max_length: float) -> StockKey | None:
-    """Find the longest parallel key (DIN 6885) for a shaft diameter up to a length [m]; None if none is in stock."""
+    """Find the longest parallel key (DIN 6885) for a shaft diameter [m], up to `max_length` [m]; None without one."""
     for min_diameter, max_diameter, width, height, shaft_depth, hub_depth, shortest, longest in _rows(_KEYS, 8):
         if min_diameter < round(shaft / MM, 6) <= max_diameter:
             lengths = [item for item in _KEY_LENGTHS if shortest <= item <= min(longest, max_length / MM + 1e-6)]

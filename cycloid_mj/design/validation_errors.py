@@ -75,7 +75,10 @@ def literal_choices(field: FieldInfo) -> tuple[str, ...]:
 
 
 def _describe_error(details: ErrorDetails, root: type[BaseModel]) -> str:
-    """Describe one wrong value in a sentence: key, value, allowed values and meaning."""
+    """Describe one wrong value in a sentence: key, value, allowed values and meaning.
+
+    `details` are those of pydantic, `root` is the model that was validated.
+    """
     keys, field = _locate_error(details, root)
     key = ".".join(keys)
     if not keys or field is None:
@@ -100,9 +103,15 @@ def _quote(value: Any) -> str:
 
 
 def _locate_error(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
-    """Return the file keys (table, key) of a wrong value, and its declaration, which is None for an unknown key.
+    """Return where a wrong value is in the design file.
 
-    Items of lists have their number in brackets, from 1 on.
+    `details` are those of pydantic, `root` is the model that was validated. Items of lists have their number in
+    brackets, from 1 on.
+
+    Returns
+    -------
+    tuple
+        File keys (table, key) of the value, and its declaration, which is None for an unknown key.
     """
     section, field, keys = root, None, list[str]()
     for name in details["loc"]:
@@ -116,7 +125,10 @@ def _locate_error(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[st
 
 
 def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> str:
-    """Describe the allowed values of a key in words: a range in the file's unit, a choice, or a type."""
+    """Describe the allowed values of a key in words: a range in the file's unit, a choice, or a type.
+
+    `details` are those of pydantic, `field` is the declaration of the key.
+    """
     value, choices = details["input"], literal_choices(field)
     if details["type"] == "literal_error" and choices:
         similar = get_close_matches(value.casefold(), choices, n=1) if isinstance(value, str) else []

@@ -119,10 +119,11 @@ def settling_law(
 ) -> ContactParameters:
     """Compute the law of a contact that settles within a step that is too long to follow its oscillation.
 
-    Parameters are those of `contact_law`. The step of Fox and Goodwin would oscillate there, which lifts light parts
-    off their seats. This law is implicit Euler (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3):
-    with gap and speed at the end of the step f = -K (r + dt v + dt^2 a) - C (v + dt a), so that 1/R = K dt^2 + C dt,
-    and the damping is C + K dt. The stiffness is that of the contact.
+    Parameters are those of `contact_law`: stiffness [N/m], damping ratio [1], effective mass [kg], friction coefficient
+    [1], creep [N s/m] and time step [s]. The step of Fox and Goodwin would oscillate there, which lifts light parts off
+    their seats. This law is implicit Euler (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3): with
+    gap and speed at the end of the step f = -K (r + dt v + dt^2 a) - C (v + dt a), so that 1/R = K dt^2 + C dt, and the
+    damping is C + K dt. The stiffness is that of the contact.
     """
     law = contact_law(stiffness, damping_ratio, effective_mass, friction, creep, timestep)
     damping = law.damping + stiffness * timestep
@@ -130,11 +131,12 @@ def settling_law(
 
 
 def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], timestep: float) -> float:
-    """Compute MuJoCo's ``impratio`` of a model with corrected references, from the laws of its discs.
+    """Compute MuJoCo's ratio of frictional to normal impedance [1], ``impratio``, of a model with corrected references.
 
-    Below the Coulomb limit friction is creep v + impratio/R dv/dt, with the added mass 1/R of the normal force. At
-    impratio/R = creep dt/2 it is centred in the step, like the damping; above, friction leads the sliding. The result
-    is the smallest value that reaches this for every kind of pair, and the coupling `FRICTION.max_coupling`.
+    `laws` are the contact laws of each disc by kind of pair, `timestep` is in [s]. Below the Coulomb limit friction is
+    creep v + impratio/R dv/dt, with the added mass 1/R of the normal force. At impratio/R = creep dt/2 it is centred in
+    the step, like the damping; above, friction leads the sliding. The result is the smallest value that reaches this
+    for every kind of pair, and the coupling `FRICTION.max_coupling`.
     """
     sliding_laws = [law for disc_laws in laws for law in disc_laws.values() if law.friction]
     if not (sliding_laws and reducer.design.drive.speed):
@@ -167,10 +169,10 @@ def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impr
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
-    """Compute the ``impratio`` for MuJoCo without this package, whose convex friction cone lifts sliding contacts.
+    """Compute the ``impratio`` [1] for MuJoCo without this package, whose convex friction cone lifts sliding contacts.
 
-    The result is the largest value up to `FRICTION.impratio` with which the angle of `friction_leads` is within its
-    limits.
+    `laws` are the contact laws of each disc by kind of pair. The result is the largest value up to `FRICTION.impratio`
+    with which the angle of `friction_leads` is within its limits.
     """
     allowed = [
         (FRICTION.max_pin_lead if kind == reducer.design.seat_pair else FRICTION.max_lead) / lead

@@ -127,7 +127,10 @@ def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_to
 
 
 def _step_warning(reducer: Reducer, tooth_rate: float, min_steps: float) -> Iterator[str]:
-    """Yield a warning if there are too few time steps per tooth; `tooth_rate` is the tooth passing frequency [Hz]."""
+    """Yield a warning if there are too few time steps from tooth to tooth.
+
+    `tooth_rate` is the tooth passing frequency [Hz], `min_steps` the number of steps that the solver needs.
+    """
     timestep_s, max_step = timestep(reducer), passing_limit(reducer, min_steps)
     if timestep_s > max_step * (1.0 + ROUNDING):
         yield (
@@ -196,7 +199,7 @@ def stiffness_ratio(law: ContactParameters, seconds: float) -> float:
 
 
 def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
-    """Yield a warning for each part whose rolling in its clearance the time step [s] does not resolve."""
+    """Yield a warning for each part whose rolling in its clearance the time step `timestep_s` [s] does not resolve."""
     for part, max_step in rolling_limits(reducer).items():
         if timestep_s > max_step * (1.0 + ROUNDING):
             yield (
@@ -206,7 +209,7 @@ def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
 
 
 def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, timestep_s: float) -> Iterator[str]:
-    """Yield a warning if the stiffness of a kind of pair is too high for the time step [s], with the contact `law`."""
+    """Yield a warning if a `kind` of pair is too stiff for the time step `timestep_s` [s], with its contact `law`."""
     max_ratio, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, timestep_s)
     if ratio > max_ratio * (1.0 + ROUNDING):
         max_step = timestep_s * math.sqrt(max_ratio / ratio)
@@ -233,11 +236,12 @@ def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
 
 
 def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> float:
-    """Estimate the error of the force of sliding teeth, as a share of their working force, in a time step [s].
+    """Estimate the error of the force of sliding teeth, as a share of their working force, in a time step of `seconds`.
 
     The reference acceleration of a contact is corrected by its acceleration in the previous step
     (`reference_correction`), which has rotated by w dt since then. The estimate is mu D c w^2/F w dt, with the friction
-    coefficient mu, added mass D and working force F of the tooth contact, the eccentricity c and the crank speed w.
+    coefficient mu and the added mass D of the tooth contact's `law`, its working force F, the eccentricity c and the
+    crank speed w.
     """
     design = reducer.design
     speed, kind = abs(reducer.orbit_speed), design.tooth_pair

@@ -322,8 +322,8 @@ def provenance(
 def run_warnings(compiled: Model, reducer: Reducer, cycle: DriveCycle | None = None) -> tuple[str, ...]:
     """Return the warnings that are known before a run: of the model, of the step at its speed, and of idling.
 
-    `cycle` is the motion of the crank; None is that of the design. Warnings that depend on the speed are omitted if the
-    crank starts from rest, and the one about idling if there is a `cycle`.
+    `compiled` is the model of the run. `cycle` is the motion of the crank; None is that of the design. Warnings that
+    depend on the speed are omitted if the crank starts from rest, and that of idling if there is a `cycle`.
     """
     is_turning = cycle is None or cycle.speed != 0.0
     mesh_texts = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and is_turning else ()
@@ -342,9 +342,10 @@ def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
 
 
 def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
-    """Return the files attached to a log by name: the design file, the MuJoCo model and its meshes.
+    """Return the files that are attached to a log by name: the design file, the MuJoCo model and its meshes.
 
-    Their contents are created on first access. A planar run has the MuJoCo model of its design, without meshes.
+    Their contents are created on first access. A planar run, with a planar `compiled` model, has the MuJoCo model of
+    its design, without meshes.
     """
     assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets
 
@@ -358,7 +359,7 @@ def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
 def blocks(
     compiled: Model, reducer: Reducer, cycle: DriveCycle | None = None
 ) -> Generator[SampleBlock, None, tuple[str, ...]]:
-    """Run a model over a drive cycle, by default the design's own, and yield its samples block by block.
+    """Run a `compiled` model over a drive cycle, by default the design's own, and yield its samples block by block.
 
     The generator returns the warnings that are known only at the end of the run, which it has issued as well.
 
@@ -407,8 +408,23 @@ def _advance_block(
 ) -> tuple[SampleBlock, str]:
     """Take the time steps up to the last of some consecutive samples.
 
-    Return the samples up to the first that fails a check, and the problem that ended the run there, "" for none.
-    `samples_per_call` samples are taken in one call of compiled code.
+    Parameters
+    ----------
+    plan
+        Numbers of steps and samples of the run.
+    cycle
+        Commands of crank and output.
+    samples
+        Indices of the samples.
+    recorder
+        Takes and checks the samples.
+    samples_per_call
+        Number of samples that are taken in one call of compiled code.
+
+    Returns
+    -------
+    tuple
+        The samples up to the first that fails a check, and the problem that ended the run there, "" for none.
     """
     first_step = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(first_step, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
@@ -461,7 +477,8 @@ class _Stepping:
 def _mujoco_stepping(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
     """Return the stepper of a MuJoCo run, with the conditions that end the run.
 
-    It reads the sensors, drags, contact laws and film table of the model; `data` is the ``MjData`` to advance.
+    It reads the sensors, drags, contact laws and film table of the `compiled` model; `data` is the ``MjData`` to
+    advance, `plan` has the number of steps per sample.
     """
     index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
     laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
@@ -490,7 +507,14 @@ class _Recorder:
     ) -> None:
         """Store the indices of the columns that are checked, and the limits of the checks.
 
-        Friction is checked for a jam only if the run `has_own_cycle`, that of the design.
+        Parameters
+        ----------
+        compiled, reducer
+            The model, and its reducer.
+        stepping, plan
+            Its stepper, and the numbers of steps and samples of the run.
+        has_own_cycle
+            Whether the drive cycle is that of the design: only then friction is checked for a jam.
         """
         design = reducer.design
         groups = sensors(reducer)
@@ -518,7 +542,13 @@ class _Recorder:
         self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
 
     def advance(self, samples: int) -> tuple[Array, str]:
-        """Take the next samples; return their rows up to the first that fails a check, and the problem, "" for none."""
+        """Take the next `samples` of the run, and check them.
+
+        Returns
+        -------
+        tuple
+            Rows up to the first sample that fails a check, shape (rows, columns), and the problem, "" for none.
+        """
         rows = self.steps.advance(samples)
         self.unconverged_count += int(rows[:, self.steps.solver][:, sample_layout.WARNINGS].sum())
         checks = list(self._checks(rows))
@@ -562,11 +592,16 @@ class _Recorder:
         return tables | {FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
-        """Yield every check: the samples (n,) that fail it, and a function that describes the problem of sample i.
+        """Yield every check of the `rows` of n samples.
 
         Checked are values that are not finite, warnings of MuJoCo, friction power, penetration, iterations of the
         solver, moving pins outside their sockets, and discs more than a quarter of a tooth pitch from their kinematic
         angle.
+
+        Yields
+        ------
+        tuple
+            The samples (n,) that fail the check, and a function that describes the problem of sample i.
         """
         sensor_values = rows[:, self.steps.copied]
         _, penetration, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T

@@ -59,7 +59,8 @@ def size_of_budget_sets(samples: int) -> int:
 def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
     """Return the sample sets of the pick-freeze estimators by name: A, B, and for each tolerance A with it from B.
 
-    `samples` is the size of each set; the name of a mixed set is the key of its tolerance.
+    `zones` are the tolerances by key, `samples` is the size of each set; the name of a mixed set is the key of its
+    tolerance.
     """
     swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
@@ -142,7 +143,8 @@ class _Terms(NamedTuple):
 def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], rows: Integers) -> list[Array]:
     """Scale deviations to mean 0 and variance 1; a list over the tolerances, shape (rows, numbers) each.
 
-    `deviations` are in metres, by tolerance, shape (samples, ...); `rows` are the samples to use.
+    `zones` are the tolerances by key, `deviations` are in metres, by tolerance, shape (samples, ...); `rows` are the
+    samples to use.
     """
     standardised = []
     for key, zone in zones.items():
@@ -172,8 +174,13 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
     """Fit a linear model of the figure by cross-validation: coefficients for each fold come from the other folds.
 
     `deviations` are the standardised deviations in the sets A and B, a list over the tolerances, shape (n, numbers)
-    each. Return the constant of the model, shape (n,), its values in all sets, and the variance that it attributes to
-    each tolerance, shape (tolerances, n).
+    each.
+
+    Returns
+    -------
+    tuple
+        The constant of the model, shape (n,), its values in all sets, and the variance that it attributes to each
+        tolerance, shape (tolerances, n).
     """
     deviations_a, deviations_b = deviations
     tolerances, count = figure.mixed.shape
@@ -226,8 +233,13 @@ def _columns(deviations: list[Array], chosen: Sequence[int], rows: Mask) -> Arra
 def _jackknife_ratios(partial_variance: Array, variance: Array) -> tuple[Array, Array, Array]:
     """Compute ratios of mean `partial_variance`, shape (k, n), to mean `variance`, shape (n,), and their 95 % bounds.
 
-    Return ratio, lower and upper bound, shape (k,) each. The standard error is that of the logarithm of the ratio, by
-    the jackknife (leave one sample out), since errors of variance ratios are proportional to the ratio.
+    The standard error is that of the logarithm of the ratio, by the jackknife (leave one sample out), since errors of
+    variance ratios are proportional to the ratio.
+
+    Returns
+    -------
+    tuple of Array
+        Ratio, lower and upper bound, shape (k,) each.
     """
     count = variance.size
     ratio = partial_variance.mean(axis=1) / variance.mean()

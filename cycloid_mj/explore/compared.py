@@ -64,7 +64,10 @@ class RunPlan:
     def trials(
         self, measures_by_design: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
-        """Return a `Trial` for each design: the design with a variation, and the measures of all its starts."""
+        """Return a `Trial` for each of some designs: the design with a variation, and the measures of all its starts.
+
+        `measures_by_design` has the measures of every simulated design.
+        """
         starts_by_design = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
         return [
             Trial(first_start, measures_by_design[first_start], tuple(measures_by_design[repeat] for repeat in repeats))

@@ -118,10 +118,14 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
 
 
 def _minimize_interference(reducer: Reducer, deviations: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
-    """Compute the least interference of rigid parts over crank angles [m] for each sample, and which pairs cause it.
+    """Compute the least interference of rigid parts over crank angles for each sample, and which pairs cause it.
 
-    `deviations` from the nominal design [m], by tolerance, shape (samples, ...). Return the interference of each sample
-    (negative if the parts fit), and by contact pair its mean share in the interference.
+    `deviations` from the nominal design [m], by tolerance, shape (samples, ...).
+
+    Returns
+    -------
+    tuple
+        Interference of each sample [m], negative if the parts fit; and by contact pair its mean share in it [1].
     """
     count = len(next(iter(deviations.values()))) if deviations else 1
     samples = apply_deviations(reducer, identical_samples(reducer, count), deviations)

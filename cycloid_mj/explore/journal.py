@@ -174,7 +174,10 @@ def _is_same_study(folder: Path, plan: Mapping[str, Any], study: str) -> bool:
 
 @contextmanager
 def _lock(rows: Path, folder: Path, study: str) -> Iterator[None]:
-    """Lock the file of rows against other processes while the context is open; raise UsageError if it is locked."""
+    """Lock the file of rows against other processes while the context is open; raise UsageError if it is locked.
+
+    `folder` and `study`, the name of the study, are for the message.
+    """
     try:
         release = lock_file(rows)
     except BlockingIOError as problem:
@@ -188,10 +191,10 @@ def _lock(rows: Path, folder: Path, study: str) -> Iterator[None]:
 
 
 def _read_rows(stream: IO[bytes]) -> dict[int, PointResult]:
-    """Read the rows of a study, by index of the point from 0, up to the first line that is not valid.
+    """Read the rows of a study from a file open for reading and writing, by index of the point from 0.
 
-    That line and all after it are cut from the file. A line is incomplete if the process was killed while writing, or
-    if the disk was full.
+    The first line of `stream` that is not valid, and all after it, are cut from the file. A line is incomplete if the
+    process was killed while writing, or if the disk was full.
     """
     stream.seek(0)
     rows: dict[int, PointResult] = {}

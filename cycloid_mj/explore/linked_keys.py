@@ -193,7 +193,13 @@ def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> N
 
 
 def _keys_in_formula(node: ast.expr) -> Iterator[str]:
-    """Yield the keys in a parsed formula; raise ValueError unless it consists of keys, numbers and + - * / only."""
+    """Yield the keys in a parsed formula, the expression `node`.
+
+    Raises
+    ------
+    ValueError
+        It does not consist of keys, numbers and + - * / only.
+    """
     match node:
         case ast.Constant(value=int() | float()):
             return
@@ -209,7 +215,10 @@ def _keys_in_formula(node: ast.expr) -> Iterator[str]:
 
 
 def _evaluate(node: ast.expr, reducer: Reducer) -> float:
-    """Compute the value of a parsed formula of numbers and keys of the design file, in the file's units."""
+    """Compute the value of a parsed formula of numbers and keys of the design file, in the file's units.
+
+    `node` is the expression, `reducer` has the values of the keys.
+    """
     match node:
         case ast.Constant():
             return float(node.value)  # type: ignore[arg-type]  # a number, see `_keys_in_formula`

@@ -110,10 +110,15 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
 
 
 def _flatten_findings(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
-    """Yield column and value of all numbers and switches in nested findings; nested keys are joined by underscores.
+    """Yield all numbers and switches in nested findings as columns; nested keys are joined by underscores.
 
     The entries of a list that have a ``pair`` get it as prefix, in place of the keys above. Texts, other lists and None
     are left out.
+
+    Yields
+    ------
+    tuple
+        Name of the column, which begins with `prefix`, and value.
     """
     for key, value in findings.items():
         if isinstance(value, Mapping):
@@ -138,7 +143,7 @@ def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     """Collect the checks of a design as columns: numbers and names of failures, values, and `_summarize_design`.
 
-    Checks without a value have no column. A design with errors has no summary.
+    Checks without a value have no column. A design with errors has no summary. The settings have no effect.
     """
     from cycloid_mj.checks import check
 

@@ -188,10 +188,11 @@ def _compute_sheet(reducer: Reducer) -> Sheet | None:
 
 
 def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int, starts: int, seed: int) -> None:
-    """Search for the best point; with two objectives, search once for each weight of `OptimizerSettings.weights`.
+    """Search for the best point of a problem `task`; with two objectives, once for each of `OptimizerSettings.weights`.
 
-    The evaluations are divided equally among the weights. The searches for both ends of the front start at the design,
-    the others at the best point so far with a smaller standard deviation and a single start.
+    The `evaluations` are divided equally among the weights. The searches for both ends of the front start at the
+    design, the others at the best point so far with a smaller standard deviation and a single start. `starts` is the
+    number of independent searches, `seed` the random seed.
     """
     if len(task.objectives) == 1:
         search_minimum(task, evaluator.evaluate_points, lambda row: task.costs(row)[0], evaluations, starts, [seed])
@@ -218,8 +219,16 @@ def _chebyshev_cost(task: Problem, rows: Sequence[PointResult], weight: float) -
     """Return the cost function that merges two objectives: the augmented weighted Chebyshev scalarization.
 
     Steuer and Choo 1983 (Math. Program. 26, 326-344). Objectives are normalized by their ranges between the best points
-    of either objective in `rows`, the points evaluated so far; `weight` (0 to 1) is that of the first objective. At the
-    ends, 0 and 1, the cost is that of one objective.
+    of either objective.
+
+    Parameters
+    ----------
+    task
+        The problem.
+    rows
+        The points evaluated so far.
+    weight
+        Weight of the first objective, 0 to 1. At the ends, 0 and 1, the cost is that of one objective.
     """
     feasible = [row for row in rows if row.values[FEASIBLE]]
     costs = [task.costs(row) for row in feasible] or [(0.0, 0.0)]
@@ -314,7 +323,10 @@ class _Rows:
 
 @contextmanager
 def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
-    """Open the record of a search as a context: in memory, or in the folder `out`, where it is resumed."""
+    """Open the record of a search as a context: in memory, or in the folder `out`, where it is resumed.
+
+    The problem, the number of evaluations, the starts and the seed identify the search in a folder.
+    """
     if out is None:
         rows: dict[int, PointResult] = {}
         yield _Rows(rows, rows.__setitem__)

@@ -1,13 +1,13 @@
 """Result of an optimisation: all points, the best or the Pareto front, and what rejected the others."""
 
 import math
-import warnings
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Cell, Frame, Tabular, make_frame
 from cycloid_mj.base.names import SOLVERS
@@ -138,7 +138,7 @@ class Optimum(Tabular):
         return {key: float(self.rows[index].values[key]) for key in self.task.figures}
 
     def design(self, index: int | None = None, name: str = "") -> Design:
-        """Return the design at a point, by default the best.
+        """Return the design at the point of an `index`, by default the best, with a `name`.
 
         Raises
         ------
@@ -279,13 +279,7 @@ class Optimum(Tabular):
         ]
         return (*ends, *limits)
 
-    @property
-    def ran_into(self) -> tuple[str, ...]:
-        """Deprecated name of `active_bounds`."""
-        warnings.warn(
-            "the attribute Optimum.ran_into is deprecated: use Optimum.active_bounds", DeprecationWarning, stacklevel=2
-        )
-        return self.active_bounds
+    ran_into = deprecated_attribute("Optimum", "ran_into", "active_bounds")
 
     def _checks_as_json(self, best_checks: BestChecks) -> dict[str, Any]:
         """Convert the checks of the best design to JSON values."""

@@ -59,6 +59,8 @@ class Axis:
 def grid_points(vary: Mapping[str, Wanted]) -> Points:
     """List all combinations of the values of each key (full factorial); those of the last key change fastest.
 
+    `vary` maps a key of the design file to its values: a sequence, or ``a,b,c``, or ``lo:hi:n``.
+
     Raises
     ------
     UsageError
@@ -196,9 +198,19 @@ def parse_axis(key: str, requested_values: Wanted) -> Axis:
 
 
 def _parse_range(key: str, field: FieldInfo, text: str, parts: Sequence[str]) -> Axis:
-    """Parse a range ``lo:hi`` (to be sampled) or ``lo:hi:n`` (n values), already split at the colons into `parts`.
+    """Parse a range ``lo:hi`` (to be sampled) or ``lo:hi:n`` (n values) of a key of the design file.
 
-    `text` is the user's text for messages. Raise UsageError if it is not a valid range of the key.
+    Parameters
+    ----------
+    key, field
+        The key, and its declaration.
+    text, parts
+        The user's text for messages, and its parts between the colons.
+
+    Raises
+    ------
+    UsageError
+        It is not a valid range of the key.
     """
     option = f"--vary {key}={text}"
     try:
@@ -249,7 +261,7 @@ def axis_values(axis: Axis) -> tuple[Value, ...]:
 def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
     """Convert a value to the type of a key: float, int, bool, text, or one of the key's words.
 
-    Limits of numbers are checked later, by the design.
+    `field` is the declaration of the key. Limits of numbers are checked later, by the design.
 
     Raises
     ------
@@ -277,7 +289,8 @@ def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
 def _draw_in_unit_cube(method: Method, count: int, dimensions: int, seed: int) -> Array:
     """Draw points in the unit cube (coordinates from 0 to 1) by a sampling method, shape (count, dimensions).
 
-    A Sobol sequence is balanced for powers of two only: its first `count` points are returned.
+    `seed` is the random seed. A Sobol sequence is balanced for powers of two only: its first `count` points are
+    returned.
     """
     from scipy.stats import qmc
 

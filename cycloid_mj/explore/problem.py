@@ -138,7 +138,8 @@ def define_problem(
 ) -> Problem:
     """Return the optimisation problem of a reducer, with variables, objectives, limits and linked keys.
 
-    The arguments are those of `optimize`.
+    The arguments are those of `optimize`: ranges of keys, figures to `minimize` and `maximize`, limits on figures,
+    whether warnings of checks reject a point (`strict`), and keys that `follow` others.
 
     Raises
     ------
@@ -198,9 +199,10 @@ def _parse_variable(key: str, values: Wanted) -> SearchRange | Choice:
 
 
 def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
-    """Evaluate the design at a point: figures, feasibility, violation, and the checks and limits that reject it.
+    """Evaluate the design at a point of a problem `task`.
 
-    `values` are those of the problem's keys, in order. An error is recorded in the result.
+    `values` are those of the problem's keys, in order. The result has figures, feasibility, violation, and the checks
+    and limits that reject the point; an error is recorded in it.
     """
     start = time.thread_time()
     with warnings.catch_warnings():
@@ -219,7 +221,7 @@ def evaluate_point(task: Problem, values: Sequence[Value]) -> PointResult:
 
 
 def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
-    """Compute the figures of a point and its violations.
+    """Compute the figures of a point of a problem and its violations; `values` are those of the keys of `task`.
 
     Returns
     -------

@@ -118,7 +118,7 @@ def _finite(values: Array) -> Array:
 
 
 def _spearman(values_a: Array, values_b: Array) -> float:
-    """Compute Spearman's rank correlation of two columns, shape (points,) each, over the points with both values.
+    """Compute Spearman's rank correlation [1] of two columns, shape (points,) each, over the points with both values.
 
     NaN for fewer than 3 points, and where a column is constant.
     """

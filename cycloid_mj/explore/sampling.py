@@ -128,7 +128,8 @@ def draw_samples(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: 
 def draw_deviations(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
     """Draw the deviations of the samples of a batch from the nominal design [m], by tolerance, shape (samples, ...).
 
-    A wave of the profile has the amplitudes of its cosine and sine, shape (samples, 2), see `Samples.waves`.
+    `zones` are the tolerances by key, `seed` is the random seed. A wave of the profile has the amplitudes of its cosine
+    and sine, shape (samples, 2), see `Samples.waves`.
     """
     uniform_numbers = _draw_uniform_numbers(reducer, zones, seed, batch)
     deviations = {key: zone.quantiles(uniform_numbers[key]) for key, zone in zones.items()}
@@ -141,8 +142,8 @@ def draw_deviations(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batc
 def _draw_uniform_numbers(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
     """Draw uniform random numbers between 0 and 1 for the samples of a batch, by tolerance, shape (samples, ...).
 
-    The random stream depends on seed, tolerance and block only. To start within a block, the numbers of its earlier
-    samples are drawn as well and dropped.
+    `zones` are the tolerances by key. The random stream depends on seed, tolerance and block only. To start within a
+    block, the numbers of its earlier samples are drawn as well and dropped.
     """
     end = batch.first + batch.count
     numbers_by_key = {}
@@ -159,7 +160,7 @@ def _stream_of(key: str) -> int:
 
 
 def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
-    """Return the shape of the random numbers of a tolerance for one sample: () for a single dimension.
+    """Return the shape of the random numbers of a tolerance, by its `key`, for one sample: () for a single dimension.
 
     A position has x and y; a wave of the profile has amplitude and phase.
     """
@@ -176,13 +177,13 @@ def apply_deviations(reducer: Reducer, nominal: Samples, deviations: Mapping[str
     A deviation of the pin circle moves all pins radially by the same distance, in addition to their position errors.
     Waves of the profile are added to those of the same order.
     """
-    fields = {f"{key}_position": f"{key}_place" for key in ("pin", "hole", "cam")} | {"disc_size": "disc_radius"}
+    fields = {f"{key}_position": f"{key}_displacement" for key in ("pin", "hole", "cam")} | {"disc_size": "disc_radius"}
     names = {key: fields.get(key, key) for key in SOURCES if key in deviations and key != "pin_circle"}
     changes = {name: getattr(nominal, name) + deviations[key] for key, name in names.items()}
     if "pin_circle" in deviations:
         outwards = profile.unit(profile.pin_angles(reducer.tooth_profile))
-        position = changes.get("pin_place", nominal.pin_place)
-        changes["pin_place"] = position + deviations["pin_circle"][:, np.newaxis, np.newaxis] * outwards
+        position = changes.get("pin_displacement", nominal.pin_displacement)
+        changes["pin_displacement"] = position + deviations["pin_circle"][:, np.newaxis, np.newaxis] * outwards
     if waves := [key for key in deviations if key.startswith(WAVE)]:
         changes["waves"] = np.array(nominal.waves)
         for key in waves:
@@ -216,9 +217,16 @@ def has_design_file(reducer: Reducer, samples: Samples) -> Mask:
 
 
 def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
-    """Draw a sample of a study again, by its `number` from 0, and return it as a design with the number in its name.
+    """Draw a sample of a study again, and return it as a design with its number in its name.
 
     The design lists the errors of each part, and has the clearances of the sample.
+
+    Parameters
+    ----------
+    reducer, zones
+        Nominal reducer, and its tolerances by key.
+    seed, number
+        Random seed of the study, and number of the sample from 0.
 
     Raises
     ------
@@ -234,8 +242,8 @@ def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number
 def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], excluded: int) -> tuple[str, ...]:
     """Return sentences about what the design files of the worst samples omit.
 
-    The lobes of an internal gear are cut together, so its file has no errors of single lobes. `excluded` is the
-    number of samples that do not jam but have a clearance of 0 or less.
+    `zones` are the tolerances by key. The lobes of an internal gear are cut together, so its file has no errors of
+    single lobes. `excluded` is the number of samples that do not jam but have a clearance of 0 or less.
     """
     pin_errors = ("pin_position", "pin_radius", "pin_circle") if reducer.design.ring.kind != "pin" else ()
     lobes = [key for key in pin_errors if key in zones]
@@ -275,14 +283,22 @@ def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> 
 
 
 def _clearances_and_errors(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
-    """Return the clearances and the errors of the sample with the index `row` [m], by their keys in the design file.
+    """Return the clearances and the errors of the sample with the index `row`.
 
     Errors that are all zero are empty tuples. Measured deviations of parts, which the nominal design already has, are
     subtracted from the errors.
+
+    Returns
+    -------
+    tuple of dict
+        Clearances and errors [m], by their keys in the design file.
     """
     design, deviations = reducer.design, measured_deviations(reducer.design)
-    pins, holes = samples.pin_place[row] - deviations.pin_place, samples.hole_place[row].reshape(-1, 2)
-    cams, waves = samples.cam_place[row], np.array(samples.waves[row])
+    pins, holes = (
+        samples.pin_displacement[row] - deviations.pin_displacement,
+        samples.hole_displacement[row].reshape(-1, 2),
+    )
+    cams, waves = samples.cam_displacement[row], np.array(samples.waves[row])
     waves[: len(deviations.waves)] -= deviations.waves
     waves = waves[: design.ring.teeth]
     clearance = {design.tooth_pair: samples.mesh[row], "cam": samples.cam[row], "output": samples.output[row]}

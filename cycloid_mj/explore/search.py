@@ -117,7 +117,7 @@ def values_in_ranges(ranges: Sequence[SearchRange], positions: Array) -> tuple[f
 
 
 def positions_in_ranges(ranges: Sequence[SearchRange], values: Sequence[Value]) -> Array:
-    """Compute the relative positions of real numbers in their ranges, clipped to 0 to 1, shape (ranges,).
+    """Compute the relative positions [1] of real numbers in their ranges, clipped to 0 to 1, shape (ranges,).
 
     `values` are those of a point: the real numbers come first, and the values of the choices after them are ignored.
     """

@@ -197,7 +197,16 @@ def define_task(
 ) -> Task:
     """Return what a sweep computes at each point: the measures, their settings, and the linked keys.
 
-    `measures` are names of measures or keys of figures, or lists ``a,b`` of them; `follow` as in `sweep`.
+    Parameters
+    ----------
+    reducer, points
+        The reducer that the points change, and the points.
+    measures
+        Names of measures or keys of figures, or lists ``a,b`` of them.
+    quick, real_pins
+        Whether measures use fewer angles and runs; whether loaded runs keep the inertia of moving pins.
+    follow, solver
+        As in `sweep`.
 
     Raises
     ------
@@ -228,7 +237,7 @@ def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, pr
         next_write = monotonic() + SECONDS_BETWEEN_TABLES
 
         def record(index: int, row: PointResult) -> None:
-            """Add a row to the journal, and rewrite the table on disk if the interval has passed."""
+            """Add a row, by the `index` of its point, to the journal; rewrite the table if the interval has passed."""
             nonlocal next_write
             # assumptions hardly differ between rows: those of the first are enough
             has_assumptions = any(known.assumptions for known in journal.rows.values())
@@ -295,7 +304,8 @@ def choose_points(
 ) -> Points:
     """Return the points of a sweep: rows of a table, a full grid of values, or a sample of ranges.
 
-    The arguments are those of `sweep`.
+    The arguments are those of `sweep`: values or ranges by key (`vary`), or the rows of a `table`; method, number and
+    `seed` of drawn points.
 
     Raises
     ------

@@ -373,8 +373,8 @@ def _study_rv_reducer(
 ) -> Tolerances:
     """Return the tolerance study of an RV reducer from its closed form: no sample jams, and none can be simulated.
 
-    Raises as `tolerance`, and UsageError for a limit on another figure than that of `rv_samples`, or if `verify` is
-    set.
+    The arguments are those of `tolerance`, and so are the errors; UsageError also for a limit on another figure than
+    that of `rv_samples`, or if `verify` is set.
     """
     parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed_limits)
@@ -409,7 +409,9 @@ def _study_rv_reducer(
 
 
 def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> "_Study":
-    """Return a study that is still to be balanced: its tolerance zones, limits, batches and sets of the error budget.
+    """Return a study that is still to be solved: its tolerance zones, limits, batches and sets of the error budget.
+
+    The arguments are those of `tolerance`: number of `samples`, random `seed`, and limits on figures.
 
     Raises
     ------

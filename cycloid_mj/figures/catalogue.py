@@ -104,7 +104,8 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
 def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
     """Return a question for an error message: whether one of up to `MAX_SUGGESTIONS` similar keys was meant.
 
-    Similar keys contain `key`, or else resemble it. The text is empty if there are none.
+    Similar keys contain `key`, or else resemble it; they are those of figures with one of the `needs`, and of the
+    reducer unless it is None. The text is empty if there are none.
     """
     available = [
         name

@@ -128,7 +128,10 @@ def compute_film_map(
 
 
 def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:
-    """Return two tables, of the efficiency and of the torques without load, each value with its interval."""
+    """Return two tables, of the efficiency and of the torques without load, each value with its interval.
+
+    `points` are those of `compute_film_map`.
+    """
 
     def format_row(point: MapPoint) -> tuple[str, ...]:
         """Format a point of the map as a row of text."""

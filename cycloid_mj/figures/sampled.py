@@ -72,7 +72,10 @@ def _as_designed(reducer: Reducer, state: State) -> SampleFigures:
 
 
 def _make_figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:
-    """Return a row of the catalogue whose value is that of a single sample without random deviations."""
+    """Return a row of the catalogue whose value is that of a single sample without random deviations.
+
+    Key, name, unit and definition are those of `Figure`; `sampled` computes the value.
+    """
 
     def compute(reducer: Reducer) -> float:
         return float(sampled.value(*(_as_designed(reducer, state) for state in sampled.states))[0])

@@ -126,7 +126,8 @@ def _make_torque_figure(
 ) -> Figure:
     """Return the row of the catalogue for a torque [N m] that is not in the sheet.
 
-    `function` computes it, `spread_function` its interval under the law ``film``.
+    Key, name and definition are those of `Figure`. `function` computes the torque, `spread_function` its interval under
+    the law ``film``.
     """
 
     def interval(reducer: Reducer) -> Quantity:

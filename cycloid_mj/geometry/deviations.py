@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.design import Design
 from cycloid_mj.geometry.measured import measured_deviations
 
@@ -22,15 +23,15 @@ class Deviations:
 
     Attributes
     ----------
-    pin_place
+    pin_displacement
         Displacement of each ring pin and its socket from the pin circle [m], ring frame, shape (N, 2).
     pin_radius
         Error of the radius of each ring pin, or of its sleeve [m], shape (N,).
-    hole_place
+    hole_displacement
         Displacement of each hole in its disc [m], disc's frame, shape (D, output pins, 2).
     disc_radius
         Offset of the flanks of each disc from the drawing, outwards [m], shape (D,).
-    cam_place
+    cam_displacement
         Displacement of each cam on a crank of that eccentricity [m], at crank angle 0, shape (D, 2).
     eccentricity
         Difference of the cams' eccentricity from that of the teeth [m].
@@ -39,20 +40,23 @@ class Deviations:
         (N, 2), or of more orders if the profile is measured; see `profile_error`.
     """
 
-    pin_place: Array
+    pin_displacement: Array
     pin_radius: Array
-    hole_place: Array
+    hole_displacement: Array
     disc_radius: Array
-    cam_place: Array
+    cam_displacement: Array
     eccentricity: float
     waves: Array
+    pin_place = deprecated_attribute("Deviations", "pin_place", "pin_displacement")
+    hole_place = deprecated_attribute("Deviations", "hole_place", "hole_displacement")
+    cam_place = deprecated_attribute("Deviations", "cam_place", "cam_displacement")
 
     @property
     def largest(self) -> float:
         """The largest size of any of them [m]."""
-        places = np.concatenate([self.pin_place, *self.hole_place, self.cam_place])
+        displacements = np.concatenate([self.pin_displacement, *self.hole_displacement, self.cam_displacement])
         radii = np.concatenate([self.pin_radius, self.disc_radius, self.waves.ravel()])
-        return float(max(np.linalg.norm(places, axis=1).max(), np.abs(radii).max(), abs(self.eccentricity)))
+        return float(max(np.linalg.norm(displacements, axis=1).max(), np.abs(radii).max(), abs(self.eccentricity)))
 
     @property
     def waves_in_use(self) -> Array:
@@ -85,14 +89,18 @@ def deviations(design: Design) -> Deviations:
     waves = np.pad(listed_waves, ((0, max(0, len(measured_parts.waves) - pin_count)), (0, 0)))
     waves[: len(measured_parts.waves)] += measured_parts.waves
     return Deviations(
-        pin_place=np.stack([_each(design, axis, pin_deviation, pin_count) for axis in ("pin_x", "pin_y")], axis=1)
-        + measured_parts.pin_place,
+        pin_displacement=np.stack(
+            [_each(design, axis, pin_deviation, pin_count) for axis in ("pin_x", "pin_y")], axis=1
+        )
+        + measured_parts.pin_displacement,
         pin_radius=_each(design, "pin_dr", radius_deviation, pin_count) + measured_parts.pin_radius,
-        hole_place=np.stack(
+        hole_displacement=np.stack(
             [_of_discs(design, axis, hole_deviation, hole_count) for axis in ("hole_x", "hole_y")], axis=2
         ),
         disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0] + measured_parts.disc_radius,
-        cam_place=np.stack([_of_discs(design, axis, cam_deviation, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1),
+        cam_displacement=np.stack(
+            [_of_discs(design, axis, cam_deviation, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1
+        ),
         eccentricity=errors.eccentricity,
         waves=waves,
     )

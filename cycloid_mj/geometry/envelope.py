@@ -320,9 +320,14 @@ def _K(gear: CycloidGear) -> float:
 
 
 def _monotone_intervals(gear: CycloidGear) -> list[tuple[float, float]]:
-    """Return the intervals of B [rad] between B0 and 2 pi - B0 in which `Sigma.crank_angle_cw` is monotone.
+    """Return the intervals of B between B0 and 2 pi - B0 in which `Sigma.crank_angle_cw` is monotone.
 
     There are one or three; they end where l^2 = (N-1) K.
+
+    Returns
+    -------
+    list of tuple
+        Both ends of each interval [rad].
     """
     N, c, E, _ = gear.symbols
     B0 = gear.best_phase

@@ -127,7 +127,7 @@ def _shift_holes(design: Design, expansion: float) -> Mapping[str, tuple[float, 
     from cycloid_mj.geometry.profile import unit
 
     angles = 2.0 * math.pi * np.arange(design.output.pins) / design.output.pins
-    positions = deviations(design).hole_place + expansion * unit(angles)
+    positions = deviations(design).hole_displacement + expansion * unit(angles)
     return {f"hole_{axis}": tuple(positions[..., index].ravel().tolist()) for index, axis in enumerate("xy")}
 
 

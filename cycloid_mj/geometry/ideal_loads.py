@@ -214,8 +214,14 @@ def line_contact_stiffness(
 ) -> Array:
     """Compute the secant stiffness pi E* L / (a + ln kappa) [N/m] of a line contact, a of `line_contact_constant`.
 
-    `relative_curvature` kappa [1/m] as in `hertz_line_contact`; where b would pass 2 D/e, the bodies are conformal and
-    the formula no longer holds: callers keep kappa above that.
+    Where b would pass 2 D/e, the bodies are conformal and the formula no longer holds: callers keep kappa above that.
+
+    Parameters
+    ----------
+    force, length, modulus, depth
+        As in `line_contact_constant`: force [N], length L [m], modulus E* [Pa], depth D [m].
+    relative_curvature
+        Relative curvature kappa [1/m], any shape, which is that of the result.
     """
     constant = line_contact_constant(force, length, modulus, depth)
     return math.pi * modulus * length / (constant + np.log(np.asarray(relative_curvature, float)))

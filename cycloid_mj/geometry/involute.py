@@ -183,10 +183,18 @@ def least_shift(teeth: int, pressure_angle: float) -> float:
 
 
 def shift_sum(teeth: int, module: float, pressure_angle: float, centre_distance: float) -> float:
-    """Compute the sum of the profile shift coefficients of a pair without backlash (ISO 21771, equation for a_w).
+    """Compute the sum of the profile shift coefficients [1] of a pair of gears without backlash.
 
-    `teeth` is the sum of both numbers of teeth; module and centre distance are in metres. Below the sum of the base
-    radii no flanks touch; the result is that of this distance.
+    ISO 21771, equation for a_w. Below the sum of the base radii no flanks touch; the result is that of this distance.
+
+    Parameters
+    ----------
+    teeth
+        Sum of both numbers of teeth.
+    module, centre_distance
+        Lengths [m].
+    pressure_angle
+        Pressure angle at the reference circle [rad].
     """
     base_distance = module * teeth / 2.0 * math.cos(pressure_angle)
     working_angle = math.acos(min(1.0, base_distance / centre_distance))
@@ -209,6 +217,11 @@ def gear_pair(
         Lengths [m]; the backlash is circumferential, at the reference circles.
     pressure_angle
         At the reference circle [rad].
+
+    Returns
+    -------
+    tuple of InvoluteGear
+        Pinion and mate.
     """
     shift = SHIFT_STEP * math.ceil(least_shift(teeth[0], pressure_angle) / SHIFT_STEP)
     shifts = shift, shift_sum(sum(teeth), module, pressure_angle, centre_distance) - shift

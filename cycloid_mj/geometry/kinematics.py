@@ -149,10 +149,21 @@ def point_path(
 
 
 def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
-    """Compute position [m] and velocity [m/s] of a point of a body, each (n, 2): p + R q and dp/dt + w x R q.
+    """Compute position and velocity of a point of a body: p + R q and dp/dt + w x R q.
 
-    `q` = (q_x, q_y) [m] is the point in the body's frame. `pose` (n, 3) has x, y [m] and the counter-clockwise rotation
-    [rad] of the body, `motion` (n, 3) their rates [m/s], [rad/s].
+    Parameters
+    ----------
+    q
+        The point (q_x, q_y) [m] in the body's frame.
+    pose
+        x, y [m] and counter-clockwise rotation [rad] of the body, shape (n, 3).
+    motion
+        Their rates [m/s], [rad/s], shape (n, 3).
+
+    Returns
+    -------
+    tuple of Array
+        Position [m] and velocity [m/s], shape (n, 2) each.
     """
     (q_x, q_y), cos, sin = np.asarray(q, float), np.cos(pose[:, 2]), np.sin(pose[:, 2])
     x, y, spin = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]

@@ -95,10 +95,10 @@ class MeasuredProfile:
 class MeasuredDeviations:
     """The part of ``Deviations`` that is measured [m]; 0, and no waves, for parts that are not.
 
-    Attributes are `pin_place` (N, 2), `pin_radius` (N,), `disc_radius` of all discs, and `waves` (orders, 2).
+    Attributes are `pin_displacement` (N, 2), `pin_radius` (N,), `disc_radius` of all discs, and `waves` (orders, 2).
     """
 
-    pin_place: Array
+    pin_displacement: Array
     pin_radius: Array
     disc_radius: float
     waves: Array
@@ -252,7 +252,13 @@ def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment |
 
 
 def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
-    """Estimate centre (2,) [m] and clockwise rotation [rad] of points: a circle fit (Kasa 1976), the lobes' phase."""
+    """Estimate centre and rotation of measured points (n, 2) [m]: a circle fit (Kasa 1976), the lobes' phase.
+
+    Returns
+    -------
+    tuple
+        Centre (2,) [m], and clockwise rotation [rad].
+    """
     from scipy.linalg import lstsq
 
     x, y = points.T

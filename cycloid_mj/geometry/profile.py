@@ -202,7 +202,7 @@ def curvature(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) 
     """Compute the signed curvature of the outline [1/m] at t [rad]: positive on the lobes' tips, negative in valleys.
 
     1/R with R = l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] - offset, with the symbols of the module; `offset` [m] is by
-    default rho.
+    default rho. The result has the shape of t.
     """
     B = phase(gear, t)
     bend = _bend(gear, B)
@@ -236,7 +236,7 @@ def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
 
 
 def complete_elliptic(m: float) -> float:
-    """Compute the complete elliptic integral of the second kind E(m), 0 <= m < 1, by arithmetic-geometric means.
+    """Compute the complete elliptic integral of the second kind E(m) [1], 0 <= m < 1, by arithmetic-geometric means.
 
     Abramowitz & Stegun, 17.6.3 and 17.6.4.
     """
@@ -327,6 +327,8 @@ def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
 def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outline:
     """Compute `points` >= 3 points of the outline, equally spaced by arc length, clockwise from the valley on +y.
 
+    `offset` [m] is that of the outline from the trochoid, by default rho.
+
     Raises
     ------
     DesignError
@@ -353,8 +355,9 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
 def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
     """Compute few parameters t (n,) [rad] of an outline whose chords deviate by at most `chord_error` [m].
 
-    All lobes have the same. Each half lobe is divided at its inflection, so that a chord spans a purely concave or
-    convex arc. The array is cached and read-only.
+    `offset` [m] is that of the outline from the trochoid, by default rho. All lobes have the same parameters. Each half
+    lobe is divided at its inflection, so that a chord spans a purely concave or convex arc. The array is cached and
+    read-only.
 
     Raises
     ------
@@ -429,9 +432,18 @@ def solve_monotone(
 ) -> Array:
     """Solve function(x) = target in [low, high], elementwise, by Newton steps kept inside a shrinking bracket.
 
-    `function` must be monotone between `low` and `high`; for a target beyond its range, the nearer end is returned. The
-    other arguments broadcast to the shape of the result. The last step is within rounding, or at most `rtol` of the
-    bracket; after `CURVE.max_iterations` steps, the last x is returned.
+    The last step is within rounding, or at most `rtol` of the bracket; after `CURVE.max_iterations` steps, the last x
+    is returned.
+
+    Parameters
+    ----------
+    function, derivative
+        Function of an array, monotone between `low` and `high`, and its derivative.
+    target, low, high
+        Values of the function, and ends of the brackets; they broadcast to the shape of the result. For a target beyond
+        the range of the function, the nearer end is returned.
+    rtol
+        Largest last step, relative to the bracket.
     """
     target, low, high = (np.array(array, float) for array in np.broadcast_arrays(target, low, high))
     tolerance = np.maximum(2 * np.finfo(float).eps * np.maximum(np.abs(low), np.abs(high)), rtol * (high - low))
@@ -461,7 +473,10 @@ def _bend(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
-    """Return points, normals, curvature and arc length of the outline at trochoid parameters t (n,) [rad]."""
+    """Return points, normals, curvature and arc length of the outline at trochoid parameters t (n,) [rad].
+
+    `offset` [m] is that of the outline from the trochoid, None: rho.
+    """
     return Outline(
         t=t,
         points=outline(gear, t, offset),

@@ -89,7 +89,8 @@ def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
 def meshing_planet_teeth(sun_teeth: int, planet_teeth: int, count: int) -> tuple[int, ...]:
     """Return the planet tooth numbers just below and above `planet_teeth` with which all planets mesh, nearest first.
 
-    `count` is the number of identical planets. Of two numbers at the same distance, the larger one comes first.
+    `sun_teeth` is the number of teeth of the sun, `count` that of identical planets. Of two numbers at the same
+    distance, the larger one comes first.
     """
     changes = [
         next(change for change in range(1, count + 1) if (sun_teeth + planet_teeth + sign * change) % count == 0) * sign
@@ -161,8 +162,9 @@ def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -
     """Compute the loss factor H_v of a spur gear mesh [1]: the power loss is H_v mu times the transmitted power.
 
     ISO/TR 14179-2, equation (31): pi (u + 1)/(z_1 u) (1 - epsilon_alpha + epsilon_1^2 + epsilon_2^2), for full-depth
-    teeth. z_1 are the teeth of the sun, u is the ratio of tooth numbers, epsilon_1 and epsilon_2 are the contact ratios
-    of the tips, epsilon_alpha is their sum, and mu is the friction coefficient; the pressure angle is in [rad].
+    teeth. z_1 = `sun_teeth`, u is the ratio of tooth numbers `planet_teeth`/z_1, epsilon_1 and epsilon_2 are the
+    contact ratios of the tips, epsilon_alpha is their sum, and mu is the friction coefficient; the pressure angle is in
+    [rad].
     """
     ratio = planet_teeth / sun_teeth
     tip_contact_ratios = _tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle)
@@ -171,7 +173,15 @@ def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -
 
 
 def _tip_contact_ratios(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> tuple[float, float]:
-    """Compute the contact ratios of the tips of sun and planet [1], counted from the pitch point."""
+    """Compute the contact ratios of the tips of sun and planet, counted from the pitch point.
+
+    The arguments are those of `mesh_loss_factor`: numbers of teeth, and pressure angle [rad].
+
+    Returns
+    -------
+    tuple of float
+        Ratios of sun and planet [1].
+    """
 
     def of_tip(teeth: int) -> float:
         tip_angle = math.acos(teeth * math.cos(pressure_angle) / (teeth + 2.0))

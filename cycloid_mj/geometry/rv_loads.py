@@ -90,9 +90,9 @@ def ideal_rv_loads(
 ) -> IdealRvLoads:
     """Compute the ideal forces in an RV reducer under a torque on the carrier [N m] at `crank_angles` (m,) [rad].
 
-    The torque on the ring, T (R - 1)/R, is shared equally by the discs, and by the pins of each as
-    `ideal_loads.share_load` does. The crank bearings are equally stiff: their forces are those of least squares that
-    balance the pins on each disc. With a floating sun, the cranks also have equal torques.
+    `stage` is the geometry of the cycloid stage. The torque on the ring, T (R - 1)/R, is shared equally by the discs,
+    and by the pins of each as `ideal_loads.share_load` does. The crank bearings are equally stiff: their forces are
+    those of least squares that balance the pins on each disc. With a floating sun, the cranks also have equal torques.
     """
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     discs, lobes = len(stage.phases), stage.gear.lobes
@@ -118,8 +118,14 @@ def _crank_forces(
 ) -> Array:
     """Compute least-squares crank forces (m, D, n, 2) [N] that balance a force and a torque on each disc.
 
-    `disc_force` (m, D, 2) [N] and `disc_torque` [N m] act on the centre of a disc. With a floating sun, the cranks also
-    have equal torques.
+    Parameters
+    ----------
+    stage, crank_angles
+        Geometry of the stage, and crank angles [rad], shape (m,).
+    disc_force, disc_torque
+        Force (m, D, 2) [N] and torque [N m] on the centre of each disc.
+    floating_sun
+        Whether the cranks also have equal torques.
     """
     crank_centres, eccentrics = stage.crank_places(crank_angles), stage.eccentrics(crank_angles)
     (count, discs, _), cranks = disc_force.shape, stage.cranks

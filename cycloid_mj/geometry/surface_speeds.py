@@ -64,10 +64,11 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
 
 
 def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
-    """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve; parameters as in `tooth_speeds`.
+    """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve.
 
     The pin turns as on the disc, and the load turns with the contact line: both at the seat's `radius` [m], which is
-    the pin's in a socket, and that of the bore of a sleeve.
+    the pin's in a socket, and that of the bore of a sleeve. `B` are phases of the pins [rad] and `crank_speed` [rad/s]
+    is the speed of the crank, as in `tooth_speeds`.
     """
     disc_speeds, scale = tooth_speeds(gear, B, crank_speed), radius / gear.pin_radius
     return SurfaceSpeeds(moving=scale * disc_speeds.moving, fixed=scale * disc_speeds.fixed)

@@ -331,7 +331,9 @@ class _Log:
         self._interrupted = False
 
     def run_case(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
-        """Compute the course of a case to its end, and return whether it was not interrupted.
+        """Compute the course of a case of wear to its end; return False if it was interrupted.
+
+        `on_progress` is called after each step with the case and the finished part of it [1].
 
         Raises
         ------

@@ -171,7 +171,13 @@ def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Arra
 def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: float) -> Iterator[RatedItem]:
     """Rate every rolling bearing over the points of a duty, and statically at an emergency stop's peak torque [N m].
 
-    Yields life (ISO 281), modified life if an oil viscosity is known, and static factor (ISO 76) of each.
+    `loadings` are the solved forces at each point of the duty.
+
+    Yields
+    ------
+    RatedItem
+        Of each bearing the life (ISO 281), the modified life if an oil viscosity is known, and the static factor (ISO
+        76).
     """
     for bearing in bearings_of(reducer):
         forces = [bearing_forces(reducer, bearing.key, loading) for loading in loadings]
@@ -308,14 +314,18 @@ def _rate_bearing(
     loadings: Sequence[Loading],
     peak_torque: float,
 ) -> Iterator[RatedItem]:
-    """Yield life, modified life and static factor of a bearing; of several like bearings, of the most loaded one.
+    """Yield life, modified life and static factor of a bearing; of several equal bearings, of the most loaded one.
 
     Parameters
     ----------
+    bearing
+        One of `bearings_of`.
     forces
         Forces at each point of the duty [N], shape (m, bearings) each.
     turns
         Relative speed of the rings times the share of time at each point [rad/s], shape (points,).
+    loadings
+        The points of the duty.
     peak_torque
         Output torque of the static factor [N m]; forces are scaled in proportion.
     """

@@ -112,9 +112,14 @@ def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str,
 
 
 def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) -> Iterator[tuple[str, float]]:
-    """Yield changes, as key of the design file and value, that may make a failed check pass.
+    """Yield changes of the design that may make a failed check pass.
 
     Values follow from the laws of the failed items: torque by a search, width, life and speed in proportion.
+
+    Yields
+    ------
+    tuple
+        Key of the design file, and its new value.
     """
     design = reducer.design
     keys = {item.key for item in rating.items.values() if item.decisive and _check_kind(item) == failed_check.name}
@@ -162,7 +167,10 @@ def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
 
 
 def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iterator[Check]:
-    """Yield a check for each of `KINDS` that has items: the weakest item against a safety factor of 1 or the life."""
+    """Yield a check for each kind of item that decides on the life: its weakest item against the limit.
+
+    The limit is a safety factor of 1, or the required life. `decisive_items` are the items of the rating that count.
+    """
     for kind, (about, explanation) in KINDS.items():
         items_of_kind = [item for item in decisive_items if _check_kind(item) == kind]
         if not items_of_kind:

@@ -218,9 +218,14 @@ def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity
 
 
 def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
-    """Compute the torque of an emergency stop with a safety factor of 1 [N m], and the item that limits it.
+    """Compute the largest torque of an emergency stop: that with a safety factor of 1.
 
     Forces are in proportion to those at the nominal torque.
+
+    Returns
+    -------
+    tuple
+        The torque [N m], and the item that limits it.
     """
     design = reducer.design
     duty = constant_duty(design.rated_torque, design.drive.speed)
@@ -290,7 +295,7 @@ def _rating_rows(
 def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ...]:
     """Return rated and momentary torque of parts within the tolerances of the design; empty without tolerances.
 
-    They are those of the weakest item by its law, from the rating at the nominal torque.
+    They are those of the weakest item by its law, from the rating at the nominal torque for a `life` [h].
     """
     design = reducer.design
     if not has_tolerances(design):
@@ -310,7 +315,10 @@ def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ..
 
 
 def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return backlash, lost motion, stiffness, transmission error and hysteresis."""
+    """Return backlash, lost motion, stiffness, transmission error and hysteresis of a data sheet.
+
+    `static` is the sheet of the statics.
+    """
     quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
     return (
@@ -323,7 +331,10 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return efficiency, back-driving, no-load and starting torques, temperature rise and thermal limits."""
+    """Return efficiency, back-driving, no-load and starting torques, temperature rise and thermal limits.
+
+    `static` is the sheet of the statics.
+    """
     design = reducer.design
     quantities = static.quantities
     law = f", {film_text(reducer)}" if design.has_film else ""
@@ -347,7 +358,10 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
-    """Return the efficiency with all bearings at the nominal torque, with its interval under the law ``film``."""
+    """Return the efficiency with all bearings at the nominal torque, with its interval under the law ``film``.
+
+    `condition` is the note of the row: torque and speed in words.
+    """
     efficiency = _figure(reducer, "drive_efficiency_percent", "Efficiency", condition)
     torque = reducer.design.rated_torque
     if not reducer.design.has_film:
@@ -602,7 +616,7 @@ def _wind_up_curve(reducer: Reducer) -> Curve:
 
 
 def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
-    """Return the assumptions of the sheet, a sentence each."""
+    """Return the assumptions of the sheet, a sentence each, for a `life` [h]; `static` is the sheet of the statics."""
     return (
         f"Computed by cycloid_mj from the design {reducer.design.name}; nothing was measured on a built drive.",
         f"Rated torque: limited by bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "

@@ -87,10 +87,24 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
 
 
 def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: float) -> tuple[float, str]:
-    """Compute the torque [N m] at which a kind of contact first reaches its pressure limit [Pa]; also name the method.
+    """Compute the torque at which a kind of contact first reaches its pressure limit.
 
     The law p ~ sqrt(T) is a lower bound of that torque, as more contacts share a larger torque. No equilibrium is
-    sought where it is beyond `other_limit` [N m], such as a skipped tooth: there may be none.
+    sought where it is beyond another limit, such as a skipped tooth: there may be none.
+
+    Parameters
+    ----------
+    worst
+        Solved forces at the largest torque of the duty.
+    limits
+        Pressure limit of each kind of contact [Pa].
+    other_limit
+        Smallest torque of the other limits [N m].
+
+    Returns
+    -------
+    tuple
+        The torque [N m], and kind and method in words.
     """
     kind = min(limits, key=lambda name: limits[name] / worst.pressures[name])
     torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)

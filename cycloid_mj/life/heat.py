@@ -37,7 +37,8 @@ half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Yield the power lost, the housing's temperature in still air, and the clearance that each pair loses by heat.
 
-    All parts are assumed to have the temperature of the housing.
+    `loadings` are the solved forces at each point of the duty. All parts are assumed to have the temperature of the
+    housing.
     """
     design = reducer.design
     service = design.service
@@ -109,8 +110,8 @@ def still_air_coefficient(
 ) -> float:
     """Compute the heat transfer coefficient of a housing in still air by convection and radiation [W/(m2 K)].
 
-    ISO/TR 14179-2: 18 (H/0.1)^-0.1 (dT/T)^0.3 + 0.23e-6 eps ((T_wall + T_ambient)/2)^3, with the height H of the
-    housing [m] and temperatures [°C].
+    ISO/TR 14179-2: 18 (H/0.1)^-0.1 (dT/T)^0.3 + 0.23e-6 eps ((T_wall + T_ambient)/2)^3, with the `height` H of the
+    housing [m], its `emissivity` eps [1], and temperatures [°C], which the formula has in kelvin.
     """
     hot, cold = wall_temperature + FREEZING_POINT, ambient_temperature + FREEZING_POINT
     convection = 18.0 * (height / 0.1) ** -0.1 * (max(hot - cold, 0.0) / cold) ** 0.3
@@ -131,7 +132,10 @@ def heat_transfer_coefficient(reducer: Reducer, wall_temperature: float) -> floa
 
 
 def housing_temperature(reducer: Reducer, power_lost: float) -> float:
-    """Solve for the temperature of the housing [°C] at which it passes a power [W] to still air (Brent's method)."""
+    """Solve for the temperature of the housing [°C] at which it passes `power_lost` [W] to still air.
+
+    Brent's method.
+    """
     ambient, area = reducer.design.service.ambient_temperature, cooling_area(reducer)
     if reducer.design.service.film_coefficient:
         return ambient + power_lost / (reducer.design.service.film_coefficient * area)

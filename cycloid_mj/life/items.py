@@ -117,7 +117,7 @@ def _rate_parts(
 def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:
     """Merge the ratings of several samples of a design: for each item, the one with the smallest margin.
 
-    `sample_text` describes the samples and becomes the first assumption.
+    `design_name` becomes the name of the design; `sample_text` describes the samples and becomes the first assumption.
     """
     first_rating = ratings[0]
     weakest = [
@@ -142,9 +142,24 @@ def _rate_all_items(
 ) -> tuple[list[RatedItem], float]:
     """Rate the bearings, surfaces, strength, wear, heat, emergency stops and joints of a reducer over a duty cycle.
 
-    Returns the items, and the largest numerical work of the static equilibria of the duty's points (see
-    `Loading.work`). `crank_angles` is the number of angles per turn; without `with_stops`, emergency stops and joints
-    are left out.
+    Parameters
+    ----------
+    ranges
+        Stress ranges of disc or ring by part, from a finite-element study; None without one.
+    crank_angles
+        Number of crank angles per turn.
+    with_stops
+        Whether emergency stops and joints are rated.
+
+    Returns
+    -------
+    tuple
+        The items, and the largest numerical work of the static equilibria of the duty's points (see `Loading.work`).
+
+    Raises
+    ------
+    DesignError
+        The crank does not turn.
     """
     turning_points = [point for point in duty.points if point.speed]
     if not turning_points:

@@ -151,7 +151,10 @@ def tightening_torques(reducer: Reducer) -> dict[str, float]:
 
 
 def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Rate the screws and dowels of each clamped face; if a face has both, only the stronger of the two is counted."""
+    """Rate the screws and dowels of each clamped face; if a face has both, only the stronger of the two is counted.
+
+    `torques` are those on crank, carrier and ring at the peak torque.
+    """
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
     dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
     by_face = {frozenset(joint.parts): torque for joint, torque in dowelled.items()}
@@ -225,7 +228,8 @@ def _ring_slip_torque(reducer: Reducer, cover_screws: ScrewedJoint) -> float:
 def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> ScrewedJoint:
     """Return a screwed joint with its thread, property class and preload limits.
 
-    Screws of motor and driven machine are not in the bill of materials: their property classes are assumed.
+    `covers` are the covers of the drive. Screws of motor and driven machine are not in the bill of materials: their
+    property classes are assumed.
     """
     screw = next((part for part in joint.bought if "thread" in dict(part.dimensions)), None)
     centres = np.array(screw.origins)[:, :2] if screw else np.atleast_2d(joint.holes[0][1][0])
@@ -286,7 +290,11 @@ def _face_limits(reducer: Reducer, screwed_joint: ScrewedJoint, screw: BoughtPar
 
 
 def _head_limit(screwed_joint: ScrewedJoint, part: str, material: Material, washer_thickness: float) -> ScrewLimit:
-    """Return the preload limit by the pressure under the heads, or under washers of a thickness [m] (0: no washer)."""
+    """Return the preload limit of a screwed joint by the pressure under the heads of its screws, or under washers.
+
+    `part` is the name of the part under the heads, `material` its material, `washer_thickness` [m] is 0 without
+    washers.
+    """
     nominal = screwed_joint.thread.diameter
     bearing, hole = stock.head_bearing(nominal), stock.bolt_hole(nominal)
     if washer_thickness:
@@ -308,7 +316,11 @@ def _head_limit(screwed_joint: ScrewedJoint, part: str, material: Material, wash
 def _thread_limit(
     screwed_joint: ScrewedJoint, part: str, material: Material, insert: stock.Insert | None, engaged_length: float
 ) -> ScrewLimit:
-    """Return the preload limit by stripping of threads over their engaged length [m], or pull-out of an insert."""
+    """Return the preload limit of a screwed joint by stripping of its threads, or by pull-out of an insert.
+
+    `part` is the name of the part with the threads, `material` its material; `insert` is None if they are cut in it.
+    `engaged_length` [m] is that of the threads.
+    """
     shear = (
         JOINTS.plastic_shear * material.yield_strength
         if material.is_plastic
@@ -358,7 +370,10 @@ def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
 
 
 def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Rate the glued or keyed joints of the crank: the motor's shaft in its bore, and the cams on the shaft."""
+    """Rate the glued or keyed joints of the crank: the motor's shaft in its bore, and the cams on the shaft.
+
+    `torques` are those on crank, carrier and ring at the peak torque.
+    """
     sizes, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
     bore = motor_bore(reducer, sizes)
     if bore:

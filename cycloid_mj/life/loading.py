@@ -218,8 +218,9 @@ def solve_loading(
 def _compute_sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
     """Compute the sliding of teeth, output pins or plain rollers, and a plain cam, by kind of pair.
 
-    A ring pin that can turn slides where its friction is lower. Sleeves and rollers turn on their pins, so that their
-    bores wear evenly. Flanks of the disc, sockets, holes and the disc's bore wear where the load presses.
+    `springs` and `contact_loads` are those of the equilibrium over a turn. A ring pin that can turn slides where its
+    friction is lower. Sleeves and rollers turn on their pins, so that their bores wear evenly. Flanks of the disc,
+    sockets, holes and the disc's bore wear where the load presses.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip, count = np.abs(springs.slip), springs.teeth
@@ -270,9 +271,18 @@ def _compute_sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -
 def _summarize_sliding(
     reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float
 ) -> Sliding:
-    """Return power, p v and speed of contacts under forces [N] at speeds [m/s], shapes (m, n), on pins of a radius [m].
+    """Return friction power, p v and mean speed of the contacts of one kind of pair over a turn.
 
-    `density` is the largest friction power per length of the surface [W/m], which becomes part of the result.
+    Parameters
+    ----------
+    kind
+        Kind of pair, for the length of its contacts.
+    force, speed
+        Normal forces [N] and sliding speeds [m/s] at each crank angle and contact, shape (m, n).
+    radius
+        Radius of the pins [m].
+    density
+        Largest friction power per length of the surface [W/m], which becomes part of the result.
     """
     power, is_loaded = force * speed, force > 0.0
     return Sliding(
@@ -333,8 +343,16 @@ def _shaft_forces(
 ) -> tuple[Array, Array]:
     """Compute the forces on the shaft in its own frame at m crank angles.
 
-    Loads are the force of each disc on its cam, the opposite of `cam_forces` [N], shape (m, discs, 2), and the
-    unbalance of the shaft; two bearings support it as a beam.
+    Loads are those of the discs on the cams, and the unbalance of the shaft; two bearings support it as a beam.
+
+    Parameters
+    ----------
+    dimensions
+        Dimensions of the crank.
+    crank
+        Crank angles [rad], shape (m,).
+    cam_forces
+        Forces of the cams on the discs [N], shape (m, discs, 2).
 
     Returns
     -------

@@ -85,7 +85,13 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
 
 
 def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
-    """Yield for each kind of bearing the range of f0, the number, mean diameter [m] and speed over the crank's."""
+    """Yield for each kind of bearing what its torque without load depends on.
+
+    Yields
+    ------
+    tuple
+        Range of Palmgren's factor f0, number of bearings, mean diameter [m], and speed over the crank's [1].
+    """
     design = reducer.design
     for bearing in bearings_of(reducer):
         if design.has_film and bearing.key == "cam_bearing":
@@ -96,7 +102,13 @@ def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float
 
 
 def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
-    """Return the kind (ball or needle), number and mean diameter [m] of a bearing of `bearings_of`."""
+    """Return type, number and mean diameter of a bearing of `bearings_of`.
+
+    Returns
+    -------
+    tuple
+        ``ball`` or ``needle``, number of equal bearings, and mean diameter [m].
+    """
     design = reducer.design
     if bearing.key == "cam_bearing":
         stock_bearing = cam_bearing(reducer)

@@ -165,9 +165,14 @@ def output_bearings(reducer: Reducer) -> OutputBearings:
 
 
 def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
-    """Compute the forces on the inner and the outer bearing of the hub [N], shape (m, 2) each, at the m crank angles.
+    """Compute the forces on both bearings of the output's hub at the m crank angles of a loading.
 
     They balance the forces of the discs on the output, and of the shaft where its bearing is in the hub.
+
+    Returns
+    -------
+    tuple of Array
+        Forces on the inner and on the outer bearing [N], shape (m, 2) each.
 
     Raises
     ------

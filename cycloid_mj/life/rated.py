@@ -115,10 +115,15 @@ def _extrapolate_torque_limit(
     with_stops: bool,
     parts: Parts,
 ) -> tuple[float, RatedItem | None]:
-    """Rate the reducer at a torque [N m] and extrapolate its torque limit by the law of the weakest item.
+    """Rate the reducer at a torque [N m], and extrapolate its torque limit by the law of the weakest item.
 
-    Returns the limit [N m] and that item; (0, None) if there is no static equilibrium. Speed [rad/s], life [h] and the
-    other parameters are those of `rated_torque`.
+    Speed [rad/s], life [h] and the other parameters are those of `rated_torque`: `limits_torque` selects items by their
+    keys, `crank_angles` is their number, and `with_stops` is whether emergency stops are rated.
+
+    Returns
+    -------
+    tuple
+        The limit [N m] and the item that sets it; (0, None) if there is no static equilibrium.
     """
     try:
         items = rate(
@@ -137,10 +142,24 @@ def _next_in_bracket(low: float, high: float) -> float:
 
 
 def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:
-    """Extrapolate the torque [N m] at which the first of some rated items reaches its limit, and return that item, too.
+    """Extrapolate the torque at which the first of some rated items reaches its limit.
 
     The laws are for loads in proportion to the torque (docs/rating.md); far from the torque at which the items were
     rated, the result is an estimate.
+
+    Parameters
+    ----------
+    items
+        Items that were rated at `torque` [N m].
+    torque
+        Output torque of the rating [N m].
+    life
+        Required life [h].
+
+    Returns
+    -------
+    tuple
+        The torque [N m], and the item that limits it.
     """
     limits = ((_limit_by_law(item, torque, life), item) for item in items)
     return min(limits, key=lambda pair: pair[0])
@@ -149,10 +168,15 @@ def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tu
 def rated_and_momentary_torque(
     rating: Rating, torque: float
 ) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
-    """Estimate rated and momentary torque [N m] from a rating at one torque, each with the item that limits it.
+    """Estimate rated and momentary torque from a rating at one torque [N m].
 
     Emergency stops of the rating are at twice the torque. The rated torque does not exceed the momentary one. See
     `weakest_torque` for the method.
+
+    Returns
+    -------
+    tuple
+        For the rated, then the momentary torque: its value [N m], and the item that limits it.
     """
     items = rating.items.values()
     stops = [item for item in items if is_momentary(item.key)]

@@ -134,7 +134,14 @@ def _rate_bearing(
 ) -> Iterator[RatedItem]:
     """Yield life (ISO 281) and static factor (ISO 76) of the most loaded bearing of a row.
 
-    `turns` are the speeds of the bearing times the shares of time [rad/s] at the `torques` of the duty [N m].
+    Parameters
+    ----------
+    bearing_row
+        Equal bearings, with their forces at each torque.
+    torques, turns
+        Torques of the duty [N m], and speeds of the bearing times their shares of time [rad/s].
+    peak_torque
+        Torque of the static factor [N m].
     """
     settings = reducer.design.bearing
     means = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
@@ -175,7 +182,12 @@ def _rate_bearing(
 def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak_torque: float) -> Iterator[RatedItem]:
     """Yield first yield and pitting of the teeth on pins; each lobe is loaded once per turn of a crank in its disc.
 
-    `turns` are the speeds of the cranks times the shares of time [rad/s] at the `torques` of the duty [N m].
+    Parameters
+    ----------
+    torques, turns
+        Torques of the duty [N m], and speeds of the cranks times their shares of time [rad/s].
+    peak_torque
+        Torque at which first yield is rated [N m].
     """
     kind = reducer.design.tooth_pair
     contact = reducer.at_rated_load.contacts[kind]
@@ -222,8 +234,16 @@ def _rate_pitting(
 ) -> RatedItem:
     """Rate steel surfaces by the life until they pit (AGMA 2001-D04), by Miner's sum over the points of a duty.
 
-    `pressures` are the largest Hertz pressures [Pa], `turns` the loads of a tooth as speeds times shares of time
-    [rad/s].
+    Parameters
+    ----------
+    key, name
+        Those of the item.
+    kind
+        Kind of mating pair.
+    pressures
+        Largest Hertz pressure at each point of the duty [Pa].
+    turns
+        Loads of a tooth, as angular speeds times shares of time [rad/s].
     """
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
     hourly = turns / (2.0 * math.pi) * HOUR

@@ -73,7 +73,10 @@ def hysteresis(reducer: Reducer) -> Quantity:
 
 
 def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantity, ...]:
-    """Return running, starting and back-driving torque of the drive with grease, bearings and seals [N m]."""
+    """Return running, starting and back-driving torque of the drive with grease, bearings and seals [N m].
+
+    `static_sheet` is the sheet of the statics, for the efficiency of back-driving.
+    """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     running, running_warm, starting, back_driving = (
         _contact_torque(reducer, key, temperature)
@@ -110,9 +113,20 @@ def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantit
 def _torque_row(
     key: str, name: str, contacts: Quantity, rest: NoLoadTorque, lever: float, where: str, range_of: str
 ) -> Quantity:
-    """Return the row of a torque of contacts plus that of bearings and seals on the crank times a lever [N m].
+    """Return the row of a torque [N m]: that of the contacts plus `lever` times that of bearings and seals.
 
-    Lower ends of both intervals add up, and so do upper ends. `where` and `range_of` describe torque and range.
+    Lower ends of both intervals add up, and so do upper ends.
+
+    Parameters
+    ----------
+    key, name
+        Those of the row.
+    contacts, rest
+        Torque of the contacts, and torque of bearings and seals on the crank.
+    lever
+        Factor on the latter [1].
+    where, range_of
+        The shaft with the torque, and the meaning of its range, in words.
     """
     if not math.isfinite(contacts.value):
         return replace(contacts, key=key, name=name)
@@ -126,9 +140,9 @@ def _torque_row(
 
 
 def _contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
-    """Compute a torque of the catalogue without load [N m], with the law ``film`` at a temperature of all parts [°C].
+    """Compute a figure of the catalogue, a torque without load [N m], by its `key`, at a temperature of all parts [°C].
 
-    It is NaN if the parts jam at this temperature, and its note says so.
+    The temperature counts with the law ``film`` only. The torque is NaN if the parts jam, and its note says so.
     """
     try:
         return quantity(_at_temperature(reducer, temperature), key)

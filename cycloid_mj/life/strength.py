@@ -35,7 +35,7 @@ PART_OF = {studied: part for part, studied in HOLED.items()}
 def rate_strength(
     reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None
 ) -> Iterator[RatedItem]:
-    """Rate the fatigue of every part for unlimited repetition of the largest load.
+    """Rate the fatigue of every part for unlimited repetition of the largest load of a duty, `worst`.
 
     Items: root of an output pin, weakest shoulder of the shaft, walls of disc and ring. `ranges` are stress ranges of
     finite-element studies by part; they replace the estimate of the part's walls.
@@ -93,7 +93,7 @@ def pin_moment(reducer: Reducer, force: Array) -> Array:
 
 
 def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
-    """Return the fatigue item of the weakest shoulder of the shaft.
+    """Return the fatigue item of the weakest shoulder of the shaft, under the largest load of a duty, `worst`.
 
     In the frame of the shaft, the load is nearly constant: its ripple over a turn is the stress amplitude, its mean the
     mean stress.
@@ -157,7 +157,8 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
 def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
     """Rate the fatigue of the wall next to a hole: a clamped beam over the hole with the pin's force in the middle.
 
-    The stress is the larger of bending and shear (von Mises), pulsating, under the largest force of a tooth or pin.
+    The stress is the larger of bending and shear (von Mises), pulsating, under the largest force of a tooth or pin in
+    the loading `worst`.
     """
     design = reducer.design
     material = design.material_of(wall.part)

@@ -168,11 +168,11 @@ class _Steady:
 
 
 def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
-    """Solve losses and temperatures that agree with each other, by successive substitution from 20 °C.
+    """Solve for losses and temperatures that agree with each other, by successive substitution from 20 °C.
 
-    Losses and conductances are those of the warm clearances. A cold lubricant has larger losses: where the parts would
-    jam at the temperatures of a round, only a part of the way is taken. If they jam at any, the losses of that round
-    remain, and the state is not converged.
+    `points` are those of the duty. Losses and conductances are those of the warm clearances. A cold lubricant has
+    larger losses: where the parts would jam at the temperatures of a round, only a part of the step is taken. If they
+    jam at any, the losses of that round remain, and the state is not converged.
     """
     ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
     temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
@@ -209,9 +209,18 @@ def _solve_losses(
     capacities: Mapping[str, float],
     settings: ThermalSettings,
 ) -> tuple[tuple[dict[str, float], ...], Network]:
-    """Return the losses by source at each point of a duty [W], and the network under its largest torque.
+    """Return the losses by source at each point of a duty [W], and the thermal network under its largest torque.
 
-    Both are those at temperatures of the parts [°C].
+    Parameters
+    ----------
+    points
+        Points of the duty; their shares of time are not used.
+    temperatures
+        Temperature of each part [°C].
+    capacities
+        Heat capacity of each node of the network [J/K].
+    settings
+        Number of crank angles.
     """
     loadings = [
         solve_loading(reducer, replace(point, share=1.0), settings.crank_angles, False, temperatures)
@@ -254,7 +263,7 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
 
 
 def _find_tightest_time(design: Design, course: TemperatureCourse) -> TightestTime:
-    """Find the time of the warm-up and its cycles at which the parts have the least play."""
+    """Find the time at which the parts have the least play, in a `course` of the temperatures: warm-up and cycles."""
     ambient = design.service.ambient_temperature
     times = []
     for index, time in enumerate(course.times):
@@ -284,8 +293,19 @@ def _limit_torque(
 ) -> _TorqueLimit:
     """Compute the torque limit of a duty, and by the share of the time that a drive runs and then rests.
 
-    Without the `tightest` time of a cycle, limits are those of the mean losses; with it, no limit is exceeded at that
-    time either. Losses are linear in the torque, for the cycle and for other shares of the time.
+    Losses are linear in the torque, for the cycle and for other shares of the time.
+
+    Parameters
+    ----------
+    points
+        Points of the duty.
+    steady_state
+        Steady losses and temperatures of the duty.
+    tightest
+        Time of a cycle with the least play, at which no limit is exceeded either; None for the limits of the mean
+        losses alone.
+    settings
+        Settings of the search.
     """
     factor, name = _largest_duty_factor(
         reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady_state, settings
@@ -315,7 +335,13 @@ def _limit_torque(
 
 
 def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Yield each thermal limit in words with its relative margin at part temperatures [°C]; negative: exceeded."""
+    """Yield each thermal limit with its margin at the temperatures of the parts [°C].
+
+    Yields
+    ------
+    tuple
+        The limit in words, and its relative margin [1], negative if it is exceeded.
+    """
     design = reducer.design
     hottest = max(temperatures.values())
     for limit in heat_limits(reducer):
@@ -335,11 +361,25 @@ def _largest_duty_factor(
     steady_state: _Steady,
     settings: ThermalSettings,
 ) -> tuple[float, str]:
-    """Return the largest factor on a duty that keeps all thermal limits, and the limit that is then reached.
+    """Return the largest factor on a duty that keeps all thermal limits.
 
     Losses in proportion to the factor give the first estimate. The secant method corrects it, with the losses at the
     factor and the temperatures of the limit. Beyond `ThermalSettings.solved` times the duty, where statics would be
-    extrapolated, the estimate is not corrected. `scale_duty` returns the points of the duty times a factor.
+    extrapolated, the estimate is not corrected.
+
+    Parameters
+    ----------
+    scale_duty
+        Returns the points of the duty times a factor.
+    steady_state
+        Steady losses and temperatures of the duty.
+    settings
+        Settings of the search.
+
+    Returns
+    -------
+    tuple
+        The factor [1], and the limit that is then reached, in words.
     """
     network, previous = steady_state.network, None
     limit = _find_loss_limit(reducer, network, steady_state.losses, settings)
@@ -432,7 +472,8 @@ def _friction_text(reducer: Reducer) -> str:
 def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate how much warmer the disc gets than the ring against the temperature difference that closes the teeth [K].
 
-    Losses and conductances are those at 20 °C, without the fixed point of `thermal`.
+    `loadings` are the solved forces at each point of the duty. Losses and conductances are those at 20 °C, without the
+    fixed point of `thermal`.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     network = build_network(reducer, worst, reducer.design.service.ambient_temperature)

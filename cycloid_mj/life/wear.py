@@ -26,7 +26,8 @@ NAMES = {
 def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Yield depth of wear in 1000 h by Archard's law, sliding distance and largest p v of each kind of sliding contact.
 
-    The depth is that at the place which wears fastest, and its limit the clearance.
+    `loadings` are the solved forces at each point of the duty. The depth is that where the surface wears fastest, and
+    its limit the clearance.
     """
     for kind in loadings[0].sliding:
         pair = "output" if kind == "output_roller" else kind

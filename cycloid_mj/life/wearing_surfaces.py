@@ -246,9 +246,10 @@ def _wrap(angle: Array) -> Array:
 
 
 def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | None, radius: float) -> Array:
-    """Compute the half width of Hertzian line contacts [m], b = 2 F/(pi L p0), shape of `force` [N].
+    """Compute the half width of Hertzian line contacts under forces [N], in their shape: b = 2 F/(pi L p0) [m].
 
-    `curvature` is the relative curvature [1/m] (None: that of the pair). At most `hertz_reach` times a radius [m].
+    `kind` is the kind of pair, `curvature` the relative curvature [1/m] (None: that of the pair). The result is at most
+    `hertz_reach` times a `radius` [m].
     """
     contact = reducer.contacts[kind]
     pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)

@@ -109,6 +109,7 @@ def read_records(stream: BinaryIO, path: Path) -> Iterator[Record]:
     """Yield the complete records of the data section of an MCAP file, in order, and verify the CRC of the section.
 
     The last record is DATA_END if and only if the file is complete; of a truncated file, the complete records remain.
+    `stream` is the open file, `path` names it in errors.
 
     Raises
     ------
@@ -150,7 +151,18 @@ def read_metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
 
 
 def read_attachment(record: Record, path: Path) -> tuple[str, bytes]:
-    """Read name and content of an attachment and verify its CRC; raise LogError if it is malformed or wrong."""
+    """Read an attachment from its record, and verify its CRC; `path` names the file in errors.
+
+    Returns
+    -------
+    tuple
+        Name and content.
+
+    Raises
+    ------
+    LogError
+        The record is malformed, or its CRC is wrong.
+    """
     with convert_parse_errors(path, f"malformed attachment at byte {record.offset}"):
         (crc,) = struct.unpack("<I", record.content[-4:])
         if zlib.crc32(record.content[:-4]) != crc:

@@ -47,7 +47,15 @@ class LogFile:
     """
 
     def __init__(self, path: Path, force: bool, hidden: bool) -> None:
-        """Open a new file for the log, and lock it against other writers."""
+        """Open a new file for the log, and lock it against other writers.
+
+        With `force` an existing log is replaced; a `hidden` log has a hidden name until it is complete.
+
+        Raises
+        ------
+        LogError
+            The file exists, another process writes it, or it cannot be created.
+        """
         require_ending(path, LOG)
         if force:
             claim_outputs(path, force=True)
@@ -101,10 +109,15 @@ class LogFile:
         self._locks.close()
 
     def _open_new(self) -> tuple[Path, BinaryIO]:
-        """Create the file of the log and lock it; return its path and stream.
+        """Create the file of the log and lock it.
 
         If the log replaces another one, the file has the first free partial name. A hidden log has a hidden name, which
         is unique and needs no lock.
+
+        Returns
+        -------
+        tuple
+            Path and stream of the file.
 
         Raises
         ------

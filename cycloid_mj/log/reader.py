@@ -12,6 +12,7 @@ import numpy as np
 from mcap.opcode import Opcode
 
 from cycloid_mj.base.array import Array, Bytes, Integers
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.base.errors import LogError, NoLogError, reason
 from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.record import Run
@@ -45,7 +46,7 @@ class Log:
         The run.
     viewers
         Topics for viewers, by name.
-    whole
+    complete
         Whether the file is complete, that is, not truncated.
     size
         Size of the file [bytes].
@@ -53,8 +54,9 @@ class Log:
 
     run: Run
     viewers: Mapping[str, ViewerTopic]
-    whole: bool
+    complete: bool
     size: int
+    whole = deprecated_attribute("Log", "whole", "complete")
 
 
 class _GroupSamples:
@@ -95,7 +97,7 @@ class _GroupSamples:
         self.count, self._kept = end, end_kept
 
     def finish(self, samples: int) -> list[Array]:
-        """Return times [s] and columns of the first `samples` samples, or of those of them that are in `rows`.
+        """Return times [s] and columns, shape (k,) each, of the first `samples` samples, or of those of them in `rows`.
 
         The arrays are read-only, so that a `Run` need not copy them.
         """
@@ -155,9 +157,9 @@ def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 
 
 def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Log:
-    """Read a log: its run, its viewer topics, whether the file is complete, and its size; arguments as of `read`.
+    """Read a log: its run, its viewer topics, whether the file is complete, and its size.
 
-    Raises as `read`.
+    `without` are topics to skip, `rows` the samples to read, as in `read`, whose errors are raised.
     """
     path, contents = Path(path), _Contents(without, rows)
     try:
@@ -201,9 +203,10 @@ def _alternatives(path: Path) -> str:
 
 
 def _read_records(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
-    """Read all records of a log into `contents`; return whether the file is complete (not truncated).
+    """Read all records of an open log into `contents`; return whether the file is complete (not truncated).
 
-    Of metadata records with the same name the first one counts, of attachments the last one.
+    `path` names the file in errors. Of metadata records with the same name the first one counts, of attachments the
+    last.
 
     Raises
     ------

@@ -77,7 +77,23 @@ class LogWriter:
         viewer: Viewer | None = None,
         hidden: bool = False,
     ) -> None:
-        """Open the file and write everything that precedes the samples."""
+        """Open the file, and write everything that precedes the samples.
+
+        Parameters
+        ----------
+        path, groups
+            File of the log, and its columns by topic, with units.
+        provenance, attachments
+            Texts about the run by name, and contents of attached files by name.
+        chunk_size
+            Approximate size of a chunk [bytes].
+        force
+            Whether an existing log is replaced.
+        viewer
+            Source of messages for viewers; None without them.
+        hidden
+            Whether the file has a hidden name until it is complete.
+        """
         self.samples = 0
         self._groups = _check_groups(groups)
         self._flushed_samples = 0
@@ -175,7 +191,7 @@ class LogWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        """Close the log: as complete, or after an exception as incomplete."""
+        """Close the log: as complete, or after an `error` of a `kind` as incomplete; a hidden log is then removed."""
         if error is None:
             self.close()
             return
@@ -225,7 +241,10 @@ class LogWriter:
         self._mcap.add_message(channel, time, content, time, number & 0xFFFFFFFF)
 
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
-        """Raise LogError unless topics, shapes and times of samples are valid: the arguments of `write`."""
+        """Raise LogError unless topics, shapes and times of samples are valid.
+
+        `time` (k,) [s] and `values` by topic are the arguments of `write`.
+        """
         topics = [group.topic for group in self._groups]
         if sorted(values) != sorted(topics):
             raise LogError(

@@ -299,7 +299,10 @@ def _quantities(
 def _curves(
     reducer: Reducer, presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
 ) -> tuple[Curve, ...]:
-    """Return curves of the backlash [arcmin] over the crank angle [deg] of each case, simulated and by closed form."""
+    """Return curves of the backlash [arcmin] over the crank angle [deg] of each case, simulated and by closed form.
+
+    `presses_by_kind` are from `_run_presses`, `closed_forms` have the same keys.
+    """
     curve_list = []
     axes = "crank angle [deg]", "backlash [arcmin]"
     for name, presses in presses_by_kind.items():
@@ -314,7 +317,10 @@ def _curves(
 
 
 def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str, ...]:
-    """Return the sentences on the simulation of the stops: torques, friction, contact stiffness, step and errors."""
+    """Return the sentences on the simulation of the stops: torques, friction, contact stiffness, step and errors.
+
+    `runs` are all runs of the measure, for their time steps.
+    """
     torque = PRESS.share * reducer.design.rated_torque
     return (
         f"the crank is locked; the output is pressed against its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and "
@@ -336,7 +342,8 @@ def _angle_rows(
 ) -> list[dict[str, Any]]:
     """Convert stops [arcmin], backlash and time steps at each crank angle to JSON objects.
 
-    The stops are those of all clearances together; backlash, time steps and closed forms are by name of the case.
+    `presses_by_kind` are from `_run_presses`. The stops are those of all clearances together; backlash, time steps and
+    closed forms are by name of the case.
     """
     return [
         {

@@ -45,7 +45,7 @@ def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver
 
 
 def with_speed_slope(compiled: Model, speed_slope: float) -> Model:
-    """Return the model with an additional crank torque of -`speed_slope` [N m s/rad] times the crank speed."""
+    """Return a `compiled` model with an additional crank torque of -`speed_slope` [N m s/rad] times the crank speed."""
     if isinstance(compiled, PlanarModel):
         return compiled.with_slope(speed_slope)
     import mujoco

@@ -108,7 +108,7 @@ def efficiency(
 def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> dict[str, Any]:
     """Convert losses by pair and by part, effects of the inputs, and the starts from rest to JSON values.
 
-    Losses by pair are shares of the input power at each point of the map.
+    Losses by pair are shares of the input power at each point of the map. `published` are the torques of publications.
     """
     rated = efficiency_map.rated.powers
     return {
@@ -302,7 +302,10 @@ def _curve_over_torque(
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
-    """Return the sentences on friction, contact stiffness, averaging and numerical errors of the runs."""
+    """Return the sentences on friction, contact stiffness, averaging and numerical errors of the runs.
+
+    `periods` is the number of mesh periods of the averages.
+    """
     design = reducer.design
     pins = round(periods * design.output.pins / design.lobes, 2)
     kinds = reducer.mechanism.kinds

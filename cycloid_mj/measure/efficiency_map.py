@@ -163,7 +163,16 @@ def _named_tasks(
 ) -> dict[Hashable, Task]:
     """Return the runs outside of the map by their key in `_RUNS`.
 
-    A self-locking drive (`is_locked`) has no run "coasting", and "halved" needs `check_step`.
+    Parameters
+    ----------
+    periods
+        Smallest number of mesh periods of each run.
+    check_step
+        Whether to add the run "halved", with half the time step.
+    is_locked
+        Whether the drive is self-locking: then there is no run "coasting".
+    solver
+        Solver of the runs.
     """
     rated_torque, speed = reducer.design.rated_torque, reducer.design.drive.speed
     tasks: dict[Hashable, Task] = {
@@ -191,7 +200,8 @@ def run_backward(reducer: Reducer, torque: float, periods: int, solver: Solver) 
     """Simulate the output driving against a torque on the crank [N m]; without a torque, the crank is free.
 
     The crank runs at constant speed, so that its inertia does not have to cross the clearance first. The driving torque
-    follows from a shorter run; for a self-locking drive it is the torque without losses.
+    follows from a shorter run; for a self-locking drive it is the torque without losses. `periods` is the smallest
+    number of mesh periods of the average.
     """
     if not torque:
         with suppress_warnings(tuple(creep_warning(reducer))):
@@ -212,7 +222,7 @@ def _run_name(run_key: Hashable, point: OperatingPoint, varied_inputs: Sequence[
     """Return the name of a run for warnings: its load and speed, or the input that is varied in it.
 
     The key is the design with a varied input, the common friction (float), a condition of the map (tuple), or a name of
-    `_RUNS`.
+    `_RUNS`. `point` is the operating point of the run, `varied_inputs` are all inputs that are varied.
     """
     if isinstance(run_key, Design):
         return next(item.names[run_key] for item in varied_inputs if run_key in item.ends)

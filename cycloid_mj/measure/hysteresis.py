@@ -148,10 +148,21 @@ class HysteresisLoop:
     def _fit_branch(
         self, min_share: float, max_share: float, loading: bool, sign: int, values: Array | None = None
     ) -> Array:
-        """Fit a line by least squares to a branch between two shares of the nominal torque; return slope and intercept.
+        """Fit a line by least squares to a branch between two shares of the nominal torque.
 
-        Arguments as `read_branch`. The torque is a sine to an odd power, so that each branch is a quarter of the
-        period.
+        The torque is a sine to an odd power, so that each branch is a quarter of the period.
+
+        Parameters
+        ----------
+        min_share, max_share
+            Torques relative to the nominal torque.
+        loading, sign, values
+            As in `read_branch`.
+
+        Returns
+        -------
+        Array
+            Slope [rad/(N m)] and intercept [rad], shape (2,), or in the unit of `values`.
         """
         # the period begins at the positive peak, with unloading
         quarter = {(False, 1): 0, (True, -1): 1, (False, -1): 2, (True, 1): 3}[loading, sign]
@@ -207,9 +218,10 @@ def run_loop(
 def quasi_static_period(reducer: Reducer, peak_torque: float) -> float:
     """Compute the period [s] of a torque loop that is so slow that inertia does not matter.
 
-    The torque T (omega t)^5 moves output and discs, of inertia J [kg m2], across their play b [rad] until (omega t)^7 =
-    42 J b omega^2/T. The period is chosen so that the torque is then only the share `LOOP.arrival` of T. It is also at
-    least `LOOP.slowness` periods of the oscillation of J on the stiffness of the reducer.
+    The torque T (omega t)^5, with T = `peak_torque` [N m], moves output and discs, of inertia J [kg m2], across their
+    play b [rad] until (omega t)^7 = 42 J b omega^2/T. The period is chosen so that the torque is then only the share
+    `LOOP.arrival` of T. It is also at least `LOOP.slowness` periods of the oscillation of J on the stiffness of the
+    reducer.
     """
     inertia = turning_inertia(reducer)
     angular_frequency = math.sqrt(

@@ -155,7 +155,7 @@ def _capacities(
     missed_peaks: Mapping[str, float],
     solver: Solver,
 ) -> tuple[list[Quantity], dict[str, Any]]:
-    """Compute the torques at which the weakest kind of contact first yields and reaches shakedown, and JSON details.
+    """Compute the torques at which the weakest kind of contact first yields and reaches shakedown.
 
     Parameters
     ----------
@@ -169,6 +169,11 @@ def _capacities(
         Relative excess of the largest force over the turn, by kind.
     solver
         Solver of the runs.
+
+    Returns
+    -------
+    tuple
+        The torques as quantities [N m], and the torques of each kind of contact as JSON values.
     """
     torque = reducer.design.load.torque
     yield_factors, shakedown_factors = (_torque_factors(contacts, reducer, limit) for _, limit in CAPACITIES.values())
@@ -193,7 +198,8 @@ def _capacity_details(
 ) -> dict[str, Any]:
     """Convert the torques [N m] at which each kind of contact reaches first yield and shakedown to JSON values.
 
-    `yield_factors` and `shakedown_factors` map kinds to factors on `torque` [N m].
+    `yield_factors` and `shakedown_factors` map kinds to factors on `torque` [N m]; `weakest` is the kind that yields
+    first.
     """
     return {
         "nominal_torque_nm": reducer.design.rated_torque,
@@ -315,7 +321,10 @@ def _kind_quantities(
 
 
 def _disc_quantities(run: Run, half_step_run: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the load shares of several discs and the bearing reactions; errors are changes with half the time step."""
+    """Yield the load shares of several discs and the bearing reactions over a run.
+
+    Errors are the changes to `half_step_run`, which has half the time step.
+    """
     first_periods = run.select(slice(0, len(half_step_run)))
     all_samples, coarse, fine = (
         [*_disc_and_bearing_quantities(quantity, reducer)] for quantity in (run, first_periods, half_step_run)
@@ -343,9 +352,10 @@ def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantit
 
 
 def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: float) -> dict[str, float]:
-    """Compute by kind the factor on the torque at which the largest pressure reaches a limit, relative to the strength.
+    """Compute by kind of contact the factor on the torque at which the largest pressure reaches a limit [1].
 
-    Pressures grow with the square root of the force. Conformal or unloaded kinds are omitted.
+    `pressure_limit` is relative to the strength of the material. Pressures grow with the square root of the force.
+    Conformal or unloaded kinds are omitted from `contacts_by_kind`.
     """
     pressures = {
         kind: contacts.peak_pressure for kind, contacts in contacts_by_kind.items() if contacts.peak_pressure > 0.0
@@ -392,9 +402,10 @@ def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
 
 
 def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
-    """Yield size [N] and direction [deg] of the cam's force on the disc of an index over the crank angle.
+    """Yield size [N] and direction [deg] of the cam's force on a `disc`, by its index, over the crank angle.
 
-    The direction is counter-clockwise from the eccentric, whose `phase` [rad] on the crank is given.
+    `contacts` are those of the cams. The direction is counter-clockwise from the eccentric, whose `phase` [rad] on the
+    crank is given.
     """
     angle_deg, (x, y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
     name = f"disc {disc + 1}" if contacts.vector.shape[1] > 1 else ""
@@ -405,7 +416,10 @@ def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator
 
 
 def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
-    """Yield polar curves of the tooth forces on one disc at the instant of the largest force, simulated and ideal."""
+    """Yield polar curves of the tooth forces on one disc at the instant of the largest force, simulated and ideal.
+
+    `teeth` are the contacts of disc and ring.
+    """
     count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
     ring_index = int(np.argmax(teeth.force[row])) // count  # of a disc or, of a ring in two halves, of one of them
     columns, disc = slice(ring_index * count, (ring_index + 1) * count), ring_index // reducer.design.ring.halves

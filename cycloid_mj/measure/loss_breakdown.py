@@ -41,7 +41,7 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
         friction_text = f"{item.friction:.3f}" if item.friction == item.friction else "outside of the range run"
         rows.append(
             (
-                f"the paper, {item.way}",
+                f"the paper, {item.method}",
                 1e2 * (1.0 - item.rate),
                 1e2 * item.rate,
                 f"friction of the teeth: {friction_text}",
@@ -53,7 +53,7 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
 def as_json(powers: Powers, published: Sequence[Published]) -> dict[str, Any]:
     """Convert the losses to JSON values: shares of the input power."""
     frictions = {
-        item.way: {"rate": item.rate, "friction_of_teeth": item.friction if item.friction == item.friction else None}
+        item.method: {"rate": item.rate, "friction_of_teeth": item.friction if item.friction == item.friction else None}
         for item in published
     }
     return {"build_up": {"losses": loss_shares(powers), "efficiency": powers.efficiency, "paper": frictions}}

@@ -117,7 +117,10 @@ def _solve_statics(reducer: Reducer, crank_angles: list[float], rated: float) ->
 
 
 def _assumptions(data: LostMotionLoops, period: float, solver: Solver) -> tuple[str, ...]:
-    """Return the sentences on the torque loop, time steps, friction, structure and contact stiffness."""
+    """Return the sentences on torque loop, time steps, friction, structure and contact stiffness.
+
+    `period` is that of the torque [s].
+    """
     timesteps = [bench.timesteps_text(loop.run for loop in loops) for loops in (data.service, data.ideal)]
     check_timesteps = [bench.timesteps_text([loops[0].run]) for loops in (data.service_checks, data.ideal_checks)]
     missing_statics = () if data.statics else (LEFT_OUT,)

@@ -52,9 +52,9 @@ class Cause:
         return bool(self._mask(np.array([order]))[0])
 
     def _mask(self, order: Array) -> Mask:
-        multiple = order / self.base
-        whole = np.rint(multiple).astype(np.int64)
-        return np.isclose(multiple, whole, atol=1e-6) & (whole > 0) & self.takes(whole)
+        ratio = order / self.base
+        nearest = np.rint(ratio).astype(np.int64)
+        return np.isclose(ratio, nearest, atol=1e-6) & (nearest > 0) & self.takes(nearest)
 
     def as_json(self) -> dict[str, Any]:
         """Convert the cause to JSON values."""

@@ -11,7 +11,7 @@ from cycloid_mj.base.result import Quantity, Table
 class Published:
     """A published output torque, and the friction that explains it."""
 
-    way: str
+    method: str
     source: str
     """Whether it was simulated or measured, and the reference."""
     torque: float
@@ -31,9 +31,9 @@ class Published:
 def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
     """Return the friction coefficient at which the model has each published torque, as quantities with their errors."""
     note = "the same for all sliding pairs; rolling bearings and seals as designed"
-    names = [f"friction at the paper's {item.torque:g} N m, {item.way}" for item in published]
+    names = [f"friction at the paper's {item.torque:g} N m, {item.method}" for item in published]
     return [
-        Quantity(f"friction_for_paper_{item.way}", name, item.friction, "1", item.error, note=note)
+        Quantity(f"friction_for_paper_{item.method}", name, item.friction, "1", item.error, note=note)
         for item, name in zip(published, names, strict=True)
     ]
 
@@ -43,7 +43,7 @@ def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table,
     if not published:
         return ()
     first_item = published[0]
-    rows = [(f"the paper, {item.way}", item.torque, 1e2 * item.rate, item.friction) for item in published]
+    rows = [(f"the paper, {item.method}", item.torque, 1e2 * item.rate, item.friction) for item in published]
     return (
         Table(
             f"output torque, compared with {first_item.source}",

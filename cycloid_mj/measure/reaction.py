@@ -45,7 +45,7 @@ class Reaction:
     output: Array
 
     @property
-    def whole(self) -> Array:
+    def total(self) -> Array:
         """Their sum [N], shape (n, 2)."""
         return self.ring + self.crank + self.output
 

@@ -24,15 +24,22 @@ class ClosedForm:
 
 
 def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) -> float | None:
-    """Estimate the error of the mean over the turn from values at a few crank angles, shape (k,).
+    """Estimate the error of the mean over the turn, in the unit of the values.
 
     The closed form, known over the full turn, has an exact error; for the difference of the values from the closed
     form, the error is the standard error of the mean by Student's t.
 
+    Parameters
+    ----------
+    values
+        Values at a few crank angles, shape (k,).
+    closed_form
+        Closed form near the values; None without one.
+
     Returns
     -------
     float or None
-        In the unit of the values; None for a single value without a closed form.
+        None for a single value without a closed form.
     """
     explained_error, remainder = _split_closed_form(np.asarray(values, float), closed_form)
     if remainder.size == 1:
@@ -43,11 +50,25 @@ def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) 
 
 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedForm | None = None) -> float | None:
-    """Estimate the error of the largest (or smallest) value over the turn from values at crank angles, shape (k,).
+    """Estimate the error of the largest (or smallest) value over the turn, in the unit of the values.
 
     The closed form, known over the full turn, has an exact error. For the difference of the values from the closed
     form, the error is its range divided by the number of values, an upper bound for a sine that is sampled k times per
     period.
+
+    Parameters
+    ----------
+    values
+        Values at a few crank angles, shape (k,).
+    largest
+        Whether the error is that of the largest value.
+    closed_form
+        Closed form near the values; None without one.
+
+    Returns
+    -------
+    float or None
+        None for a single value without a closed form.
     """
     explained_error, remainder = _split_closed_form(np.asarray(values, float), closed_form)
     if remainder.size == 1:
@@ -64,10 +85,15 @@ def add_errors(*errors: float | None) -> float | None:
 def _split_closed_form(
     values: Array, closed_form: ClosedForm | None
 ) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Return a function that computes a statistic's error by the closed form, and the values less that form.
+    """Split `values` at some crank angles, shape (k,), into a closed form, if there is one, and the remainder.
 
-    The error is the statistic over the turn less that over the sampled angles. Without a closed form it is 0, and the
-    values are returned as they are.
+    The error of a statistic by the closed form is the statistic over the turn less that over the sampled angles.
+    Without a closed form it is 0, and the values are returned as they are.
+
+    Returns
+    -------
+    tuple
+        Function from a statistic, such as ``np.mean``, to its error by the closed form; and the remainder (k,).
     """
     if closed_form is None:
         return lambda statistic: 0.0, values

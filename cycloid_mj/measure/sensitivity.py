@@ -91,10 +91,11 @@ def common_name(friction: float) -> str:
 
 
 def interpolate_friction(rate_by_friction: Mapping[float, float], rate: float) -> float:
-    """Interpolate the common friction at which the model has a rate (PCHIP).
+    """Interpolate the common friction coefficient [1] at which the model has an output `rate` [1] (PCHIP).
 
-    The interpolated quantity is the relative loss 1/rate - 1, which is nearly proportional to the friction. The result
-    is NaN outside of the range that was run, or if the losses do not increase with the friction.
+    `rate_by_friction` maps friction coefficients to the rates of runs. The interpolated quantity is the relative loss
+    1/rate - 1, which is nearly proportional to the friction. The result is NaN outside of the range that was run, or if
+    the losses do not increase with the friction.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -117,7 +118,8 @@ def common_rates(rate_by_variant: Mapping[FrictionVariant, float], pins: str) ->
 def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) -> Table:
     """Return a table of the output rate of each friction variant, in percent and as torque, and its change in points.
 
-    The change is that from the design's friction with the same support of the pins.
+    `rate_by_variant` are the rates [1]. The change is that from the design's friction with the same support of the
+    pins.
     """
     rated_torque = reducer.design.rated_torque
     design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == OWN}
@@ -134,7 +136,7 @@ def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) ->
 def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
     """Return curves of the output rate [%] over the common friction, by support of the pins, with the published rates.
 
-    Published rates outside of the range that was run are left out.
+    `rate_by_variant` are the rates [1]. Published rates outside of the range that was run are left out.
     """
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     result = []
@@ -145,7 +147,7 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
         result.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))
     for item in (item for item in published if math.isfinite(item.friction)):
         position = (np.array([item.friction]), np.array([1e2 * item.rate]))
-        result.append(Curve(panel, f"the paper, {item.way}", *position, x, y, "points"))
+        result.append(Curve(panel, f"the paper, {item.method}", *position, x, y, "points"))
     return result
 
 

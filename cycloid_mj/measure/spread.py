@@ -114,7 +114,10 @@ def assumed_inputs(reducer: Reducer) -> list[Input]:
 
 
 def _coulomb_inputs(reducer: Reducer, mesh_pairs: Sequence[str]) -> list[Input]:
-    """Return the inputs of the friction of teeth, cam and output pins with the law ``coulomb``."""
+    """Return the inputs of the friction of teeth, cam and output pins with the law ``coulomb``, with their ranges.
+
+    `mesh_pairs` are the kinds of pairs at which teeth slide.
+    """
     design = reducer.design
     return [
         _equal_input(reducer, "friction of the teeth", "1", "friction", mesh_pairs, INPUTS.tooth_friction),
@@ -157,7 +160,10 @@ def plain_roller(reducer: Reducer) -> float:
 
 
 def table(rate: str, design_rate: float, effects: Sequence[InputEffect]) -> Table:
-    """Return a table of a rate [%] at both ends of each input's range; `design_rate` is that of the design [1]."""
+    """Return a table of a rate [%] at both ends of each input's range.
+
+    `rate` is the name of the rate, `design_rate` is that of the design [1], `effects` are those of the inputs.
+    """
     rows = [
         (item.input.name, item.input.unit, item.input.low, item.input.high, 1e2 * item.value_low, 1e2 * item.value_high)
         for item in effects
@@ -181,7 +187,10 @@ def spread(design_rate: float, effects: Sequence[InputEffect]) -> tuple[float, f
 
 
 def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
-    """Convert the rate of the design [1], its range, and the rates at both ends of each input to JSON values."""
+    """Convert the rate of the design [1], its range, and the rates at both ends of each input to JSON values.
+
+    `effects` are those of the inputs.
+    """
     low, high = spread(design_rate, effects)
     return {
         "sensitivity": [
@@ -214,7 +223,11 @@ def _equal_input(
 
 
 def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
-    """Return the input of the clearances of pairs in series, whose `factors` multiply the design's clearances."""
+    """Return the input of the clearances of pairs in series.
+
+    `kinds` are the kinds of pairs; each of the `factors`, one for each end of the range, multiplies the design's
+    clearances.
+    """
     low, high = (
         {kind: min(factor * getattr(reducer.design.clearance, kind), INPUTS.max_clearance) for kind in kinds}
         for factor in factors

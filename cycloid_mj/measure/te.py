@@ -121,7 +121,7 @@ def _run_traces(
         (condition, step_factor)
         for step_factor in models
         for condition in conditions
-        if step_factor == 1.0 or condition.way == "forward"
+        if step_factor == 1.0 or condition.direction == "forward"
     ]
     tasks = [
         (reducer, copy_model(model), turns, condition)

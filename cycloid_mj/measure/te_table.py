@@ -84,7 +84,7 @@ def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, .
     for location, cycles_per_turn in _bases(reducer).items():
         for condition in evaluated_conditions(traces):
             spectrum = _spectrum(reducer, traces[condition], location, cycles_per_turn)
-            panel = f"orders of the {_PLACES[location]}, {condition.way}, {_PACES[condition.pace]}"
+            panel = f"orders of the {_PLACES[location]}, {condition.direction}, {_PACES[condition.pace]}"
             result.append(Curve(panel, condition.load, spectrum.order, spectrum.amplitude, _ORDER, _AMPLITUDE, "bars"))
     return tuple(result)
 
@@ -96,7 +96,7 @@ def _panel_curves(traces: Traces, statics: Statics, pace: str, shaft: str, load:
     """
     panel, with_mean = f"{shaft}, {f'{load}, ' * bool(load)}{_PACES[pace]}{', minus its mean' * bool(load)}", not load
     labels = {
-        condition: f"{condition.load}, {condition.way}"
+        condition: f"{condition.load}, {condition.direction}"
         for condition in traces
         if condition.pace == pace and load in ("", condition.load)
     }
@@ -137,18 +137,18 @@ def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any
 def evaluated_conditions(traces: Traces) -> list[TraceCondition]:
     """List the cases whose orders are evaluated: forward, at the first pace that was run."""
     first = next(iter(traces)).pace
-    return [condition for condition in traces if condition.way == "forward" and condition.pace == first]
+    return [condition for condition in traces if condition.direction == "forward" and condition.pace == first]
 
 
 def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics) -> Iterator[Quantity]:
     """Yield the differences of mean errors [arcsec]: between directions the backlash, between loads the wind-up.
 
-    The signs are chosen so that both are positive for a carrier, which turns against the crank, and for a ring, which
-    turns with the crank.
+    `traces`, `finer` and `statics` are those of `quantities`. The signs are chosen so that both are positive for a
+    carrier, which turns against the crank, and for a ring, which turns with the crank.
     """
     evaluated_condition = evaluated_conditions(traces)[0]
     by_load_and_direction = {
-        (trace.load, trace.way): trace for trace in traces if trace.pace == evaluated_condition.pace
+        (trace.load, trace.direction): trace for trace in traces if trace.pace == evaluated_condition.pace
     }
     forward_unloaded, reverse_unloaded, forward_loaded = (
         ("unloaded", "forward"),
@@ -185,7 +185,10 @@ def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, stat
 def _cause_quantities(
     reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics, turns: int
 ) -> Iterator[Quantity]:
-    """Yield the rms value of the orders of each cause [arcsec], with its strongest order in the note."""
+    """Yield the rms value of the orders of each cause [arcsec], with its strongest order in the note.
+
+    `traces`, `finer`, `statics` and `turns` are those of `quantities`.
+    """
     turns_text = f"{turns} of {reducer.design.lobes} crank turns"
     neighbour_note = (
         ""
@@ -247,9 +250,18 @@ def _spectrum(reducer: Reducer, errors: ErrorCurves, signal: str, base: float) -
 def _step_error(
     traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, shaft: str, level: str
 ) -> float | None:
-    """Compute the error of a level: change with half the time step plus half the change between window halves.
+    """Compute the error of a `level` of the transmission error [arcsec] by the time step; None without finer runs.
 
-    None without runs with half the time step.
+    It is the change with half the time step plus half the change between both halves of the window.
+
+    Parameters
+    ----------
+    traces, finer_traces
+        Errors of each condition, and of the runs with half the time step.
+    condition, shaft
+        The condition, and "gear" or "output".
+    level
+        One of `_LEVELS`.
     """
     if not finer_traces:
         return None
@@ -267,16 +279,21 @@ def _mean_change(traces: Traces, finer: FinerTraces, case: TraceCondition, signa
 def _compared_errors(
     traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str
 ) -> tuple[Array, Array]:
-    """Return the errors [arcsec] of a condition's forward run with full and with half the time step, where both ran.
+    """Return the errors of a condition's forward run with full and with half the time step, where both ran.
 
     `signal` is an attribute of `Trace`, such as "output".
+
+    Returns
+    -------
+    tuple of Array
+        Errors with the full and with half the time step [arcsec], shape (n,) each.
     """
     fine = finer_traces[condition.load, condition.pace]
     coarse = traces[
         next(
             trace
             for trace in traces
-            if (trace.load, trace.pace, trace.way) == (condition.load, condition.pace, "forward")
+            if (trace.load, trace.pace, trace.direction) == (condition.load, condition.pace, "forward")
         )
     ]
     overlap = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)

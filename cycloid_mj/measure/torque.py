@@ -132,7 +132,10 @@ def _name_runs(
     varied_inputs: Sequence[Input],
     published: Sequence[Published],
 ) -> dict[str, Reducer]:
-    """Return the drives of the test's runs by name, for warnings about friction, except those that vary creep."""
+    """Return the drives of the test's runs by name, for warnings about friction, except those that vary creep.
+
+    The arguments are those of `_tested_drives` and its result; `published` torques add a run at their friction.
+    """
     names = _RUNS | {variant: variant.name for variant in variants}
     names |= {end: name for item in varied_inputs for end, name in item.names.items()}
     exempt = spread.creep_variants(varied_inputs)
@@ -152,8 +155,17 @@ def _tested_drives(
 ) -> dict[Hashable, tuple[Reducer, int]]:
     """Return drive and mesh periods of each run of the test by its key.
 
-    The keys are "own" (the design), "halved" (with `half_step`, if it is given), each friction variant and the designs
-    at both ends of each input; all but the first two have massless pins.
+    The keys are "own" (the design), "halved", each friction variant and the designs at both ends of each input; all but
+    the first two have massless pins.
+
+    Parameters
+    ----------
+    steady_reducer, periods
+        The drive in the test, and its number of mesh periods.
+    variants, varied_inputs
+        Variants of the friction, and inputs with their ranges.
+    half_step
+        The drive with half the time step; None without this run.
     """
     tested_drives: dict[Hashable, tuple[Reducer, int]] = {"own": (steady_reducer, periods)}
     if half_step is not None:
@@ -204,9 +216,9 @@ def explain_published(
 ) -> list[Published]:
     """Return the published torques with the common friction at which the model has the same rate.
 
-    With the numerical `error` of a rate, each is simulated at its friction; the error of the friction is the deviation
-    of that run plus `error`, over the slope of the rate. Those outside of the range have a friction of NaN and no
-    error.
+    With the numerical `error` of a rate [1], each is simulated at its friction; the error of the friction is the
+    deviation of that run plus `error`, over the slope of the rate. Those outside of the range have a friction of NaN
+    and no error. `rate_by_variant` are the output rates of the friction variants [1].
     """
     rates = sensitivity.common_rates(rate_by_variant, sensitivity.pins_of(reducer))
     explained_figures = [
@@ -244,8 +256,16 @@ def _quantities(
 ) -> list[Quantity]:
     """Return the figures of the rated test: torques, output rate, ripple, efficiency and energy balance.
 
-    Errors are by half the time step (`half_step`), and by the second half of the run for the ripple. `by_input` are the
-    effects of the assumed inputs.
+    Errors are by half the time step, and by the second half of the run for the ripple.
+
+    Parameters
+    ----------
+    test, half_step
+        The run, and that with half the time step; None without it.
+    held_crank_efficiency
+        Efficiency at constant crank speed under this load [1].
+    by_input
+        Effects of the assumed inputs.
     """
     rated_torque = reducer.design.rated_torque
     powers, reference = test.powers, ideal_efficiency(reducer, test.output)
@@ -317,7 +337,10 @@ def _friction_text(reducer: Reducer) -> str:
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
-    """Return the sentences on friction, contact stiffness, averaging, motor and numerical errors of the test."""
+    """Return the sentences on friction, contact stiffness, averaging, motor and numerical errors of the test.
+
+    `periods` is the number of mesh periods of the averages.
+    """
     design = reducer.design
     pins = round(periods * design.output.pins / design.lobes, 2)
     return (

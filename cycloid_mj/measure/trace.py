@@ -40,7 +40,7 @@ class TraceCondition:
     """Load, direction and speed of a run."""
 
     load: str
-    way: str
+    direction: str
     pace: str
     """``unloaded`` or ``loaded``; ``forward`` (counter-clockwise) or ``reverse``; ``slow`` or ``speed``."""
     torque: float
@@ -51,12 +51,12 @@ class TraceCondition:
     @property
     def key(self) -> str:
         """Key of the condition."""
-        return f"{self.load}_{self.way}_{self.pace}"
+        return f"{self.load}_{self.direction}_{self.pace}"
 
     @property
     def words(self) -> str:
         """The condition in words."""
-        return f"{self.load}, {self.way}, {'slow' if self.pace == 'slow' else 'at speed'}"
+        return f"{self.load}, {self.direction}, {'slow' if self.pace == 'slow' else 'at speed'}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,10 +88,11 @@ def copy_model(compiled: Model) -> Model:
 
 
 def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCycle:
-    """Return a drive cycle at constant crank speed from an angle [rad], with a load pulse that closes the flanks first.
+    """Return a drive cycle at constant crank speed, with a load pulse that closes the flanks first.
 
     With a light load, the disc oscillates in its clearance for about 30 ms. A pulse of the load, a squared sine with a
-    peak of up to the nominal torque, shortens this to a few milliseconds.
+    peak of up to the nominal torque, shortens this to a few milliseconds. `start` is the initial angle of the crank
+    [rad].
     """
     design = reducer.design
     law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking_sign(reducer)

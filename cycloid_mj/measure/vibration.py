@@ -185,7 +185,8 @@ def _unbalance_quantities(
 ) -> Iterator[Quantity]:
     """Yield the unbalance [g mm] and couple [N m] from the solids, and the force that rotates with the crank [N].
 
-    The force is that of the first run, compared with the closed form m c omega^2.
+    The force is that of the first of the `runs`, compared with the closed form m c omega^2. `half_step_runs` are those
+    with half the time step by load, for the error.
     """
     unbalances, speed_squared, is_single_disc = (
         unbalance(reducer),

@@ -54,7 +54,7 @@ class VibrationRun:
     """The rms size of the gear centre's acceleration [m/s2]."""
     rate: float
     """Samples kept per second."""
-    whole_rms: Mapping[str, float]
+    sampled_rms: Mapping[str, float]
     """Key -> rms size of a signal with what is above half of the rate, up to half of `sampled_rate`."""
     sampled_rate: float
     """Samples taken per second."""
@@ -69,7 +69,7 @@ class VibrationRun:
 
     def above(self, key: str) -> float:
         """Compute the share of a signal's power above half of the rate; 0 without vibration."""
-        return max(0.0, 1.0 - (self.rms(key) / self.whole_rms[key]) ** 2) if self.whole_rms[key] else 0.0
+        return max(0.0, 1.0 - (self.rms(key) / self.sampled_rms[key]) ** 2) if self.sampled_rms[key] else 0.0
 
     def rms_of_half(self, key: str) -> float:
         """Compute the same over the first half of the window: a shorter average."""
@@ -111,7 +111,7 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
         np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / interval for gear in gears(reducer.design.gear.discs)
     ]
     first_acceleration = disc_accelerations[0]
-    force = reaction(run, reducer).whole
+    force = reaction(run, reducer).total
     signals = {
         "gear_centre": residuals.centre,
         "output": residuals.output[:, np.newaxis],
@@ -133,7 +133,7 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
         signals={key: _remove_mean(key, signal[rows]) for key, signal in decimated_signals.items()},
         orbit=rms(decimate(first_acceleration, stride, means=True)[rows]),
         rate=1.0 / (stride * interval),
-        whole_rms={key: rms(_remove_mean(key, signal[sampled_rows])) for key, signal in signals.items()},
+        sampled_rms={key: rms(_remove_mean(key, signal[sampled_rows])) for key, signal in signals.items()},
         sampled_rate=1.0 / interval,
         mean_force=decimated_signals["housing"][rows].mean(axis=0),
         run=_decimate_run(run, stride),

@@ -37,10 +37,18 @@ def arcs_of(spline: Spline, tolerance: float) -> tuple[Arc | LineSegment, ...]:
 
 
 def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance: float) -> Iterator[Arc | LineSegment]:
-    """Yield arcs and lines within a tolerance [m] of a spline between two parameters, as a biarc or by bisection.
+    """Yield arcs and lines within a tolerance [m] of a spline between two of its parameters.
 
-    `curve` is the spline, `slope` its derivative. If one biarc deviates by more than the tolerance, the interval is
-    halved.
+    A biarc replaces the spline; if it deviates by more than the tolerance, the interval is halved.
+
+    Parameters
+    ----------
+    curve, slope
+        The spline [m], and its derivative.
+    low, high
+        Parameters of both ends.
+    tolerance
+        Largest distance from the spline [m].
     """
     (start, end), tangents = curve([low, high]), slope([low, high])
     tangents = tangents / np.linalg.norm(tangents, axis=1)[:, np.newaxis]
@@ -55,7 +63,15 @@ def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance:
 
 
 def _biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Array) -> tuple[Arc | LineSegment, ...]:
-    """Return the biarc between two points (2,) [m] with unit tangents: two arcs with a common tangent."""
+    """Return the biarc between two points: two arcs (or lines) with a common tangent at their junction.
+
+    Parameters
+    ----------
+    start, end
+        Both points (2,) [m].
+    start_tangent, end_tangent
+        Unit tangents (2,) there.
+    """
     chord, turning_measure = end - start, 1.0 - float(start_tangent @ end_tangent)
     chord_component = float(chord @ (start_tangent + end_tangent))
     square = float(chord @ chord)

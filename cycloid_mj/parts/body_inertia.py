@@ -20,7 +20,7 @@ def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
 def _moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     load = reducer.mechanism.turning
-    if any(load in of.bodies for of in reducer.mechanism.surfaces if of.role == Role.PIN):
+    if any(load in surfaces.bodies for surfaces in reducer.mechanism.surfaces if surfaces.role == Role.PIN):
         masses[load] = _add_pins(masses[load], masses["pin"], reducer)
     return masses
 

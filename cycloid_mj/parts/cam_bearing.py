@@ -14,7 +14,13 @@ def needs_rings(reducer: Reducer) -> bool:
 
 
 def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
-    """Choose the bearing in stock for each cam, and how many are side by side in a disc; None if none fits."""
+    """Choose the rolling bearing in stock on which each cam carries its disc; None if none fits, or the cam is plain.
+
+    Returns
+    -------
+    tuple
+        The bearing, and how many of them are side by side in a disc.
+    """
     design = reducer.design
     gear = design.gear
     flush = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)

@@ -8,7 +8,7 @@ from cycloid_mj.parts.prism import Prism
 
 
 def cut_prism(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
-    """Cut a prism by the plane x = 0; return the intervals along y [m] inside its material, in increasing order.
+    """Cut a prism by the plane x = 0; return start and end of each interval along y [m] inside its material, in order.
 
     `centre` [m] is the origin of the prism's frame. Sorted crossings with outline and holes bound material and gaps in
     turn. The plane is `SAME_LENGTH` off, so that a vertex or an edge on it counts once.

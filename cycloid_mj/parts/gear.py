@@ -47,7 +47,7 @@ def gear_part(reducer: Reducer, disc: int = 0) -> Part:
         The profile is undercut, bore, holes and valleys overlap, or the output pins cannot orbit in the holes.
     """
     design = reducer.design
-    _require_room(reducer)
+    _require_separate_holes(reducer)
     profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
     outline = TurnedContour(GearContour(reducer.shape), -reducer.phases[disc] / design.lobes)
     holes = circles_at(_hole_radius(reducer), output_centres(reducer))
@@ -125,7 +125,7 @@ def gear_outline(reducer: Reducer, chord_error: float) -> Array:
 
 def section_area(reducer: Reducer, chord_error: float | None = None) -> float:
     """Compute the cross-section area of `gear_solid` [m2] from the outline of one lobe."""
-    _require_room(reducer)
+    _require_separate_holes(reducer)
     chord_error = drawing_error(reducer, chord_error)
     inside = _area_inside(reducer, chord_error)
     bore, hole = (CircleContour(radius(reducer)).polygon(chord_error) for radius in (_bore_radius, _hole_radius))
@@ -141,7 +141,10 @@ def _hole_radius(reducer: Reducer) -> float:
 
 
 def _area_inside(reducer: Reducer, chord_error: float) -> float:
-    """Compute the area [m2] inside of `gear_outline`, from one lobe if all are equal (no rotated flanks)."""
+    """Compute the area [m2] inside of the outline of a disc with a `chord_error` [m], as that of `gear_outline`.
+
+    It is computed from one lobe if all are equal (no rotated flanks).
+    """
     if reducer.design.modification.rotation:
         return -signed_area(gear_outline(reducer, chord_error))
     teeth, offset = reducer.gear_profile, reducer.profile_offset
@@ -150,7 +153,7 @@ def _area_inside(reducer: Reducer, chord_error: float) -> float:
     return -teeth.lobes * signed_area(np.concatenate([lobe, np.zeros((1, 2))]))
 
 
-def _require_room(reducer: Reducer) -> None:
+def _require_separate_holes(reducer: Reducer) -> None:
     """Raise DesignError unless bore, holes and valleys are separate and the output pins can orbit in the holes."""
     design = reducer.design
     gear, output, clearance = design.gear, design.output, design.clearance

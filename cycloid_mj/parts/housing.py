@@ -81,7 +81,7 @@ def housing_part(reducer: Reducer) -> Part:
         Stretch("housing", outline, (TurnedContour(hole, lead_angle),), low, high)
         for low, high, lead_angle in ring_stretches(reducer)
     ]
-    return Part("housing", (*rings, *_cores(reducer)), design.material_of("housing").density)
+    return Part("housing", (*rings, *_sleeve_cores(reducer)), design.material_of("housing").density)
 
 
 def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
@@ -90,7 +90,13 @@ def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
-    """Return start and end along the axis [m] and clockwise rotation [rad] of the ring, or of each of its halves."""
+    """Return position and rotation of the ring, or of each of its halves, along the axis.
+
+    Returns
+    -------
+    list of tuple
+        Start and end along the axis [m], and clockwise rotation [rad].
+    """
     design = reducer.design
     half_width = design.gear.stack_width / 2
     if design.ring.halves == 1:
@@ -99,8 +105,11 @@ def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
     return [(-half_width, -slit, first_angle), (slit, half_width, second_angle)]
 
 
-def _cores(reducer: Reducer) -> list[Stretch]:
-    """Return the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; empty without sleeves."""
+def _sleeve_cores(reducer: Reducer) -> list[Stretch]:
+    """Return the pins that are pressed into the housing inside the sleeves, from pin 1 on +y clockwise.
+
+    Empty without sleeves.
+    """
     design = reducer.design
     if not design.ring.has_sleeves:
         return []

@@ -47,7 +47,13 @@ def region_moments(prism: Prism) -> AreaMoments:
 
 
 def _volume_moments(prism: Prism) -> tuple[float, Array, Array]:
-    """Integrate 1 [m3], r (3,) [m4] and r r^T (3, 3) [m5] over a prism, about the origin."""
+    """Integrate 1, r and r r^T over the volume of a prism, about the origin.
+
+    Returns
+    -------
+    tuple
+        Volume [m3], first moments (3,) [m4] and second moments (3, 3) [m5].
+    """
     area, x, y, xx, yy, xy = region_moments(prism)
     height, z0, z1 = prism.height, prism.z0, prism.z1
     mid_height = (z0 + z1) / 2

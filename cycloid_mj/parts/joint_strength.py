@@ -82,9 +82,10 @@ class Thread:
         return preload * lever
 
     def stripping_force(self, engaged_length: float, shear: float) -> float:
-        """Compute the force [N] that strips an internal thread over an engaged length [m] (5.5.5, without C1 to C3).
+        """Compute the force [N] that strips an internal thread over an engaged length [m].
 
-        `shear` is the shear strength of the nut's material [Pa]; 0.8 of a pitch does not carry.
+        VDI 2230 (2015) 5.5.5, without the factors C1 to C3. `shear` is the shear strength of the nut's material [Pa];
+        0.8 of a pitch does not carry.
         """
         width_per_pitch = 0.5 * self.pitch + (self.diameter - self.pitch_diameter) / math.sqrt(3.0)
         turns = max(engaged_length / self.pitch - 0.8, 0.0)

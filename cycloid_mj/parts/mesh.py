@@ -48,7 +48,7 @@ class Mesh:
 
 @lru_cache(maxsize=12)  # the parts of one design, which own their outlines
 def mesh(part: Prism | Solid) -> Mesh:
-    """Triangulate the surface of a prism or solid: the union of its prisms, with a surface for each separate prism.
+    """Triangulate the surface of a `part`, a prism or a solid; prisms that touch or overlap become one body.
 
     Raises
     ------

@@ -95,10 +95,15 @@ def rv_solids(reducer: RvReducer, chord_error: float | None = None) -> dict[str,
 
 
 def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
-    """Return the copies of parts that shaft or output carry: cams and spacers, or the rollers of the output pins.
+    """Return the parts that shaft or output carry as copies: cams and spacers, or the rollers of the output pins.
 
-    `body` is the name of shaft or output. By the name of each copy, its part and its position (3,) [m] in the frame of
-    the body; empty if it carries none.
+    `body` is the name of shaft or output.
+
+    Returns
+    -------
+    dict
+        For the name of each copy, its part and its position (3,) [m] in the frame of the body; empty if it carries
+        none.
     """
     gear = reducer.design.gear
     if isinstance(reducer, RvReducer):
@@ -119,7 +124,7 @@ def roller_positions(reducer: Reducer) -> dict[str, tuple[str, Array]]:
         np.array([*centre, plane]) for plane in reducer.design.gear.disc_planes for centre in output_centres(reducer)
     ]
     copies = zip(names.all_numbered(names.ROLLER, len(positions)), positions, strict=True)
-    return {name: (names.ROLLER, place) for name, place in copies}
+    return {name: (names.ROLLER, position) for name, position in copies}
 
 
 def crank_stretches(reducer: Reducer) -> Mapping[str, Stretch]:
@@ -158,7 +163,10 @@ def _stretches(reducer: Reducer) -> Mapping[str, Stretch]:
 
 @once
 def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
-    """Return all parts of the mechanism as exact outlines, by name; see `lay_out_parts`."""
+    """Return all parts of the mechanism as exact outlines, by name.
+
+    `chord_error` [m] is that of the polygons for the balance of the crank, None for that of mass properties.
+    """
     discs = reducer.design.gear.discs
     crank = crank_parts(reducer) if discs > 1 else (crank_part(reducer, chord_error),)
     all_parts = [housing_part(reducer), *crank, *(gear_part(reducer, disc) for disc in range(discs))]

@@ -103,7 +103,7 @@ def within(points: Array, loop: Array) -> Mask:
 
 
 def _sums(values: Array) -> Array:
-    """Sum each row of values (k, n) in about twice the working precision by Knuth's two-sum; return (k,)."""
+    """Compute the sum (k,) of each row of values (k, n) in about twice the working precision, by Knuth's two-sum."""
     left_out = np.zeros(len(values))
     while (half_count := values.shape[1] // 2) > 0:
         first_half, second_half, odd_column = (

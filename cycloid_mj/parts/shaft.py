@@ -52,11 +52,11 @@ def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
 
 
 def stretches(reducer: Reducer, chord_error: float | None = None) -> Mapping[str, Stretch]:
-    """Return the stretches of the crank by name, from the motor on; see `crank_part`.
+    """Return the stretches of the crank along the axis by name, from the motor on; see `crank_part`.
 
     Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam in the disc; or journal,
     cam 1, neck with the spacer around it, cam 2, ...; and for a straddled shaft a journal beyond the discs, for the
-    bearing in the hub of the output.
+    bearing in the hub of the output. `chord_error` [m] is that of `crank_part`.
     """
     if reducer.design.gear.discs == 1:
         crank_stretches = _single_disc_crank(reducer, drawing_error(reducer, chord_error))
@@ -119,7 +119,10 @@ class CounterweightContour:
 
 
 def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Stretch]:
-    """Return the stretches of the crank of one disc, with the counterweight that balances the disc."""
+    """Return the stretches of the crank of one disc, with the counterweight that balances the disc.
+
+    `chord_error` [m] is that of the polygons for the balance.
+    """
     design = reducer.design
     shaft, half_width = design.shaft, design.gear.face_width / 2
     journal, cam = JournalContour(shaft.radius), CircleContour(design.gear.bore_radius, (0.0, design.gear.eccentricity))
@@ -180,10 +183,15 @@ def bearing_width(reducer: Reducer, journal: float) -> float:
 def bearing_seats(
     reducer: Reducer, by_name: Mapping[str, Stretch] | None = None
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return start and end along z [m] of the two crank bearings: of the one far from the discs, then of the near one.
+    """Return where the two bearings of the crank are along its axis.
 
-    `by_name` are the stretches of the crank, if already known. The far bearing of a straddled shaft is beyond the
-    discs.
+    The far bearing of a straddled shaft is beyond the discs. `by_name` are the stretches of the crank, if already
+    known.
+
+    Returns
+    -------
+    tuple
+        Start and end along z [m] of the bearing far from the discs, then of the near one.
     """
     shaft, by_name = reducer.design.shaft, by_name or stretches(reducer)
     start, end = by_name[JOURNAL].z0, min(by_name[JOURNAL].z1, reducer.near_face)
@@ -206,7 +214,12 @@ def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour,
     """Compute the thickness t [m] of the counterweight that balances cam and disc statically about the axis.
 
     It solves t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0 [m4], with S the integral of y over a
-    cross-section, w the width of the cam and c the eccentricity. Raises DesignError if t exceeds the shaft's length.
+    cross-section, w the width of the cam and c the eccentricity. Cross-sections are polygons with a `chord_error` [m].
+
+    Raises
+    ------
+    DesignError
+        The counterweight is as long as the shaft, or longer.
     """
     design = reducer.design
     density_ratio = design.material_of("gear").density / design.material_of("shaft").density

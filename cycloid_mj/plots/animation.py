@@ -132,6 +132,8 @@ def select_samples(
 def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
     """Yield the pictures of an animation as RGB arrays, shape (height, width, 3), with even height and width.
 
+    `samples` are those of `select_samples`, `width` is in pixels.
+
     Raises
     ------
     UsageError
@@ -159,7 +161,7 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
 
 
 def _render_frames(script: Script, stage: AnimatedFigure, crank_angle: Array, time: Array) -> Iterator[Image]:
-    """Yield the picture of each frame, shape (height, width, 3), after moving the parts of the figure.
+    """Yield the picture of each frame, shape (height, width, 3), after moving the parts of the figure, `stage`.
 
     `crank_angle` [rad] and `time` [s] are printed in the picture, shape (frames,) each.
     """

@@ -52,7 +52,10 @@ def calibration_figure(calibration: Calibration) -> Figure:
 
 @with_style
 def protocol_figure(result: Protocol) -> Figure:
-    """Draw the loops of a test protocol, measured and modelled, deflection over torque, each about its middle."""
+    """Draw the loops of a test protocol, measured and modelled, deflection over torque, each about its middle.
+
+    `result` is the protocol.
+    """
     figure = create_figure(3.2)
     axes = figure.subplots(1, 1, squeeze=False)[0, 0]
     for loop in result.loops:
@@ -76,7 +79,10 @@ def _centred_turn(loop: MeasuredLoop) -> Array:
 
 @with_style
 def comparison_figure(result: BenchComparison) -> Figure:
-    """Draw measured and modelled transmission error over the crank angle, and their amplitudes by order below."""
+    """Draw measured and modelled transmission error over the crank angle, and their amplitudes by order below.
+
+    `result` is the comparison of both.
+    """
     figure = create_figure(4.4)
     error_axes, order_axes = figure.subplots(2, 1)
     crank = result.measured.crank / DEGREE

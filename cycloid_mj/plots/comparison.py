@@ -56,7 +56,7 @@ ROW, HEAD = 1.25, 0.75
 
 
 def comparison_captions(designs: Sequence[str]) -> dict[str, str]:
-    """Return a sentence for each figure of a comparison, by the figure's name."""
+    """Return a sentence for each figure of a comparison of `designs`, which are names, by the figure's name."""
     names = " and ".join(designs)
     captions = {
         f"compare_{name}": f"{title} over one crank turn of the settled hold: {names}, one column for each load."
@@ -86,8 +86,8 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
 def _draw_signal(grid: Grid, title: str, signal: Signal) -> Figure:
     """Draw a signal of every run over one crank turn: a row of axes for each design, a column for each load.
 
-    Axes of one load share their scale. The mean of a transmission error is subtracted and stated, because backlash and
-    wind-up would hide its variation.
+    `grid` are the runs, design by design, `title` is that of the figure. Axes of one load share their scale. The mean
+    of a transmission error is subtracted and stated, because backlash and wind-up would hide its variation.
     """
     unit = signal.unit
     figure, axes = _empty_figure(len(grid), len(grid[0]), f"{title}, {_speed(grid)}", sharey="col")

@@ -33,8 +33,8 @@ MAX_LINE_WIDTH = 4.0
 def curvature_figure(designs: Sequence[Design]) -> Figure:
     """Draw relative curvature and Hertz pressure of all contact lines in a mesh period over the phase of the contact.
 
-    The pressure is that of the tooth force at the rated load on a single line. Phase 0 is a valley of the disc at the
-    tooth, 180 deg the tip of a lobe.
+    The `designs` share both axes. The pressure is that of the tooth force at the rated load on a single line. Phase 0
+    is a valley of the disc at the tooth, 180 deg the tip of a lobe.
     """
     figure = create_figure(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)

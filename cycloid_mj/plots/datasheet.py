@@ -149,7 +149,7 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
 
 
 def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
-    """Draw a table with name, value, unit and condition of each quantity, and return the height below it.
+    """Draw a table with name, value, unit and condition of each quantity, and return the height below it [1].
 
     `top` is the height of the heading; heights are relative to the page.
     """

@@ -27,7 +27,7 @@ ARROW = {"arrowstyle": "<->", "linewidth": 0.35, "shrinkA": 0.0, "shrinkB": 0.0}
 def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
     """Draw the manufactured parts of a drive: ``drawings.pdf`` with a page for each, and ``NAME-drawing.dxf`` of each.
 
-    Return the contents by name.
+    `sizes` are those of the covers. Return the contents by name.
 
     Raises
     ------
@@ -45,8 +45,8 @@ def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 def drawing_figure(drawing: PartDrawing) -> Figure:
     """Draw a manufactured part on an A3 page in mm: hatched section with dimensions, front view, notes and title block.
 
-    The section has the axis of the part to the right (+z), the front view is seen along it; both have scales of their
-    own.
+    `drawing` is the drawing in metres. The section has the axis of the part to the right (+z), the front view is seen
+    along it; both have scales of their own.
     """
     figure = Figure(figsize=PAGE)
     section, front = figure.add_axes((0.03, 0.28, 0.55, 0.68)), figure.add_axes((0.6, 0.34, 0.37, 0.6))
@@ -78,9 +78,9 @@ def drawing_figure(drawing: PartDrawing) -> Figure:
 
 
 def _draw_dimension(axes: Axes, start: tuple[float, float], end: tuple[float, float], dimension: Dimension) -> None:
-    """Draw a dimension line between two points (x, y) [mm]; a diameter is upright and has its text on the left.
+    """Draw a dimension line between the points `start` and `end`, (x, y) in mm, with its text.
 
-    The text of a length is above its line.
+    A diameter is upright and has its text on the left. The text of a length is above its line.
     """
     axes.annotate("", end, start, arrowprops=ARROW)
     middle = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])

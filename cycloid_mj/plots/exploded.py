@@ -96,8 +96,15 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
 def _draw_section(axes: Axes, component: PlacedPart, prisms: tuple[Prism, ...], shift: float) -> float:
     """Draw the section of a part in the plane through the axis and the part's centre, in mm, the axis to the right.
 
-    `shift` moves the part along the axis [m]. A part beside the axis is rotated into the plane, except for a disc,
-    which is cut at its y. Return the largest distance of the section from the axis [m].
+    A part next to the axis is rotated into the plane, except for a disc, which is cut at its y. Return the largest
+    distance of the section from the axis [m].
+
+    Parameters
+    ----------
+    component, prisms
+        The part with its position, and the prisms that it consists of.
+    shift
+        Displacement of the part along the axis [m].
     """
     x, y, z = component.origin
     distance = float(np.hypot(x, y))

@@ -132,7 +132,10 @@ def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: s
 
 
 def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
-    """Draw a line through points of shape (n,), sorted by x, with markers up to `SWEEP.max_markers` points."""
+    """Draw a line through points x and y, shape (n,), sorted by x, with markers up to `SWEEP.max_markers` points.
+
+    `label` is its entry in the legend.
+    """
     order = np.argsort(x, kind="stable")
     has_markers = len(x) <= SWEEP.max_markers
     axes.plot(
@@ -142,7 +145,7 @@ def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> 
 
 
 def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
-    """Label the x axis with an input, and return its value at each point, shape (points,); 0, 1, ... for words."""
+    """Label the x axis with an input, by its `key`; return its values, (points,); 0, 1, ... for words."""
     axes.set_xlabel(_title(sweep, key))
     if key in sweep.frame.numbers:
         return sweep.frame.numbers[key]
@@ -152,7 +155,7 @@ def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
 
 
 def _mark_failures(axes: Axes, sweep: Sweep, key: str) -> None:
-    """Mark the points that failed by crosses on the x axis, at their values of an input."""
+    """Mark the points that failed by crosses on the x axis, at their values of an input, by its `key`."""
     is_failed = sweep["error"] != ""
     if is_failed.any():
         positions = _input_positions(axes, sweep, key)[is_failed]
@@ -227,7 +230,10 @@ def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
 
 
 def _main_inputs(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Return the inputs to draw in their order; if there are too many, those with the largest rank correlations."""
+    """Return the inputs to draw in their order; if there are too many, those with the largest rank correlations.
+
+    The correlations are those with the `quantities` that are drawn.
+    """
     if len(sweep.task.keys) <= SWEEP.max_inputs:
         return sweep.task.keys
     correlations = rank_correlations(sweep, tuple(quantities))

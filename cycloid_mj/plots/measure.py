@@ -60,7 +60,7 @@ def measurement_figure(measurement: Measurement) -> Figure:
 
 @with_style
 def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
-    """Draw curves, grouped by their panels, one panel below the other."""
+    """Draw curves, grouped by their panels, one panel below the other, under a `title`."""
     panels: dict[str, list[Curve]] = {}
     for curve in curves:
         panels.setdefault(curve.panel, []).append(curve)
@@ -127,7 +127,7 @@ def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None
 
 
 def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
-    """Draw forces around a ring in polar axes, clockwise from +y, with a marker for each contact if there are few."""
+    """Draw the curves of forces around a ring in polar axes, clockwise from +y, with markers if there are few."""
     for number, curve in enumerate(curves):
         about, colour = np.radians(curve.x), COLOURS[number % len(COLOURS)]
         if len(curve.x) > PANEL.max_markers:

@@ -62,10 +62,19 @@ def gear_speed_figure(motion: Series) -> Figure:
 
 
 def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tuple[Figure, Axes, Axes]:
-    """Draw a speed with its closed form over `x`, and the error below; return the figure and both axes.
+    """Draw a speed with its closed form, and the error below.
 
-    `key` names the signal [rad/s], `rows` selects the samples at the values `x`, shape (n,): time [s] or crank angle
-    [deg].
+    Parameters
+    ----------
+    key
+        Name of the signal [rad/s].
+    rows, x
+        The samples, and their abscissa: time [s] or crank angle [deg], shape (n,).
+
+    Returns
+    -------
+    tuple
+        The figure, and the axes of speed and error.
     """
     figure = create_figure(3.6)
     top, bottom = figure.subplots(2, 1, sharex=True, **layout)

@@ -60,7 +60,10 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = ANIMATION
 
 
 def _write_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    """Write RGB frames as a GIF; all frames share the palette of the first one, which avoids flicker."""
+    """Write RGB frames as a GIF with a `rate` [frames/s].
+
+    All frames share the palette of the first one, which avoids flicker.
+    """
     pictures = (Image.fromarray(frame) for frame in frames)
     first_picture = next(pictures).quantize(COLOURS, dither=Image.Dither.NONE)
     other_pictures = (picture.quantize(palette=first_picture, dither=Image.Dither.NONE) for picture in pictures)
@@ -72,7 +75,7 @@ def _write_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
 
 
 def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
-    """Write RGB frames as an MP4 file (H.264) by PyAV; raise OSError if a frame cannot be written."""
+    """Write RGB frames as an MP4 file (H.264) with a `rate` [frames/s] by PyAV; raise OSError if that fails."""
     av = import_extra("av", "MP4", "video", "write a .gif")
     stream = iter(frames)
     first_picture = next(stream)

@@ -85,7 +85,7 @@ def _axis_label(optimum: Optimum, key: str) -> str:
 
 
 def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
-    """Draw the n evaluated points of an optimisation at coordinates of shape (n,), with start and best point marked.
+    """Draw the n evaluated points of an optimisation at coordinates x and y, (n,), with start and best point marked.
 
     Points with a coordinate that is not finite are left out. The limits of the axes cover the feasible points and the
     start.

@@ -77,7 +77,7 @@ def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) ->
 
 
 def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:
-    """Draw the path of a centre [um], shape (n, 2), in its limit, shape (2, m); `part` names the part."""
+    """Draw the path of a centre, `position` (n, 2) [um], in its `limit` (2, m) [um]; `part` names the part."""
     axes.plot(*limit, **CLEARANCE)
     axes.plot(*position.T, **SIMULATED)
     axes.plot(*position[0], marker="o", markersize=4, color=BLUE)

@@ -69,7 +69,10 @@ def velocity_figure(motion: Series) -> Figure:
 
 
 def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
-    """Draw simulated path and closed form of point q [mm]; `q` is the point in the disc's frame [m], (2,)."""
+    """Draw simulated path and closed form of point q [mm], of which `position` has both [m].
+
+    `q` is the point in the disc's frame [m], (2,).
+    """
     axes.plot(*(1e3 * position.theory.T), **THEORY)
     axes.plot(*(1e3 * position.simulated.T), **SIMULATED)
     axes.set_aspect("equal", adjustable="datalim")
@@ -81,7 +84,10 @@ def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
 
 
 def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
-    """Draw both paths around the sample with index `worst` [um], with lines between corresponding samples."""
+    """Draw simulated path and closed form of a point around the sample with the index `worst` [um].
+
+    `position` has both paths [m]; lines connect corresponding samples.
+    """
     centre = position.theory[worst]
     theory, simulated_path = (1e6 * (path - centre).T for path in (position.theory, position.simulated))
     steps = np.linalg.norm(np.diff(theory.T, axis=0), axis=1)
@@ -116,7 +122,17 @@ def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
 
 
 def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
-    """Draw x, y and size of the path error [um] over the crank angle [deg], (n,), with the sample `worst` marked."""
+    """Draw x, y and size of the path error [um] over the crank angle [deg], with a sample marked.
+
+    Parameters
+    ----------
+    degrees
+        Crank angles [deg], shape (n,).
+    position
+        Simulated path and closed form [m].
+    worst
+        Index of the marked sample.
+    """
     error, size = 1e6 * position.error, 1e6 * position.error_size
     axes.plot(degrees, error[:, 0], color=BLUE, linewidth=0.8)
     axes.plot(degrees, error[:, 1], color=ORANGE, linewidth=0.8)

@@ -185,7 +185,10 @@ def _of_orders(orders: Orders) -> Figures:
 
 @figures_of.register
 def _of_joint(joint: ReducedJoint) -> Figures:
-    """Draw the output's angle over the torque at a locked crank; the step at zero torque is the backlash."""
+    """Draw the output's angle of a reduced joint over the torque at a locked crank.
+
+    The step at zero torque is the backlash.
+    """
     torque = joint.rated_torque * np.linspace(0.0, 1.0, RESULT.points)
     wind_up = np.array([joint.wind_up(load) for load in torque])
     low, high = joint.stops
@@ -269,7 +272,10 @@ def _of_answer(answer: Answer) -> Figures:
 
 @with_style
 def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figure:
-    """Draw an angle of the output over the torque on it [N m], shape (n,); `label` names the angle with its unit."""
+    """Draw an angle of the output over the torque on it [N m], shape (n,).
+
+    `label` names the angle with its unit, `condition` is printed below.
+    """
     figure = create_figure(2.8)
     axes = figure.subplots()
     axes.plot(torque, angle, color=BLUE)
@@ -281,7 +287,7 @@ def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figu
 
 @with_style
 def _draw_stems(order: Array, amplitude: Array, condition: str) -> Figure:
-    """Draw the amplitude of each order as a vertical line, arrays of shape (n,)."""
+    """Draw the amplitude of each order as a vertical line, arrays of shape (n,); `condition` is printed below."""
     figure = create_figure(2.4)
     axes = figure.subplots()
     axes.vlines(order, 0.0, amplitude, color=BLUE, linewidth=1.0)
@@ -293,7 +299,10 @@ def _draw_stems(order: Array, amplitude: Array, condition: str) -> Figure:
 
 @with_style
 def _draw_bars(values: Mapping[str, float], label: str, condition: str, fails_below_1: bool = False) -> Figure:
-    """Draw a horizontal bar for each value, the first on top; with `fails_below_1`, a log axis with bars from 1."""
+    """Draw a horizontal bar for each value, the first on top; with `fails_below_1`, a log axis with bars from 1.
+
+    `label` is that of the axis, `condition` is printed below.
+    """
     figure = create_figure(RESULT.head + RESULT.row * len(values))
     axes = figure.subplots()
     names, numbers = list(values), list(values.values())

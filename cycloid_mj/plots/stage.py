@@ -116,7 +116,7 @@ def create_stage(script: Script, width: int) -> AnimatedFigure:
 
 
 def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Move parts, arrows and bars of an animation to the frame with index `row`."""
+    """Move parts, arrows and bars of an animation's figure, `stage`, to the frame with index `row` of a script."""
     poses = script.drawn
     _move_part(stage, GEAR, [poses.gear[row]])
     _move_part(stage, OTHER_DISCS, _other_disc_poses(script, row))
@@ -139,7 +139,10 @@ def _move_part(stage: AnimatedFigure, part: str, poses: Any) -> None:
 
 
 def _update_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Set force arrows and load bars to the frame with index `row`; contacts without force have no arrow."""
+    """Set force arrows and load bars of a figure, `stage`, to the frame with index `row` of a script.
+
+    Contacts without force have no arrow.
+    """
     for kind, arrows in stage.arrows.items():
         forces = script.acting.of(kind)
         arrows.set_offsets(1e3 * forces.point[row])
@@ -170,7 +173,10 @@ def _other_discs(reducer: Reducer, disc: int) -> list[int]:
 
 
 def _other_disc_poses(script: Script, row: int) -> list[Array]:
-    """Compute the ideal poses (x [m], y [m], angle [rad]) of the discs that are shown as outlines, shape (3,) each."""
+    """Compute the ideal poses (x [m], y [m], angle [rad]), shape (3,), of the discs that are shown as outlines.
+
+    They are those in the frame with the index `row`.
+    """
     gaps, mesh, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
     crank, angle = gaps.crank_angle[row], gaps.gear[row, 2]
     return [
@@ -197,10 +203,10 @@ def _update_ring(housing: Any, script: Script, row: int) -> None:
 
 
 def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]:
-    """Draw the parts from back to front, each copy in its own frame.
+    """Draw the parts from back to front, each copy in its own frame; dots on disc and shaft show their rotation.
 
-    Return lists of artists that move together, a list for each copy, by part. Dots on disc and shaft show their
-    rotation.
+    `poses` are those of all frames, for the sizes of the parts. Return lists of artists that move together, a list for
+    each copy, by part.
     """
     design = reducer.design
     ring, output, gear, radii, disc = design.ring, design.output, design.gear, poses.radii, poses.gaps.disc
@@ -313,9 +319,14 @@ def _add_legend(figure: Figure, forces: ContactForces) -> None:
 
 
 def _draw_load_bars(figure: Figure, ring: ContactForces, ideal: Array | None) -> tuple[Any, Any]:
-    """Draw the force on each pin or lobe of the ring as bars, and the closed form as a step line; return both artists.
+    """Draw the force on each pin or lobe of the ring as bars, and the closed form as a step line.
 
     `ideal` is the closed form [N], shape (frames, pins), or None.
+
+    Returns
+    -------
+    tuple
+        Artists of the bars and of the line; None where nothing is drawn.
     """
     if not ring.names:
         return None, None

@@ -171,7 +171,13 @@ def _color(number: int) -> str:
 
 
 def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:
-    """Return a figure with a title and a panel for each name, axes in mm, in up to two columns."""
+    """Create a figure with a title and a panel for each name, axes in mm, in up to two columns.
+
+    Returns
+    -------
+    tuple
+        The figure, and the axes.
+    """
     columns = 2 if len(names) > 1 else 1
     rows = -(-len(names) // columns)
     figure = create_figure(PANEL * rows + 0.4)
@@ -188,9 +194,10 @@ def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]
 
 
 def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
-    """Draw nodal values, shape (n,), as colours on a part, interpolated linearly; return the coloured triangles.
+    """Draw nodal values, shape (n,), as colours on the part of a `stress` map, interpolated linearly.
 
-    A solid part is drawn in its view, with visible faces only; `top` is the value at the end of the colours.
+    A solid part is drawn in its view, with visible faces only; `top` is the value at the end of the colours. Return the
+    coloured triangles.
     """
     map_style: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
     if stress.points.shape[1] == 2:
@@ -239,8 +246,17 @@ def _split_quadratic(cells: Integers) -> Integers:
 def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
     """Project the surface of a solid part in its view (`VIEWS`).
 
-    `points` are the nodes [m], shape (n, 3), `cells` the quadratic tetrahedra, shape (m, 10). Return the nodes [mm],
-    shape (n, 2), the visible faces from far to near, shape (f, 6), and their depth, shape (f,).
+    Parameters
+    ----------
+    points, cells
+        Nodes [m], shape (n, 3), and quadratic tetrahedra, shape (m, 10).
+    part
+        Name of the part.
+
+    Returns
+    -------
+    tuple of Array
+        Nodes [mm], shape (n, 2), visible faces from far to near, shape (f, 6), and their depth [m], shape (f,).
     """
     view = VIEWS.get(part, FRONT)
     right_axis = view[0] / np.linalg.norm(view[0])
@@ -260,9 +276,13 @@ def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers
 def _outer_faces(cells: Integers) -> tuple[Integers, Integers]:
     """Find the outer faces of quadratic tetrahedra: those that belong to one tetrahedron only.
 
-    `cells` are node indices, shape (m, 10), midside nodes on the edges 01, 12, 02, 03, 13, 23. Return the faces, shape
-    (f, 6), three corners and then three midside nodes, and for each the corner opposite to it in its tetrahedron, shape
-    (f,).
+    `cells` are node indices, shape (m, 10), midside nodes on the edges 01, 12, 02, 03, 13, 23.
+
+    Returns
+    -------
+    tuple of Integers
+        Faces (f, 6), three corners and then three midside nodes, and for each the corner opposite to it in its
+        tetrahedron (f,).
     """
     sides = ((0, 1, 2, 4, 5, 6, 3), (0, 1, 3, 4, 8, 7, 2), (1, 2, 3, 5, 9, 8, 0), (0, 2, 3, 6, 9, 7, 1))
     faces = np.concatenate([cells[:, side] for side in sides])

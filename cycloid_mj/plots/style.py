@@ -154,7 +154,10 @@ def typeset(text: str) -> str:
 
 
 def in_words(key: str, unit: str = "") -> str:
-    """Return a column's name in words with its unit: ``clearance.cam_um`` in um becomes ``clearance: cam [um]``."""
+    """Return a column name, `key`, in words with its unit.
+
+    ``clearance.cam_um`` in um becomes ``clearance: cam [um]``.
+    """
     table, _, name = key.rpartition(".")
     ending = unit_suffix(unit)
     for end in (ending, ending.replace("_", "_per_")):

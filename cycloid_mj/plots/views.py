@@ -124,7 +124,13 @@ def _draw_section(axes: Axes, reducer: Reducer, shift: float) -> None:
 
 
 def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
-    """Yield each prism with its part's name and the position of the part's frame: (x, y) [m], shape (2,), and z [m]."""
+    """Yield each prism of the drive with the position of its part.
+
+    Yields
+    ------
+    tuple
+        Name of the part, prism, and position of the part's frame: (x, y) [m], shape (2,), and z [m].
+    """
     design = reducer.design
     discs = dict(
         zip(gears(design.gear.discs), zip(_disc_centres(reducer), design.gear.disc_planes, strict=True), strict=True)

@@ -241,9 +241,9 @@ def phases(design: Design) -> tuple[float, ...]:
 def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
     """Return whether all discs are identical parts, which differ only by how they are rotated on their holes.
 
-    The teeth of disc d of D are ahead of its holes by d/D of a pitch. A rotation by j hole pitches moves them by j
-    lobes/pins pitches; modulo 1 these are the multiples of 1/m, with m = pins/gcd(pins, lobes). So the discs are
-    identical if m is a multiple of D.
+    `discs`, `output_pins` and `lobes` (of a disc) are numbers. The teeth of disc d of D are ahead of its holes by d/D
+    of a pitch. A rotation by j hole pitches moves them by j lobes/pins pitches; modulo 1 these are the multiples of
+    1/m, with m = pins/gcd(pins, lobes). So the discs are identical if m is a multiple of D.
     """
     return output_pins // math.gcd(output_pins, lobes) % discs == 0
 
@@ -277,7 +277,7 @@ def build_mechanism(design: Design) -> Mechanism:
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     """Yield the bodies at crank angle 0 with their joints: fixed member, crank, discs, output and moving pins.
 
-    If the ring is the output, its pins move relative to it.
+    `errors` are those of the positions of ring pins. If the ring is the output, its pins move relative to it.
     """
     axis, gear = np.zeros(2), tooth_profile(design)
     output_body, fixed_body = member_of(design).turning_and_held
@@ -295,7 +295,7 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
 def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterator[Body]:
     """Yield the bodies of moving pins or sleeves at their seats, none for fixed or massless pins.
 
-    Their joints are relative to the body `carrier`; "" is the world.
+    `errors` are those of the seats' positions. Their joints are relative to the body `carrier`; "" is the world.
     """
     ring = design.ring
     if not ring.has_pin_bodies:
@@ -309,8 +309,13 @@ def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterato
 def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
     """Return the ring's surfaces that mate with the teeth, pins or lobes, and the matings of moving pins.
 
-    Seats are the sockets of pins, or the cores of sleeves. Without moving pins the second item is empty, and the
-    surfaces belong to the housing.
+    Seats are the sockets of pins, or the cores of sleeves. `errors` are those of the pins.
+
+    Returns
+    -------
+    tuple
+        The surfaces, which belong to the housing without moving pins; and the matings of pins and seats, empty without
+        moving pins.
     """
     ring, clearance = design.ring, design.clearance
     radius_errors = np.tile(errors.pin_radius, ring.halves)
@@ -381,7 +386,7 @@ def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
         (cam,),
         surfaces_on_circle((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
         surfaces_on_circle(
-            (cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], np.array([-phase]), disc=disc
+            (cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_displacement[disc], np.array([-phase]), disc=disc
         ),
         disc,
     )
@@ -396,7 +401,7 @@ def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) 
     hole_names = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
     holes = surfaces_on_circle(
-        hole_names, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_place[disc], disc=disc
+        hole_names, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_displacement[disc], disc=disc
     )
     return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
 
@@ -462,7 +467,7 @@ def _pin_position_errors(ring: Ring, errors: Deviations) -> Array:
     turns = (
         np.array([[np.cos(preload), np.sin(preload)], [-np.sin(preload), np.cos(preload)]]) for preload in ring.ahead
     )
-    return np.concatenate([errors.pin_place @ turn for turn in turns])
+    return np.concatenate([errors.pin_displacement @ turn for turn in turns])
 
 
 def _angles(count: int) -> Array:

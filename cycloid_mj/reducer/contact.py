@@ -415,7 +415,7 @@ class Contacts:
         return self._weight_torque(area) * design.reduction
 
     def _weight_torque(self, area: float) -> float:
-        """Compute the torque [N m] of weight and inertia of discs with a section [m2] on their eccentrics."""
+        """Compute the torque [N m] of weight and inertia of discs with a section `area` [m2] on their eccentrics."""
         design = self._reducer.design
         gear = design.gear
         weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)

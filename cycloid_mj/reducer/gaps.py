@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array, Integers, Mask, quarter_turned, rotate
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.deviations import profile_error
 from cycloid_mj.geometry.kinematics import gear_centre
@@ -44,22 +45,23 @@ class Gaps:
         Index of the pin, lobe or output pin, 0 on +y, clockwise, shape (n,); those of a ring's second half count on.
     disc
         Index of the disc, shape (n,).
-    room
+    clearance
         Part of the gap that does not depend on the pose [m], shape (n,): clearances, errors of radii.
     play
         Clearance of the ring's pin in its socket, or of its sleeve [m], shape (n,); 0 for fixed pins. It is not part of
-        `room`: a loaded pin moves by it first.
+        `clearance`: a loaded pin moves by it first.
     distance
         Normal distance of the two curves at z = 0 [m], shape (n,): 0 for ideal parts.
     slope
         Its gradient [1], shape (n, 3 D + 1).
     shift, shift_slope
         Displacement of the parts along the surface at z = 0 [m], shape (n,), and its gradient.
-    bend
+    curvature
         Relative curvature [1/m] of the two curves, shape (n,): of the gear's trochoid, on which ideal pins have their
         centres; of the circle about the middle of a hole on which those of output pins are. Convex positive.
-    twist
-        Rate of `bend` along the surface [1/m2], shape (n,), towards the force turned counter-clockwise; of circles 0.
+    curvature_rate
+        Rate of `curvature` along the surface [1/m2], shape (n,), towards the force turned counter-clockwise; 0 of
+        circles.
     phase
         N - 1 times the parameter of the gear's trochoid at the contact [rad], shape (n,); of round holes 0.
     relative_curvature
@@ -72,17 +74,20 @@ class Gaps:
     kind: npt.NDArray[np.str_]
     owner: Integers
     disc: Integers
-    room: Array
+    clearance: Array
     play: Array
     distance: Array
     slope: Array
     shift: Array
     shift_slope: Array
-    bend: Array
-    twist: Array
+    curvature: Array
+    curvature_rate: Array
     phase: Array
     relative_curvature: Array
     slip_slope: Array
+    room = deprecated_attribute("Gaps", "room", "clearance")
+    bend = deprecated_attribute("Gaps", "bend", "curvature")
+    twist = deprecated_attribute("Gaps", "twist", "curvature_rate")
 
     def select(self, rows: Mask) -> "Gaps":
         """Return a selection of the gaps at one crank angle, by a mask of shape (n,)."""
@@ -91,7 +96,7 @@ class Gaps:
     @property
     def width(self) -> Array:
         """Gaps at z = 0, to first order [m], shape (n,)."""
-        return np.asarray(self.room + self.distance)
+        return np.asarray(self.clearance + self.distance)
 
 
 def unknowns(reducer: "Reducer") -> int:
@@ -166,7 +171,7 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     disc_normal, arm = lines.normals, profile.moment_arm(gear, lines.B)
     radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
     preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * quarter_turned(radial)
-    displacement = errors.pin_place[lines.lobe] + preload_offset - modification.pin_circle * radial
+    displacement = errors.pin_displacement[lines.lobe] + preload_offset - modification.pin_circle * radial
     nominal_gap = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     flank_rotation = modification.rotation * np.sign(arm)
@@ -176,13 +181,13 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     curvature_before, middle_curvature, curvature_after = (
         profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP)
     )
-    twist = (curvature_after - curvature_before) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
+    curvature_rate = (curvature_after - curvature_before) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
     worn = reducer.worn.of_teeth(lines.B) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
         owner=lines.lobe + half_index * design.ring.teeth,
         disc=np.full(lines.lobe.size, disc),
-        room=np.broadcast_to(nominal_gap, arm.shape),
+        clearance=np.broadcast_to(nominal_gap, arm.shape),
         play=np.broadcast_to(play, arm.shape),
         distance=flank_rotation * arm
         - np.sum(displacement * disc_normal, axis=-1)
@@ -191,8 +196,8 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
         slope=_by_unknown(reducer, disc, disc_normal, arm, np.zeros(arm.shape)),
         shift=np.sum(displacement * tangent, axis=-1) - flank_rotation * centre_arm,
         shift_slope=_by_unknown(reducer, disc, -tangent, -centre_arm, np.zeros(arm.shape)),
-        bend=middle_curvature,
-        twist=np.asarray(twist),
+        curvature=middle_curvature,
+        curvature_rate=np.asarray(curvature_rate),
         phase=gear.lobes * lines.t,
         relative_curvature=lines.relative_curvature,
         slip_slope=_by_unknown(reducer, disc, tangent, sliding_arm, np.zeros(arm.shape)),
@@ -213,7 +218,7 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
     arm_vector = (
         profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + output_angle) * output.pin_circle_radius
     )
-    tangent, hole_displacement = quarter_turned(push_direction), rotate(errors.hole_place[disc], -output_angle)
+    tangent, hole_displacement = quarter_turned(push_direction), rotate(errors.hole_displacement[disc], -output_angle)
     normal_arm, tangent_arm = (
         np.sum(arm_vector * -quarter_turned(push_direction), axis=-1),
         np.sum(arm_vector * push_direction, axis=-1),
@@ -224,14 +229,14 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
         kind=np.full(output.pins, "output"),
         owner=np.arange(output.pins),
         disc=np.full(output.pins, disc),
-        room=np.full(normal_arm.shape, nominal_gap),
+        clearance=np.full(normal_arm.shape, nominal_gap),
         play=np.zeros(normal_arm.shape),
         distance=np.sum(hole_displacement * push_direction, axis=-1) + worn,
         slope=_by_unknown(reducer, disc, push_direction, normal_arm, -normal_arm),
         shift=-np.sum(hole_displacement * tangent, axis=-1),
         shift_slope=_by_unknown(reducer, disc, -tangent, -tangent_arm, tangent_arm),
-        bend=np.full(normal_arm.shape, -1.0 / gear.eccentricity),
-        twist=np.zeros(normal_arm.shape),
+        curvature=np.full(normal_arm.shape, -1.0 / gear.eccentricity),
+        curvature_rate=np.zeros(normal_arm.shape),
         phase=np.zeros(normal_arm.shape),
         relative_curvature=np.full(normal_arm.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
         slip_slope=_by_unknown(
@@ -262,7 +267,8 @@ def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
     crank_column = np.asarray(crank_angle, dtype=np.float64)[..., np.newaxis]
     angles = crank_column + np.array(reducer.phases)
     return np.asarray(
-        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + rotate(errors.cam_place, crank_column)
+        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity
+        + rotate(errors.cam_displacement, crank_column)
     )
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.geometry import profile
 from cycloid_mj.reducer.gaps import Gaps, cam_displacements, gaps, unknowns
@@ -42,7 +43,7 @@ class Fit:
 
     Attributes
     ----------
-    room
+    min_gap
         Smallest gap of any pair in this pose [m]; negative where the parts only go together pressed into each other.
     shift
         Displacement of each disc's centre from the ideal one, seen from the ring [m], shape (D, 2).
@@ -54,11 +55,12 @@ class Fit:
         Displacement of each moving pin or sleeve that avoids an overlap [m], shape (N, 2); zero for fixed pins.
     """
 
-    room: float
+    min_gap: float
     shift: Array
     gear_turn: Array
     output_turn: float
     pin_shift: Array
+    room = deprecated_attribute("Fit", "room", "min_gap")
 
 
 def best_fit(reducer: "Reducer", crank_angle: float) -> Fit:
@@ -75,7 +77,7 @@ def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
 def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
     """Convert a pose of the unknowns of ``gaps`` (u,) [m] to displacements [m] and rotations [rad] of the parts.
 
-    `min_gap` [m] is the smallest gap in this pose, for `Fit.room`.
+    `mesh_gaps` are the gaps at this crank angle, `min_gap` [m] is the smallest gap in this pose, for `Fit.min_gap`.
     """
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
@@ -148,9 +150,10 @@ def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> A
 
 
 def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
-    """Solve one linear program for the stops (n, 2) [rad] at crank angles (n,) [rad], which are independent.
+    """Solve one linear program for the stops (n, 2) [rad] at crank angles `cranks` (n,) [rad], which are independent.
 
-    If it has no solution, each angle is solved alone, to name the one at which the disc jams.
+    `sides` is the number of sides of a cam's polygon. If the program has no solution, each angle is solved alone, to
+    name the one at which the disc jams.
 
     Raises
     ------
@@ -198,9 +201,15 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) ->
 
 
 def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Return gradients (m, u) [1] and gaps (m,) [m] of the limits slope . z + gap >= 0: contacts, then cams.
+    """Return the limits slope . z + gap >= 0 on the unknowns z (u,) of ``gaps``: those of contacts, then of cams.
 
-    The play of a cam, displaced by `cams` (D, 2) [m], is a polygon of `sides` sides.
+    The play of a cam, displaced by `cams` (D, 2) [m], is a polygon of `sides` sides. `mesh_gaps` are the gaps of teeth
+    and output pins.
+
+    Returns
+    -------
+    tuple of Array
+        Gradients [1], shape (m, u), and gaps [m], shape (m,).
     """
     slopes, widths = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
     directions = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
@@ -215,8 +224,8 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
 def _shift_pins(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
     """Return the displacements of moving pins (mates, 2) [m] that separate them from the discs in a pose (u,) [m].
 
-    A pin that overlaps a disc moves along the normal of the deepest overlap, half-way between touching the disc and
-    touching its seat; others stay. Zeros for pins that do not move.
+    `mesh_gaps` are the gaps at this crank angle. A pin that overlaps a disc moves along the normal of the deepest
+    overlap, half-way between touching the disc and touching its seat; others stay. Zeros for pins that do not move.
     """
     design = reducer.design
     if not design.ring.has_moving_pins:

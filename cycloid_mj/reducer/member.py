@@ -68,9 +68,14 @@ class Member:
         return np.asarray(np.asarray(driven, dtype=np.float64) - np.asarray(ring))
 
     def ring_and_carrier(self, output: npt.ArrayLike) -> tuple[Array, Array]:
-        """Return the angles of ring and carrier [rad] at an angle of the output, which is one of them; the other is 0.
+        """Return the angles of ring and carrier at an angle of the output [rad], which is one of them; the other is 0.
 
         Speeds map to speeds.
+
+        Returns
+        -------
+        tuple of Array
+            Angles of ring and carrier [rad], in the shape of `output`.
         """
         output = np.asarray(output, dtype=np.float64)
         fixed_angle = np.zeros_like(output)

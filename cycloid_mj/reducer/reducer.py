@@ -290,7 +290,8 @@ Drive = TypeVar("Drive", bound=Reducer)
 def once(function: Callable[Concatenate[Drive, Given], Value]) -> Callable[Concatenate[Drive, Given], Value]:
     """Decorate a function of a reducer so that its results are cached, for each value of further arguments.
 
-    Results are shared and must not be changed.
+    The cache is that of the reducer: the function runs only once for equal designs. Results are shared and must not be
+    changed.
     """
 
     @wraps(function)

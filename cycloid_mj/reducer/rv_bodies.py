@@ -121,7 +121,7 @@ def build_rv_mechanism(reducer: "RvReducer") -> Mechanism:
     """Build the mechanism of an RV reducer: its bodies, and the pairs of surfaces that mate."""
     design, errors = reducer.design, reducer.deviations
     axis = np.array([reducer.crank_errors.axis_x, reducer.crank_errors.axis_y])
-    errors = replace(errors, pin_place=errors.pin_place - axis)
+    errors = replace(errors, pin_displacement=errors.pin_displacement - axis)
     pins, seats = ring_surfaces(design, errors)
     discs = range(design.gear.discs)
     return Mechanism(
@@ -148,7 +148,10 @@ def crank_joint(crank: str) -> str:
 
 
 def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
-    """Yield the bodies: fixed member, sun, discs, loaded member, cranks, moving pins."""
+    """Yield the bodies: fixed member, sun, discs, loaded member, cranks, moving pins.
+
+    `errors` are those of the positions of ring pins.
+    """
     design, axis = reducer.design, np.zeros(2)
     loaded, fixed = reducer.member.turning_and_held
     yield Body(fixed, fixed, (), axis, axis)
@@ -166,8 +169,8 @@ def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
         ],
         axis=-1,
     )
-    for name, place in zip(crank_names(reducer), reducer.stage.crank_places([0.0])[0] + shift, strict=True):
-        yield Body(name, names.CRANK, (crank_joint(name),), place, axis, carrier=names.OUTPUT)
+    for name, position in zip(crank_names(reducer), reducer.stage.crank_places([0.0])[0] + shift, strict=True):
+        yield Body(name, names.CRANK, (crank_joint(name),), position, axis, carrier=names.OUTPUT)
     yield from pin_bodies(design, errors, names.HOUSING if loaded == names.HOUSING else "")
 
 
@@ -225,10 +228,15 @@ def _planet_mating(reducer: "RvReducer") -> Mating:
 
 
 def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Compute positions and speeds of all joints at an angle [rad] and speed [rad/s] of the sun, by joint.
+    """Compute positions and speeds of all joints at an angle [rad] and speed [rad/s] of the sun.
 
     This is the ideal motion of rigid parts without errors; moving pins are in the middle of their seats, as are all
     joints that are left out.
+
+    Returns
+    -------
+    tuple of dict
+        Positions [m] or [rad], and speeds [m/s] or [rad/s], by joint.
     """
     member, gear = reducer.member, reducer.tooth_profile
     crank, crank_speed = float(member.crank_angle(sun)), float(member.crank_angle(speed))

@@ -54,7 +54,10 @@ class SpringContact(Contact):
         return (self.stiffness,) * self._rv.design.gear.discs
 
     def _compute_force(self) -> float:
-        """Compute `force`, which is cached."""
+        """Compute the working force [N], which the property `force` caches.
+
+        It is the mean over the crank bearings, or that of a planet mesh.
+        """
         reducer = self._rv
         torque = reducer.contacts.working_load * reducer.share
         if self.kind == names.CRANK_BEARING:

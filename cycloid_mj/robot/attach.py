@@ -121,7 +121,10 @@ def _add_light_body(joint: Any, model: Any, name: str) -> Any:
 
 
 def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int) -> str:
-    """Add the fixed tendon of a spring between crank and hinge `joint`, with its dead band; return its name."""
+    """Add the fixed tendon of a spring between crank and hinge, with its dead band, and return its name.
+
+    `reduced` is the reducer's joint, `joint` the name of the hinge, `index` that of the spring.
+    """
     spring, name = reduced.springs[index], reducer_name(joint, index)
     tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)
     tendon.wrap_joint(rotor_name(joint), reduced.coefficient)
@@ -171,7 +174,10 @@ def _add_tuple(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[str])
 
 
 def _move_actuators_to_crank(spec: Any, reduced: ReducedJoint, joint: str) -> None:
-    """Move the actuators of a hinge to its crank, and multiply their gear by -coefficient (the signed ratio)."""
+    """Move the actuators of a hinge to its crank, and multiply their gear by -coefficient (the signed ratio).
+
+    `reduced` is the reducer's joint, `joint` the name of the hinge.
+    """
     kinds = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for actuator in spec.actuators:
         if actuator.trntype in kinds and actuator.target == joint:
@@ -185,8 +191,16 @@ def _write_keyframes(
 ) -> None:
     """Insert the crank into all keyframes: its angle in the middle of the play, and the speed of the hinge.
 
-    `keyframes` are positions and speeds of each keyframe before the crank was added, an empty list for the default;
-    `model` is the compiled ``MjModel`` without the reducer.
+    Parameters
+    ----------
+    spec
+        Editable model with the crank.
+    keyframes
+        Positions and speeds of each keyframe before the crank was added, an empty list for the default.
+    model
+        Compiled ``MjModel`` without the reducer.
+    reduced, joint
+        The reducer's joint, and the name of the hinge.
     """
     attached_model = _compile(spec)
     crank, output = attached_model.joint(rotor_name(joint)), model.joint(joint)

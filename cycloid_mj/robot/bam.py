@@ -32,10 +32,11 @@ WITHOUT_STRIBECK = {
 
 
 def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
-    """Fit the friction models M3 and M5 of BAM to a joint; return parameters [N m, N m s/rad, 1] and errors.
+    """Fit the friction models M3 and M5 of BAM to a reduced joint; return their parameters and errors as JSON values.
 
     Nonnegative least squares (Lawson and Hanson) over the loads from `MIN_FIT_SHARE` to 1 of the nominal torque,
-    driving and driven, at the rated speed. The errors are the largest of each model [N m].
+    driving and driven, at the rated speed. Parameters are in N m, N m s/rad or 1; the errors are the largest of each
+    model [N m].
     """
     base_torque, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
     external, motor, friction = _friction_samples(reduced)
@@ -61,10 +62,15 @@ def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
 
 
 def _friction_samples(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
-    """Tabulate external torque, motor torque and load-dependent friction at the joint [N m], shape (n,) each.
+    """Tabulate the load-dependent friction of a reduced joint, at the joint, over the torques on it.
 
     The motor torque is that on the crank times the ratio; it is negative if the motor must assist a self-locking
     reducer. Load-dependent friction is the friction in excess of that without a load.
+
+    Returns
+    -------
+    tuple of Array
+        External torque, motor torque and load-dependent friction [N m], shape (n,) each.
     """
     friction: FrictionMap = reduced.friction
     torques = np.array(

@@ -163,8 +163,13 @@ def _strongest_order(ripple: Ripple) -> float:
 def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
     """Compare backlash, lost motion and wind-up [arcmin] at rest under a series of torques with a locked crank.
 
-    `play` is the full model's play and wind-up. The backlash is extrapolated to zero from two small torques on either
-    side. Return the quantities, and the curves of the output's angle over the torque, which have no hysteresis.
+    `reduced` is the joint, `play` the full model's play and wind-up. The backlash is extrapolated to zero from two
+    small torques on either side.
+
+    Returns
+    -------
+    tuple
+        The quantities, and the curves of the output's angle over the torque, which have no hysteresis.
     """
     scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold()
@@ -214,9 +219,9 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
 
 
 def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
-    """Yield the resonance frequency with a heavy load about the nominal torque.
+    """Yield the resonance frequency [Hz] of a reduced joint with a heavy load about the nominal torque.
 
-    Its reference is sqrt(k/J) with the slope of the full model's wind-up.
+    Its reference is sqrt(k/J) with the slope of the full model's wind-up, which is part of `play`.
     """
     inertia = 10.0 * reduced.reflected_inertia
     expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
@@ -230,7 +235,15 @@ def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
 
 
 def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantity], list[Curve]]:
-    """Compare efficiencies at the rated speed, with the crank driving and with the output driving, at several loads."""
+    """Compare the efficiencies of a reduced joint and of the full model at the rated speed, at several loads.
+
+    Both are computed with the crank driving and with the output driving.
+
+    Returns
+    -------
+    tuple
+        The efficiencies as quantities [%], and curves over the load.
+    """
     rows, curves = [], []
     cases = (("driving", True, "efficiency"), ("driven", False, "efficiency of back-driving"))
     for key, is_driving, name in cases:
@@ -275,7 +288,7 @@ def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
 
 
 def _measure_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Measure the efficiency (0 to 1) of the joint in MuJoCo at the rated speed, under a share of the nominal torque.
+    """Measure the efficiency [1] of a reduced joint in MuJoCo at the rated speed, under a share of the nominal torque.
 
     `driving` is True if the crank drives, False if the output does; the result is 0 for a self-locking joint.
     """
@@ -295,9 +308,19 @@ def _compare_transmission_error(
 ) -> tuple[list[Quantity], list[Curve]]:
     """Compare the harmonics of the transmission error at nominal torque over a full, slow turn of the output.
 
-    `direction` of the crank is 1 or -1, and `name` its name. Compared are harmonics of at least
-    `COMPARISON.min_harmonic` of the largest. Return the amplitude of each [arcsec], and the curves over one turn of the
-    crank.
+    Compared are harmonics of at least `COMPARISON.min_harmonic` of the largest.
+
+    Parameters
+    ----------
+    reducer, reduced
+        Full model, and reduced joint.
+    name, direction
+        Name of the crank's direction, and 1 or -1.
+
+    Returns
+    -------
+    tuple
+        Amplitude of each harmonic [arcsec], and the curves over one turn of the crank.
     """
     errors = solve_error(reducer, 1.0, direction)
     fine, _ = compute_amplitudes(errors)

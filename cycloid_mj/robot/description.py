@@ -70,11 +70,12 @@ class LinkInertia:
 
 
 def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> dict[str, LinkInertia]:
-    """Compute mass [kg] and inertia [kg m2] of the links `housing`, `drive` and `output` from the drive's parts.
+    """Compute mass [kg] and inertia [kg m2] of the links `housing`, `drive` and `output` of a reduced joint.
 
-    The housing is a solid cylinder with the drive's diameter and length, and its mass without output and crank; covers
-    are included if the casing fits. At the level `rigid` there is no `drive`, and the output has its inertia. With
-    `armature`, the simulator adds the crank's reflected inertia to the joint, so that no link has it.
+    They follow from the parts of the reducer. The housing is a solid cylinder with the drive's diameter and length, and
+    its mass without output and crank; covers are included if the casing fits. At the level `rigid` there is no `drive`,
+    and the output has its inertia. With `armature`, the simulator adds the crank's reflected inertia to the joint, so
+    that no link has it.
     """
     masses = moving_masses(reducer)
     output_body, crank = masses[reducer.mechanism.turning], masses[names.SHAFT]
@@ -143,10 +144,11 @@ def list_description_files(name: str, file_format: Format) -> tuple[str, ...]:
 
 
 def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> str:
-    """Return the URDF of a joint: links with inertia, the actuated joint `drive`, and the play as the joint `output`.
+    """Return the URDF of a reduced joint: links with inertia, the actuated joint `drive`, and the play as a joint.
 
-    With `armature`, the simulator adds the crank's reflected inertia to the actuated joint, so that no link has it, and
-    the play joint is named `PLAY`. All values are in SI units; at the level `rigid` there is no play.
+    The links have the masses of the reducer's parts; the play is the joint `output`. With `armature`, the simulator
+    adds the crank's reflected inertia to the actuated joint, so that no link has it, and the play joint is named
+    `PLAY`. All values are in SI units; at the level `rigid` there is no play.
     """
     robot = ElementTree.Element("robot", name=reduced.name)
     robot.append(ElementTree.Comment(_describe_joint(reduced)))
@@ -176,9 +178,10 @@ def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -
 
 
 def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
-    """Return the SDFormat model of a joint (`SDF_VERSION`): links with inertia, the driven joint, and the play.
+    """Return the SDFormat model of a reduced joint (`SDF_VERSION`): links with inertia, the driven joint, and the play.
 
-    The ends of the play have the stiffness of the drive [N m/rad]. All values are in SI units.
+    The links have the masses of the reducer's parts. The ends of the play have the stiffness of the drive [N m/rad].
+    All values are in SI units.
     """
     root = ElementTree.Element("sdf", version=SDF_VERSION)
     model = ElementTree.SubElement(root, "model", name=reduced.name)
@@ -209,7 +212,7 @@ def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
 
 
 def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
-    """Compute the DC motor at the joint that has the joint's rated and peak torque, as parameters of BAM.
+    """Compute the DC motor at a reduced joint that has the joint's rated and peak torque, as parameters of BAM.
 
     Torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed. The
     motor stands in for that of the robot: its torque constant and resistance are those at the joint, not at the crank.
@@ -232,7 +235,7 @@ def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
 
 
 def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
-    """Return a Python module with the configurations of Isaac Lab for a joint: motor, actuators and asset.
+    """Return a Python module with the configurations of Isaac Lab for a reduced joint: motor, actuators and asset.
 
     `urdf` is the name of the URDF file. `BamMotorCfg` has the parameters of BAM's model M5; the play is a passive
     joint.
@@ -308,7 +311,7 @@ class _Joint:
 
 
 def _list_joints(reduced: ReducedJoint, play: str = OUTPUT) -> tuple[_Joint, ...]:
-    """List the joints of URDF and SDF: the driven joint, and the joint `play` unless the level is `rigid`."""
+    """List the joints of a reduced joint in URDF and SDF: the driven one and, unless it is rigid, the `play`."""
     effort, speed = MJCF.motor_peak * reduced.rated_torque, reduced.rated_speed / reduced.ratio
     friction, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
     if reduced.level == "rigid":

@@ -29,7 +29,7 @@ def choose_scenes(
     timestep: float | None = None,
     integrator: Integrator | None = None,
 ) -> tuple[StepTrial, StepTrial | None]:
-    """Choose time step and integrator of scene.xml and of lossy_scene.xml; the second is None at the level `rigid`.
+    """Choose time step and integrator of scene.xml and of lossy_scene.xml.
 
     Parameters
     ----------
@@ -39,6 +39,11 @@ def choose_scenes(
         Inertia on the output [kg m2]; by default the reducer's own, reflected.
     timestep, integrator
         Time step [s] and integrator; by default those of `stability.choose_time_step`.
+
+    Returns
+    -------
+    tuple of StepTrial
+        Those of both scenes; the second is None at the level `rigid`.
     """
     inertia = reduced.reflected_inertia if inertia is None else inertia
     if reduced.slips:
@@ -55,9 +60,10 @@ def choose_scenes(
 
 
 def joint_files(reduced: ReducedJoint, main_scene: StepTrial, lossy: StepTrial | None) -> dict[str, bytes]:
-    """Return the MJCF and other files of a joint: name -> content.
+    """Return the MJCF and other files of a reduced joint: name -> content.
 
-    These are `BASE_FILES`, and `SPRING_FILES` unless `lossy` is None; the scenes come from `choose_scenes`.
+    These are `BASE_FILES`, and `SPRING_FILES` unless `lossy` is None. `main_scene` and `lossy` are the time steps of
+    both scenes, from `choose_scenes`.
     """
     texts = [
         joint_xml(reduced),

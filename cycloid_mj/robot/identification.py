@@ -169,7 +169,7 @@ class Play:
 
     @property
     def polynomial(self) -> Array:
-        """Coefficients a, b, c of the torque a x + b x^2 + c x^3 at x [rad] beyond the stop.
+        """Coefficients a, b, c of the torque a x + b x^2 + c x^3 at x [rad] beyond the stop, shape (3,).
 
         Units: N m/rad, N m/rad^2, N m/rad^3. Least squares of the relative error at `GRID.polynomial`, up to the
         nominal torque.
@@ -214,10 +214,15 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
 
 
 def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
-    """Compute the moments of inertia that turn with the crank and with the output [kg m2].
+    """Compute the moments of inertia that turn with the crank and with the output.
 
     The crank has shaft, rotor and the orbit of the discs. Otherwise the discs belong to the carrier of the output pins;
     if the ring is the output, they do not turn, and the ring's pins turn with the ring.
+
+    Returns
+    -------
+    tuple of float
+        Inertia of the crank and of the output [kg m2].
     """
     design = reducer.design
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
@@ -402,7 +407,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
 
 def _efficiency_error(reducer: Reducer, share: float) -> float:
-    """Compute the numerical error of the efficiency: its change by `GRID.angles_factor` times the crank angles.
+    """Compute the numerical error of the efficiency [1]: its change by `GRID.angles_factor` times the crank angles.
 
     `share` is the output torque over the nominal one, negative if the output drives.
     """

@@ -94,10 +94,24 @@ def run_impact(scene: TrialScene, load: ImpactLoad) -> float | None:
 
 
 def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[float, float]:
-    """Integrate the motion of the output under the load T cos(2 pi f t) from rest on the upper stop, by LSODA.
+    """Integrate the motion of a joint's output under the load T cos(2 pi f t) from rest on the upper stop, by LSODA.
 
-    T is the nominal torque. Return the time at which the output reaches the lower stop [s], infinity if it does not,
-    and its largest wind-up beyond that stop [rad]. `inertia` is the external inertia [kg m2], `frequency` f [Hz].
+    T is the nominal torque.
+
+    Parameters
+    ----------
+    reduced
+        The joint.
+    inertia
+        Inertia on the output [kg m2], without the joint's own.
+    frequency
+        Frequency f of the load [Hz].
+
+    Returns
+    -------
+    tuple of float
+        Time at which the output reaches the lower stop [s], infinity if it does not, and its largest wind-up beyond
+        that stop [rad].
     """
     from scipy.integrate import odeint
 
@@ -136,9 +150,9 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
 
 
 def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
-    """Return a fast function from the deviation L [rad] to the springs' torque [N m], at the crank angle 0.
+    """Return a fast function from the deviation L [rad] of a reduced joint to its springs' torque [N m].
 
-    The function interpolates linearly between the breakpoints of the piecewise linear torque.
+    It is that at the crank angle 0, and interpolates linearly between the breakpoints of the piecewise linear torque.
     """
     breakpoints = reduced.bends(0.0)
     span = float(np.ptp(breakpoints))

@@ -79,7 +79,7 @@ class Shoe:
 
 
 def fit_shoe(reduced: ReducedJoint) -> Shoe:
-    """Fit a brake shoe in MJCF to a joint's load-dependent friction, with crank or output driving.
+    """Fit a brake shoe in MJCF to the load-dependent friction of a reduced joint, with crank or output driving.
 
     A leading shoe has the friction S/(1 - t), a trailing shoe S/(1 + t); their harmonic mean is S, a sum of the
     springs' torques. S is fitted by nonnegative least squares at `SHOE.fitted` of the nominal torque, at the rated
@@ -185,7 +185,7 @@ class StockEfficiency(NamedTuple):
 def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
     """Compute efficiencies of the lossy joint in MuJoCo and of the full model, at `SHOE.compared` of nominal torque.
 
-    They are those with the crank driving, then those with the output driving.
+    They are those of the reduced joint with the crank driving, then those with the output driving.
     """
     return [
         StockEfficiency(
@@ -217,7 +217,7 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
 
 
 def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Measure the efficiency (0 to 1) of the lossy joint in MuJoCo alone, at its rated speed.
+    """Measure the efficiency [1] of a reduced joint in MuJoCo alone, as the lossy joint, at its rated speed.
 
     `share` is the torque on the output over the nominal one. `driving` is True if the crank drives, False if the output
     does; the result is 0 for a self-locking joint.

@@ -52,10 +52,15 @@ def slip_name(joint: str, number: int) -> str:
 
 
 def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
-    """Compute armature [kg m2] and damping [N m s/rad] of each slip element.
+    """Compute armature and damping of each slip element of a reduced joint.
 
     The armature is the smallest that is stable at the time step (`MJCF.slip_time`). It is raised so that all elements
     creep equally fast: without MuJoCo's noslip solver, creep is proportional to slip limit over armature.
+
+    Returns
+    -------
+    list of tuple
+        Armature [kg m2] and damping [N m s/rad].
     """
     smallest = [slip.stiffness * MJCF.slip_time**2 for slip in reduced.slips]
     limit = sum(slip.limit for slip in reduced.slips)
@@ -89,9 +94,10 @@ def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
 
 
 def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: str = "discrete") -> str:
-    """Return the MJCF of a complete scene: the joint, a motor on its crank, and a load with an inertia on its output.
+    """Return the MJCF of a complete scene: the reduced joint, a motor on its crank, and a load on its output.
 
-    `load_inertia` is in kg m2, `timestep` in seconds; the control of the motor is its torque on the crank [N m].
+    `load_inertia` is the inertia of the load in kg m2, `timestep` is in seconds, `integrator` is that of MuJoCo or
+    "discrete"; the control of the motor is its torque on the crank [N m].
     """
     inertia = xml_number(load_inertia)
     direction = "against" if reduced.way < 0 else "with"
@@ -119,7 +125,10 @@ def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integ
 
 
 def _elements_with_springs(reduced: ReducedJoint, joint: str) -> str:
-    """Return the MJCF elements of a joint with springs: crank body, slip elements, tendons, motor and tuple."""
+    """Return the MJCF elements of a reduced joint with springs: crank body, slip elements, tendons, motor and tuple.
+
+    `joint` is the name of the hinge.
+    """
     rotor = rotor_name(joint)
     tendons, elements = [], []
     for number, spring in enumerate(reduced.springs):
@@ -176,7 +185,10 @@ mass="{MJCF.mass}" rgba="0.93 0.65 0.49 1"/>
 
 
 def _elements_without_springs(reduced: ReducedJoint, joint: str) -> str:
-    """Return the MJCF elements of a rigid joint: default class of the hinge, motor and tuple."""
+    """Return the MJCF elements of a rigid reduced joint: default class of the hinge, motor and tuple.
+
+    `joint` is the name of the hinge.
+    """
     friction, gear = xml_number(reduced.no_load_torque_at_output), xml_number(reduced.way * reduced.ratio)
     return f"""  <default>
     <default class="{reducer_name(joint)}">

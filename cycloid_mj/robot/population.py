@@ -105,7 +105,13 @@ class Population(Tabular):
         )
 
     def tables(self) -> tuple[Table, Table]:
-        """Tabulate the distribution of each parameter, and the correlations of the parameters."""
+        """Tabulate the distribution of each parameter, and the correlations of the parameters.
+
+        Returns
+        -------
+        tuple of Table
+            Both tables.
+        """
         title = f"{self.design}: joints of {self.samples} drives, seed {self.seed}"
         rows = tuple(
             (key, unit, *(f"{item:.5g}" for item in (self.nominal[key], *self._summary(key).values())))
@@ -135,7 +141,7 @@ class Population(Tabular):
         }
 
     def _summary(self, key: str) -> dict[str, float]:
-        """Return mean, standard deviation and percentiles (keys ``p05``) of a parameter over the drives."""
+        """Return mean, standard deviation and percentiles (keys ``p05``) of the parameter `key` over the drives."""
         values = self.values[key]
         quantiles = np.percentile(values, QUANTILES).tolist()
         return {
@@ -234,10 +240,22 @@ def compute_parameters(reducer: Reducer) -> dict[str, float]:
 def _draw_drive(
     reducer: Reducer, ranges: tuple[Input, ...], seed: int, number: int
 ) -> tuple[dict[str, float], dict[str, float]] | None:
-    """Draw drive number `number` of a population: random errors within the tolerances, and inputs within their ranges.
+    """Draw a drive of a population: random errors within the tolerances, and inputs within their ranges.
 
-    Inputs are log-uniform within their ranges. Return the parameters of its joint (`PARAMETERS`) and the drawn values,
-    both by key, or None if the drive cannot be assembled or balanced.
+    Inputs are log-uniform within their ranges.
+
+    Parameters
+    ----------
+    reducer, ranges
+        Nominal reducer, and ranges of its assumed inputs.
+    seed, number
+        Random seed, and number of the drive.
+
+    Returns
+    -------
+    tuple of dict or None
+        Parameters of the joint (`PARAMETERS`) and drawn values, by key; None if the drive cannot be assembled or
+        balanced.
     """
     zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.SAMPLING.block)
     batch = sampling.Batch(block, 1, row)

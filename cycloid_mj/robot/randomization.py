@@ -34,9 +34,14 @@ FILES: dict[Format, tuple[str, ...]] = {
 
 
 def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
-    """Compute the range of each parameter of `VARIED` over a population, as factors of its nominal value.
+    """Compute the range of each parameter of `VARIED` over a population.
 
-    The ends are the percentiles `RANGE`; both factors are 1 if the nominal value is 0.
+    The ends are the percentiles `RANGE`; both are 1 if the nominal value is 0.
+
+    Returns
+    -------
+    dict
+        Both ends of the range by parameter, as factors of its nominal value.
     """
     ranges = {}
     for name, key in VARIED.items():
@@ -47,7 +52,7 @@ def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
 
 
 def randomization_files(reduced: ReducedJoint, population: Population, file_format: Format) -> dict[str, bytes]:
-    """Return the files for domain randomization of a joint in a format: name -> content.
+    """Return the files for domain randomization of a reduced joint in a format: name -> content.
 
     A rigid joint has neither play nor springs, and no file.
     """
@@ -115,7 +120,7 @@ class ReducerEventsCfg:
 
 
 def _mjx_randomization(reduced: ReducedJoint, population: Population) -> str:
-    """Return a Python module with a domain randomization function for Brax and MuJoCo Playground."""
+    """Return a Python module with a domain randomization function of a reduced joint for Brax and MuJoCo Playground."""
     lines = "".join(f'    "{name}": {_format_pair(ends)},\n' for name, ends in factor_ranges(population).items())
     tendons = [f"{OUTPUT}_reducer" + (f"_{number + 1}" if number else "") for number in range(len(reduced.springs))]
     return f'''"""{_describe_ranges(population)}

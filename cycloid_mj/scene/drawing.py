@@ -119,7 +119,10 @@ class Drawing:
 
 
 def largest_magnification(reducer: Reducer) -> float:
-    """Compute the magnification at which a part is drawn with `DRAWING.min_radius_share` of its radius."""
+    """Compute the magnification [1] at which a part is drawn with `DRAWING.min_radius_share` of its radius.
+
+    Clearances that are drawn larger make the parts smaller.
+    """
     design = reducer.design
     slack = 1.0 - DRAWING.min_radius_share
     return 1.0 + slack * min(
@@ -259,9 +262,17 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Draw
 def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Array:
     """Compute the signed distance of pin centres from the trochoid of a disc [m], shape (n, mates), positive outside.
 
-    `gear` has the poses of the disc, shape (n, 3), `centres` the pin centres [m], shape (n, mates, 2). Newton's method
-    for the foot point, from its ideal position, in steps that stay on the lobe: a pin outside its socket is far from
-    the ideal position.
+    Newton's method for the foot point, from its ideal position, in steps that stay on the lobe: a pin outside its
+    socket is far from the ideal position.
+
+    Parameters
+    ----------
+    cycloid
+        Profile of the disc.
+    gear
+        Poses of the disc: x, y [m] and angle [rad], shape (n, 3).
+    centres
+        Pin centres [m], shape (n, mates, 2).
     """
     max_increment = 0.5 / centres.shape[1]
     point = rotate(centres - gear[:, np.newaxis, :2], -gear[:, 2:])

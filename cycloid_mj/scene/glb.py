@@ -42,8 +42,8 @@ class _File:
 
     def add(self, piece: Piece, points: Any, normals: Any, faces: Any) -> None:
         """Add the mesh of a piece: points and normals (n, 3) as 32-bit floats, faces (m, 3) as 32-bit integers."""
-        attributes = {"POSITION": self._accessor(points, "VEC3"), "NORMAL": self._accessor(normals, "VEC3")}
-        indices = self._accessor(faces.ravel(), "SCALAR")
+        attributes = {"POSITION": self._append_array(points, "VEC3"), "NORMAL": self._append_array(normals, "VEC3")}
+        indices = self._append_array(faces.ravel(), "SCALAR")
         number = len(self._sections["meshes"])
         primitive = {"attributes": attributes, "indices": indices, "material": number, "mode": _TRIANGLES}
         self._sections["meshes"].append({"name": piece.name, "primitives": [primitive]})
@@ -65,8 +65,8 @@ class _File:
         chunks += struct.pack("<I4s", len(self._buffer), b"BIN\x00") + self._buffer
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
-    def _accessor(self, values: Any, kind: str) -> int:
-        """Append an array to the buffer, with its buffer view and accessor; return the index of the accessor.
+    def _append_array(self, values: Any, kind: str) -> int:
+        """Append an array of `values` to the buffer, with its buffer view and accessor; return the accessor's index.
 
         `kind` is the type of an element: "SCALAR" for indices, "VEC3" for points and normals.
         """

@@ -86,13 +86,16 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier: Array) -> dict[str, Array]:
-    """Compute the poses of sun and cranks by name, shape (n, 3) each, in a carrier at angles (n,) [rad]."""
+    """Compute the poses of sun and cranks by name, shape (n, 3) each: x [m], y [m] and angle [rad].
+
+    `columns` are the log columns by name, shape (n,), `carrier` (n,) [rad] is the angle of the carrier.
+    """
     zeros = np.zeros_like(carrier)
     x, y, angle = (columns.get(name, zeros) for name in planar_joints(SUN))
     poses_by_part = {SUN: _pose(x, y, angle)}
     for crank in crank_names(reducer):
-        place = rotate(np.broadcast_to(reducer.mechanism.body(crank).place, (carrier.size, 2)), carrier)
-        poses_by_part[crank] = _pose(place[:, 0], place[:, 1], carrier + columns[crank_joint(crank)])
+        centre = rotate(np.broadcast_to(reducer.mechanism.body(crank).place, (carrier.size, 2)), carrier)
+        poses_by_part[crank] = _pose(centre[:, 0], centre[:, 1], carrier + columns[crank_joint(crank)])
     return poses_by_part
 
 

@@ -83,9 +83,10 @@ def render_part(
     size: tuple[int, int] = (IMAGE.width, IMAGE.height),
     view: tuple[float, float] = (VIEW.azimuth, VIEW.elevation),
 ) -> Image:
-    """Render only some bodies of a run's model, by name, in their poses at its start; other parameters as of `render`.
+    """Render only some bodies of a run's model, by name, in their poses at its start.
 
-    The camera points at the middle of the bodies, from `IMAGE.part_distance` times their radius.
+    The camera points at the middle of the bodies, from `IMAGE.part_distance` times their radius. `size` [pixels] and
+    `view`, azimuth and elevation of the camera [deg], are those of `render`.
 
     Raises
     ------
@@ -114,7 +115,10 @@ def render_part(
 def render_model(
     model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: Sequence[dict[str, Any]] = ()
 ) -> Image:
-    """Render a MuJoCo model with arrows as an image, shape (height, width, 3); for errors see `render`."""
+    """Render a MuJoCo model with arrows as an image, shape (height, width, 3); for errors see `render`.
+
+    `camera` is that of MuJoCo, `size` is width and height [pixels], `arrows` are arguments of `_add_arrow`.
+    """
     width, height = size
     if not (IMAGE.min_pixels <= width <= IMAGE.max_pixels and IMAGE.min_pixels <= height <= IMAGE.max_pixels):
         raise UsageError(

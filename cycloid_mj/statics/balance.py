@@ -13,7 +13,7 @@ from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film import FilmFriction, drag_torques
 from cycloid_mj.statics.jam import JAM, friction_limit
-from cycloid_mj.statics.kernel import RESIDUAL_RTOL, KernelSprings, Residual, balance
+from cycloid_mj.statics.kernel import RESIDUAL_RTOL, Residual, balance
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -138,6 +138,8 @@ def solve_at_friction(
 
     Parameters
     ----------
+    reducer, springs
+        The reducer, and its contact springs at m crank angles.
     torque
         Output torque [N m], not 0: a number, or of shape (m,).
     warm_start
@@ -157,7 +159,8 @@ def _solve_ring_output(
     """Solve for equilibrium under a torque on the ring [N m], a number or of shape (m,).
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
-    losses over the speed; it depends on the contact forces, and a secant iteration determines it.
+    losses over the speed; it depends on the contact forces, and a secant iteration determines it. `warm_start` and
+    `start` are those of `solve_at_friction`.
     """
     settings = RING_TORQUE
     speed, torque_ratio = (
@@ -207,18 +210,21 @@ def _solve_ring_output(
 def _solve_carrier_output(
     reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None
 ) -> Loads:
-    """Solve for equilibrium under a torque on the carrier [N m], in the frame of the ring and without torsion."""
+    """Solve for equilibrium under a torque on the carrier [N m], in the frame of the ring and without torsion.
+
+    `warm_start` and `start` are those of `solve_at_friction`.
+    """
     contacts, radius = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
     disc_displacements = z[:, :-1].reshape(len(z), -1, 3)
-    disc_displacements[..., :2] = contacts.cam_place
+    disc_displacements[..., :2] = contacts.cam_position
     if start is not None:
         z[:] = start.departures
     with announce_compilation():
         residual = balance(contacts, load, z, force, warm_start and start is None)
-    require_balance(residual, contacts, load)
-    cam_offsets = disc_displacements[..., :2] - contacts.cam_place
+    require_balance(residual, springs, load)
+    cam_offsets = disc_displacements[..., :2] - contacts.cam_position
     distance = np.maximum(np.linalg.norm(cam_offsets, axis=-1), np.finfo(float).tiny)
     cam_forces = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
     lateral_offsets = contacts.cam_lateral * cam_offsets[..., ::-1] * (1.0, -1.0)
@@ -239,27 +245,29 @@ def _solve_carrier_output(
     )
 
 
-def require_balance(residual: Residual, contacts: KernelSprings, load: Array) -> None:
+def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
     """Raise RunError if a residual exceeds `RESIDUAL_RTOL` of the load; name friction if it is the cause.
 
-    `load` (k, u) [N] are the generalised forces on the u unknowns at k crank angles, from `Springs.load`. Friction is
-    the cause if parts without clearance have no equilibrium with it (`jam.friction_limit`).
+    `load` (k, u) [N] are the generalised forces on the u unknowns at the k crank angles of the springs, from
+    `Springs.load`. Friction is the cause if parts without clearance have no equilibrium with it (`jam.friction_limit`).
     """
     if residual.force <= RESIDUAL_RTOL:
         return
+    location = f"at a crank angle of {math.degrees(springs.crank[residual.angle]) % 360.0:.4g} deg relative to the ring"
     failure = (
-        f"no static equilibrium found: the residual is {residual.force:.3g} of the load (allowed: {RESIDUAL_RTOL:.0e})"
+        f"no static equilibrium found {location}: the residual is {residual.force:.3g} of the load (allowed: "
+        f"{RESIDUAL_RTOL:.0e})"
     )
     remedy = "check the clearances (clearance.*), or reduce the load (--load-nm)"
-    if not contacts.rubbing.size:
+    if not springs.contacts.rubbing.size:
         raise RunError(f"{failure}; {remedy}")
-    limit = friction_limit(contacts, residual.angle, load[residual.angle])
+    limit = friction_limit(springs.contacts, residual.angle, load[residual.angle])
     if limit < JAM.max_friction:
         near_limit = "; close to this limit, forces are many times the load" * (limit >= 1.0)
         raise RunError(
-            "no static equilibrium: friction jams the drive under this load at any crank torque (without clearance, "
-            f"equilibrium exists only up to {limit:.0%} of the friction{near_limit}). Reduce the friction coefficients "
-            "(friction.*)"
+            f"no static equilibrium {location}: friction jams the drive under this load at any crank torque (without "
+            f"clearance, equilibrium exists only up to {limit:.0%} of the friction{near_limit}). Reduce the friction "
+            "coefficients (friction.*)"
         )
     raise RunError(
         f"{failure}. Friction is not the cause, because without clearance the parts are in equilibrium up to "
@@ -325,8 +333,8 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
     """Compute the friction power at m crank angles [W], shape (m,), by part: "teeth", "cam" and "output" (its pins).
 
-    It is the coefficient times normal force times sliding speed, summed over the contacts. With the law ``film`` each
-    contact has its own coefficient, otherwise each kind of pair.
+    It is the coefficient times normal force times sliding speed, summed over the contacts, under the `contact_loads` of
+    the springs. With the law ``film`` each contact has its own coefficient, otherwise each kind of pair.
     """
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth

@@ -43,12 +43,17 @@ class Planes:
         return np.stack([-y, x], axis=1)
 
     def reactions_at(self, far_position: float, near_position: float) -> tuple[Array, Array]:
-        """Compute the forces of a far and a near bearing on the part [N], shape (m, 2) each: a beam on two supports.
+        """Compute the forces of two bearings on a part under these forces: a beam on two supports.
 
         Parameters
         ----------
         far_position, near_position
             Axial positions of the bearings [m].
+
+        Returns
+        -------
+        tuple of Array
+            Forces of the far and of the near bearing on the part [N], shape (m, 2) each.
         """
         near_share = (self.place - far_position) / (near_position - far_position)
         near_reaction = -np.einsum("d,mdi->mi", near_share, self.force)
@@ -80,7 +85,7 @@ class Reactions:
 
 
 def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
-    """Compute the bearing reactions to the contact forces of a static solution, by `compute_spatial_reactions`.
+    """Compute the bearing reactions to the `contact_loads` of a static solution, by `compute_spatial_reactions`.
 
     Weight and unbalance of shaft and output are not included.
     """

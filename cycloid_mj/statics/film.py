@@ -148,7 +148,10 @@ class FilmSurfaces:
         return line_friction(law, force, self.flank.entrainment, self.flank.sliding, self.radius, length, modulus)
 
     def seat_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction of the seats of rolling pins, as a coefficient at the flank; None without seats."""
+        """Compute the friction of the seats of rolling pins, as a coefficient at the flank; None without seats.
+
+        `force` is the normal force of each contact [N], shape (m, teeth).
+        """
         design, seat = self.reducer.design, self.seat
         if seat is None:
             return None
@@ -160,7 +163,15 @@ class FilmSurfaces:
         return seat_film.scaled(self.seat_scale)
 
     def smaller_friction(self, force: Array) -> tuple[MixedFriction, Mask]:
-        """Compute the smaller friction of flank and seat, and whether it is the seat's, so that pins roll."""
+        """Compute the friction of each pin where it is smaller: at its flank, or in its seat.
+
+        `force` is the normal force of each contact [N], shape (m, teeth).
+
+        Returns
+        -------
+        tuple
+            The friction, and whether it is that of the seat, so that the pin rolls, shape (m, teeth).
+        """
         flank, seat = self.flank_friction(force), self.seat_friction(force)
         if seat is None:
             return flank, np.zeros(flank.coefficient.shape, dtype=bool)
@@ -385,10 +396,15 @@ def cam_mean_diameter(reducer: Reducer) -> float:
 
 
 def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[float, float]:
-    """Return the drag torques on crank and output that do not depend on the load [N m].
+    """Return the drag torques of crank and output that do not depend on the load.
 
     With the law ``film`` these are the seals by ISO/TR 14179-2, unless the design states `drag`, and Palmgren's M0 of
-    the rolling cams, as a torque on the crank; else those of the design.
+    the rolling cams, as a torque on the crank; else those of the design. `inputs` are factors on the inputs of the law.
+
+    Returns
+    -------
+    tuple of float
+        Torques on crank and output [N m].
     """
     design = reducer.design
     crank, output = design.drag.crank, design.drag.output
@@ -430,9 +446,14 @@ def _seals_on_shafts(reducer: Reducer) -> tuple[float, float]:
 
 @once
 def seal_torques(reducer: Reducer) -> tuple[float, float]:
-    """Return the friction torques of the radial seals on the shaft and on the hub of the output [N m].
+    """Return the friction torques of the radial seals.
 
     Without covers the output has none; with angular contact bearings it has a gap.
+
+    Returns
+    -------
+    tuple of float
+        Torques of the seals on the shaft and on the hub of the output [N m].
     """
     from cycloid_mj.parts.export.casing import casing
     from cycloid_mj.parts.export.drive import has_casing

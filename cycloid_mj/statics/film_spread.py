@@ -86,9 +86,18 @@ def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
 
 
 def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: Array) -> Spread:
-    """Return the 5 to 95 % interval of outcomes, shape (n,), and the share of each input in their variance.
+    """Return the 5 to 95 % interval of a result, and the share of each input in its variance.
 
-    Shares follow from a linear regression over the positions of the inputs in their ranges, shape (n, inputs).
+    Shares follow from a linear regression over the positions of the inputs in their ranges.
+
+    Parameters
+    ----------
+    value
+        Result for the nominal inputs.
+    outcomes
+        Results of n samples of the inputs, in the same unit.
+    positions
+        Position of each input in its range, from 0 to 1, shape (n, inputs).
     """
     outcomes = np.asarray(outcomes, float)
     low, high = np.percentile(outcomes, PERCENTILES)
@@ -102,10 +111,15 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
 
 @once
 def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
-    """Compute the power lost under an output torque [N m] with the law ``film``: of the design, and of samples [W].
+    """Compute the power lost under an output torque [N m] with the law ``film``, and its scatter.
 
-    Samples keep the contact forces of the design's own inputs; that forces grow with friction is included in the first
-    order, by `_compute_loss_growth`. Errors as `balance.powers`.
+    The scatter is that of `samples` of the law's inputs, which keep the contact forces of the design's own inputs; that
+    forces grow with friction is included in the first order, by `_compute_loss_growth`. Errors as `balance.powers`.
+
+    Returns
+    -------
+    tuple
+        Power lost by the design [W], and by each of the samples, shape (samples,) [W].
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     springs, sign = springs_of(reducer), float(np.sign(design.drive.speed))
@@ -133,7 +147,7 @@ RAISED_FRICTION = 1.1
 def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
     """Compute the growth of the contact forces with friction: relative change of forces over that of coefficients [1].
 
-    Forces are weighted by their losses; `torque` [N m] is that on the contacts.
+    Forces are weighted by their losses; `torque` [N m] is that on the contacts, `contact_loads` is the equilibrium.
     """
     assert contact_loads.friction is not None
     raised_springs = springs.with_friction(contact_loads.friction.scaled(RAISED_FRICTION))
@@ -169,7 +183,7 @@ class _LoadedContacts:
     cam_power: float
 
     def lost_power(self, inputs: FilmInputs = DESIGN_INPUTS) -> float:
-        """Compute the mean friction power of all contacts [W] under these forces."""
+        """Compute the mean friction power of all contacts [W] under these forces, for `inputs` of the film law."""
         surfaces = replace(self.surfaces, inputs=inputs)
         output_friction = surfaces.output_friction(self.output)
         output = (
@@ -206,7 +220,8 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
 def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
     """Compute the efficiency under an output torque [N m] that brakes, with its interval [%]; errors as `powers`.
 
-    `further_loss` is the power lost in parts without a film law [W], such as the bearings of shaft and output.
+    `samples` is the number of samples of the film law's inputs. `further_loss` is the power lost in parts without a
+    film law [W], such as the bearings of shaft and output.
     """
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, torque, samples)

@@ -11,8 +11,9 @@ from cycloid_mj.reducer.gaps import Gaps
 def compute_rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
     """Compute the generalised Coulomb friction of n contacts per normal force [1], on u unknowns, shape (..., n, u).
 
-    It is -mu sign(s) ds/dz, with the sliding speed s of the ideal parts: friction opposes their sliding. `motion` is
-    the rate of the unknowns z, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
+    It is -mu sign(s) ds/dz, with the sliding speed s of the ideal parts: friction opposes their sliding. `mesh_gaps`
+    are the contacts, `motion` is the rate of the unknowns z, shape (..., u): `mechanism.gaps.ideal_motion` times the
+    crank's speed.
     """
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
     coefficient = np.where(
@@ -96,16 +97,27 @@ def _share_with_play(arms: Array, torque: float, play: float, stiffness: float) 
 
 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
-    """Compute the ideal friction losses of mesh, output pins and cam, relative to the output power [1].
+    """Compute the ideal friction losses relative to the output power, under the design's own load with ideal sharing.
 
-    The means over crank angles [rad] (n,) under the design's own load with ideal sharing; `friction` is the coefficient
-    of the mesh. Symbols: eccentricity c, N ring teeth, pin radius rho, crank speed w; at a pin, B is its angle from the
-    crank, alpha the angle of the contact normal, l the distance of its centre from the pitch point.
+    Symbols: eccentricity c, N ring teeth, pin radius rho, crank speed w; at a pin, B is its angle from the crank, alpha
+    the angle of the contact normal, l the distance of its centre from the pitch point.
 
     A tooth contact slides at (l - rho) w/(N-1). Friction acts about the gear's centre with the arm s = l - rho + c
     (N-1) cos(B - alpha), against the gear's rotation, so that the normal forces F rise by 1/(1 - mu sum F s / sum F
     arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back. The cam of radius R
     slides, or rolls with a bearing's coefficient, at R w N/(N-1) under its whole force.
+
+    Parameters
+    ----------
+    crank
+        Crank angles [rad], shape (n,), over which the losses are averaged.
+    friction
+        Friction coefficient of the mesh [1].
+
+    Returns
+    -------
+    tuple of float
+        Losses of mesh, output pins and cam over the output power [1].
     """
     design = reducer.design
     gear, load, output = reducer.tooth_profile, design.load.torque, design.output

@@ -156,7 +156,7 @@ def build_friction_elements(
     """
     design = reducer.design
     mesh_gaps = arc_gaps(reducer, [crank])
-    contacts, discs, seal_count = mesh_gaps.kind.size, springs.cam_place.shape[1], _SETTINGS.seal_elements
+    contacts, discs, seal_count = mesh_gaps.kind.size, springs.cam_position.shape[1], _SETTINGS.seal_elements
     radius, teeth, bore_radius = springs.radius, design.ring.teeth, design.gear.bore_radius
     sliding = np.zeros((contacts + discs + seal_count, springs.slope.shape[2]))
     sliding[:contacts] = mesh_gaps.slip_slope[0]

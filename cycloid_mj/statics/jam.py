@@ -51,7 +51,10 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
     length_unit = load_size / springs.cam_stiffness
 
     def residual(displacements: Array, friction: float) -> Array:
-        """Compute the residual forces over the load (u,) at scaled displacements and a multiple of the friction."""
+        """Compute the residual forces over the load [1], shape (u,), at scaled displacements.
+
+        `friction` is the multiple of the friction.
+        """
         forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
         residual_force = load + forces @ (slopes + friction * rubbing)
         cam_offsets = displacements[:-1].reshape(-1, 3)[:, :2] * length_unit

@@ -37,7 +37,8 @@ def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
 def tracking_warnings(design: Design, quantities: Mapping[str, Quantity]) -> Iterator[str]:
     """Yield a warning if the inertia torque of the load exceeds `MAX_INERTIA_SHARE`; else nothing.
 
-    It states by how much the static efficiency of such drives differed from simulations (`EFFICIENCY_ERRORS`).
+    `quantities` are the static figures of the design. The warning states by how much the static efficiency of such
+    drives differed from simulations (`EFFICIENCY_ERRORS`).
     """
     share = quantities[INERTIA_SHARE].value
     if share > MAX_INERTIA_SHARE:

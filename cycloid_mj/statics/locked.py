@@ -109,7 +109,7 @@ def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> Loc
 
 @lru_cache(maxsize=16)
 def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
-    """Solve for the curve of the contacts up to a torque [N m] at a crank angle [rad], without torsion.
+    """Solve for torque and rotation of the output at a locked crank angle [rad], up to +-`max_torque` [N m].
 
     Torsion is added later, so that a fit of torsion needs no new solution.
     """
@@ -130,8 +130,9 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
 def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
     """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest at no torque.
 
-    Between reversals of the path, the rotation is interpolated on a branch of `locked_branches`. Equal neighbours end
-    a branch, too, which changes nothing: the friction keeps its state. The curve is extrapolated linearly.
+    `curve` is that of the contacts without friction, `elements` are the slip elements. Between reversals of the path,
+    the rotation is interpolated on a branch of `locked_branches`. Equal neighbours end a branch, too, which changes
+    nothing: the friction keeps its state. The curve is extrapolated linearly.
     """
     path = np.concatenate([[0.0], torque])
     reversals = 1 + np.flatnonzero(np.diff(np.sign(np.diff(path))))
@@ -229,9 +230,14 @@ def _by_increasing_torque(branch: tuple[Array, Array]) -> tuple[Array, Array]:
 
 
 def _extend_curve(curve: LockedCurve, end_torque: float) -> tuple[Array, Array]:
-    """Extend a curve linearly to +-`end_torque` [N m]; return its rotations [rad] and torques [N m], shape (m,) each.
+    """Extend a curve of torque and rotation linearly to +-`end_torque` [N m].
 
     Points whose rotation does not exceed that of all points before them are left out, so that both increase.
+
+    Returns
+    -------
+    tuple of Array
+        Rotations [rad] and torques [N m], shape (m,) each.
     """
     slopes = [np.diff(curve.turn)[end] / np.diff(curve.torque)[end] for end in (0, -1)]
     end_rotations = [

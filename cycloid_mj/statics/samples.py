@@ -47,13 +47,13 @@ class Samples:
 
     Attributes
     ----------
-    pin_place, pin_radius
+    pin_displacement, pin_radius
         Position errors of ring pins (or lobes), shape (s, N, 2), and radius errors, shape (s, N).
-    hole_place
+    hole_displacement
         Position errors of the holes in each disc, shape (s, D, output pins, 2).
     disc_radius
         Offset of the flanks of each disc, positive outwards, shape (s, D).
-    cam_place
+    cam_displacement
         Position errors of the cams on the crank, at crank angle 0, shape (s, D, 2).
     eccentricity
         Error of the eccentricity of all cams, shape (s,).
@@ -66,11 +66,11 @@ class Samples:
         Modification of the disc, shape (s,); `rotation` in [rad].
     """
 
-    pin_place: Array
+    pin_displacement: Array
     pin_radius: Array
-    hole_place: Array
+    hole_displacement: Array
     disc_radius: Array
-    cam_place: Array
+    cam_displacement: Array
     eccentricity: Array
     waves: Array
     mesh: Array
@@ -87,7 +87,10 @@ class Samples:
 
 
 def identical_samples(reducer: Reducer, count: int) -> Samples:
-    """Return samples that all equal the design with its errors; use `dataclasses.replace` to give them deviations."""
+    """Return `count` samples that all equal the design with its errors.
+
+    Use `dataclasses.replace` to give them deviations.
+    """
     design = reducer.design
     errors, clearance, modification = reducer.deviations, design.clearance, design.modification
     values = {
@@ -127,13 +130,21 @@ def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
 
     return replace(
         nominal_samples,
-        pin_place=draw_positions(
-            0, errors.pin_position, (errors.pin_x, errors.pin_y), nominal_samples.pin_place, measured_errors.pin_place
+        pin_displacement=draw_positions(
+            0,
+            errors.pin_position,
+            (errors.pin_x, errors.pin_y),
+            nominal_samples.pin_displacement,
+            measured_errors.pin_displacement,
         ),
         pin_radius=draw(2, errors.pin_radius, errors.pin_dr, nominal_samples.pin_radius, measured_errors.pin_radius),
-        hole_place=draw_positions(3, errors.hole_position, (errors.hole_x, errors.hole_y), nominal_samples.hole_place),
+        hole_displacement=draw_positions(
+            3, errors.hole_position, (errors.hole_x, errors.hole_y), nominal_samples.hole_displacement
+        ),
         disc_radius=draw(5, errors.disc_size, errors.disc_dr, nominal_samples.disc_radius, measured_errors.disc_radius),
-        cam_place=draw_positions(6, errors.cam_position, (errors.cam_x, errors.cam_y), nominal_samples.cam_place),
+        cam_displacement=draw_positions(
+            6, errors.cam_position, (errors.cam_x, errors.cam_y), nominal_samples.cam_displacement
+        ),
     )
 
 
@@ -297,7 +308,10 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :teeth, 2])
 
     def contact_effects(all_gradients: Array) -> Array:
-        """Compute the effects (k, n, 4) on distances or shifts of contacts, from their gradients by all unknowns."""
+        """Compute the effects [1] of unit errors on distances or shifts of contacts, shape (k, n, 4).
+
+        They follow from the gradients by all unknowns, shape (k, n, u).
+        """
         gradients = _own_disc_gradients(contacts, all_gradients)
         effects = np.zeros((*gradients.shape[:2], 4))
         effects[:, :teeth, :2] = -gradients[:, :teeth, :2]
@@ -345,11 +359,11 @@ def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, ord
     halves = design.ring.halves
     teeth = np.tile((clearance_change + samples.equidistant)[:, np.newaxis] - pin_errors, (1, halves))
     tooth_rooms = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
-    holes = samples.hole_place.reshape(count, -1, 2)
+    holes = samples.hole_displacement.reshape(count, -1, 2)
     output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
     deviations = {
-        "room": springs.contacts.room + np.concatenate([tooth_rooms, output], axis=1),
-        "place": np.concatenate([np.tile(samples.pin_place, (1, discs * halves, 1)), holes], axis=1),
+        "clearance": springs.contacts.clearance + np.concatenate([tooth_rooms, output], axis=1),
+        "displacement": np.concatenate([np.tile(samples.pin_displacement, (1, discs * halves, 1)), holes], axis=1),
         "waves": np.concatenate([np.ones((count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
     } | {name: getattr(samples, name) for name in SampleDeviations._fields[3:]}
     # numba compiles everything again for each memory layout, and for read-only arrays

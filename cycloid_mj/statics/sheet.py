@@ -239,7 +239,13 @@ def _cached_part(part: SheetPart) -> Part:
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
-    """Return the torque on the output [N m] and its origin: `load`, else the design's, else the nominal torque."""
+    """Return the torque on the output and its origin: `load`, else that of the design, else the nominal torque.
+
+    Returns
+    -------
+    tuple
+        The torque [N m], and where it comes from.
+    """
     design = reducer.design
     if load is not None:
         return load, "given"
@@ -249,7 +255,12 @@ def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSou
 
 
 def _with_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
-    """Return the reducer under a load, and the load [N m]; by default that of `load_of`.
+    """Return the reducer under a load on the output [N m]; by default that of `load_of`.
+
+    Returns
+    -------
+    tuple
+        The reducer, and the load [N m].
 
     Raises
     ------
@@ -282,8 +293,8 @@ def known_difference(quantity: Quantity) -> float | None:
 def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield backlash, lost motion, stiffness and compliances at a locked crank, without friction and weight.
 
-    The backlash is extrapolated from two small torques in each direction to no torque. Torsion of the structure has
-    compliances of its own if ``structure`` is "springs".
+    The backlash is extrapolated from two small torques in each direction to no torque. Lost motion and stiffness are
+    those under a `load` [N m]. Torsion of the structure has compliances of its own if ``structure`` is "springs".
     """
     static_reducer = at_rest(reducer)
     crank_angles = turn_evenly(reducer)
@@ -471,7 +482,7 @@ def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency [%] and losses [W] of the reducer when the crank drives; with film friction, with a spread."""
+    """Yield efficiency [%] and losses [W] when the crank drives a `load` [N m]; with film friction, with a spread."""
     design = reducer.design
     mean_powers = powers(reducer, load)
     if design.has_film:
@@ -487,9 +498,14 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
-    """Solve for powers and output torque [N m] when the output drives the crank against its share of a load [N m].
+    """Solve for the output torque that drives the crank against its share of a `load` [N m].
 
-    By a fixed-point iteration of torque and efficiency. The torque is NaN if the reducer is self-locking.
+    By a fixed-point iteration of torque and efficiency.
+
+    Returns
+    -------
+    tuple
+        Powers, and the torque on the output [N m]; NaN if the reducer is self-locking.
     """
     torque = load
     mean_powers = powers(reducer, -torque)

@@ -18,7 +18,7 @@ POSES = 61
 """Default number of crank angles over a turn."""
 
 
-_SAME_IN_GAPS = ("disc", "distance", "slope", "shift", "shift_slope", "bend", "twist", "phase")
+_SAME_IN_GAPS = ("disc", "distance", "slope", "shift", "shift_slope", "curvature", "curvature_rate", "phase")
 """Attributes that the springs of the kernel have from `Gaps`."""
 
 
@@ -160,7 +160,8 @@ def _with_cam_friction(contacts: kernel.KernelSprings, reducer: Reducer, coeffic
 def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions: Array) -> kernel.KernelSprings:
     """Return the springs of gaps and cams for the compiled kernel, without friction.
 
-    `teeth` is the number of contact lines with the ring, `cam_positions` that of each cam [m], shape (m, D, 2).
+    `mesh_gaps` are the gaps at m crank angles, `teeth` is the number of contact lines with the ring among them, and
+    `cam_positions` are those of the cams [m], shape (m, D, 2).
     """
     design, bending = reducer.design, _cross_compliances(reducer)
     pin_stiffness = np.repeat(np.array(reducer.contacts["output"].series), design.output.pins)
@@ -169,11 +170,11 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
     shared = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}
     return kernel.KernelSprings(
         radius=design.output.pin_circle_radius,
-        turning=mesh_gaps.kind == design.tooth_pair,
-        room=(mesh_gaps.room + mesh_gaps.play)[0],
+        rotates=mesh_gaps.kind == design.tooth_pair,
+        clearance=(mesh_gaps.clearance + mesh_gaps.play)[0],
         trochoid=(design.ring.pin_circle_radius, design.gear.eccentricity, float(design.ring.teeth)),
         stiffness=np.concatenate([stiffness, output], axis=1),
-        cam_place=cam_positions,
+        cam_position=cam_positions,
         cam_clearance=design.clearance.cam + (reducer.worn.cam if reducer.worn else 0.0),
         cam_stiffness=reducer.contacts["cam"].stiffness,
         rubbing=np.zeros((0, *mesh_gaps.slope.shape[1:])),
@@ -188,8 +189,8 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
     """Compute the stiffness of contact lines with the ring [N/m], with sockets or sleeves in series.
 
-    `curvature` is the relative curvature of each line [1/m]. A line on a half of the ring has half of the stiffness,
-    as it is half as long.
+    `curvature` is the relative curvature of each line [1/m], any shape, which is that of the result. A line on a half
+    of the ring has half of the stiffness, as it is half as long.
     """
     law = reducer.contacts.teeth.curvature_law
     stiffness = law.stiffness * law.factors(curvature)

@@ -69,12 +69,14 @@ class Windup:
 
     def series(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
-        return split_in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
+        return split_in_series(
+            reducer, *(self.compliance(motion) for motion in (self.turn, self.gear_turn, self.centre_lead))
+        )
 
     def compliance_by_spring(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliance of each spring [rad/(N m)], keyed by `SPRINGS`; without torsion of the structure."""
-        whole, work = self.compliance(self.turn) - wind_up(reducer), sum(self.work.values())
-        return {spring: item / work * whole for spring, item in self.work.items()}
+        contact_compliance, work = self.compliance(self.turn) - wind_up(reducer), sum(self.work.values())
+        return {spring: item / work * contact_compliance for spring, item in self.work.items()}
 
 
 def split_in_series(reducer: Reducer, output_rate: float, disc_rate: float, centre_lead: float) -> dict[str, float]:

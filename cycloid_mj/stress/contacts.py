@@ -219,7 +219,9 @@ def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | f
 def pin_centre(turn: Turn, pin: int) -> Array:
     """Compute the centre of a ring pin (index from 0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
     ring = turn.reducer.design.ring
-    nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
+    nominal = (
+        ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_displacement[pin]
+    )
     if not ring.has_pin_bodies:
         return np.broadcast_to(nominal, (turn.angle.size, 2))
     return nominal + turn.vectors(*planar_joints(numbered_name(PIN, pin + 1))[:2])
@@ -273,7 +275,7 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
     """List the contacts of the disc of an index, in its frame: teeth, the cam in its bore, output pins in its holes."""
     frame = _disc(turn, disc)
     cam = _hole_contact(turn, _pair_name(turn, CAM, disc), "cam", _in(frame, _on_gear(turn, CAM, disc)), np.zeros(2))
-    centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
+    centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_displacement[disc]
     names = [numbered_name(OUTPUT_PIN, pin_number) for pin_number in range(1, len(centres) + 1)]
     holes = [
         _hole_contact(turn, _pair_name(turn, name, disc), "output", _in(frame, _on_gear(turn, name, disc)), centre)
@@ -313,7 +315,7 @@ def _shaft_contacts(turn: Turn) -> list[PartContact]:
     for disc, phase in enumerate(turn.reducer.phases):
         contact_force = _in(frame, _on_gear(turn, CAM, disc).reaction())
         width = _round_width(turn, "cam", contact_force)
-        centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
+        centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_displacement[disc]
         position = contact_force.on_disc(centre, gear.bore_radius, width)
         contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", contact_force, position, width))
     return contacts
@@ -390,7 +392,7 @@ def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
     """
     ring = turn.reducer.design.ring
     contact_force = _socket_force(turn, pin, disc).reaction()
-    centre = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
+    centre = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_displacement[pin]
     radius = np.linalg.norm(contact_force.on_hole(centre, _round_radii(turn, "pin_socket")[1]), axis=-1)
     contact_force = contact_force.where(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
     name = numbered_name(SOCKET, pin + 1)

@@ -78,7 +78,13 @@ def design_with_errors(layout: str, *changes: str) -> Design:
 def springs_and_reference(
     reducer: Reducer, crank_angle: float = BALANCE.crank
 ) -> tuple[KernelSprings, DisplacedSprings]:
-    """Return the springs of a design without friction at a crank angle [rad], and reference springs on exact gaps."""
+    """Return the springs of a design without friction at a crank angle [rad], and reference springs on exact gaps.
+
+    Returns
+    -------
+    tuple
+        The springs of the statics, and the reference springs.
+    """
     design_springs = springs_of(reducer, [crank_angle], friction=False)
     contacts, angle = design_springs.contacts, float(design_springs.crank[0])
     play = arc_gaps(reducer, angle).play
@@ -180,7 +186,13 @@ def sample_rows() -> list[ValidationRow]:
 def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings, Rubbing]:
     """Return springs, reference springs and friction elements of a design of a layout, with friction at a locked crank.
 
-    Seals have a drag of 1 N m that builds up over 0.1 mrad, and the material loses 10 % of the contact forces.
+    `layout` is a key of `LAYOUTS`. Seals have a drag of 1 N m that builds up over 0.1 mrad, and the material loses 10 %
+    of the contact forces.
+
+    Returns
+    -------
+    tuple
+        The springs of the statics, reference springs on exact gaps, and the friction elements.
     """
     friction_changes = (f"friction.{kind}={BALANCE.friction}" for kind in rig.MATING)
     design = design_with_errors(layout, *friction_changes, f"friction.cam_rolling={BALANCE.rolling}")
@@ -193,7 +205,7 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
 def step_rows(layout: str) -> list[ValidationRow]:
     """Compare the residual forces after a step between two random poses with those of the stick-slip law.
 
-    Some surfaces stick during the step and some slip.
+    `layout` is a key of `LAYOUTS`. Some surfaces stick during the step and some slip.
     """
     springs, reference, rubbing = springs_with_friction(layout)
     unknowns = springs.slope.shape[2]
@@ -207,9 +219,9 @@ def step_rows(layout: str) -> list[ValidationRow]:
 def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> list[ValidationRow]:
     """Compare a torque loop at a locked crank with the stick-slip law: the residual force of each step, to 0.1 %.
 
-    The reference has springs on exact gaps; friction and material hysteresis are springs that slip at a limit. A step
-    in which the output moves by more than `max_travel` [m] is divided as long as `spare_rows` remain; if there are more
-    of them than loads, a row checks that no step is longer.
+    `layout` is a key of `LAYOUTS`. The reference has springs on exact gaps; friction and material hysteresis are
+    springs that slip at a limit. A step in which the output moves by more than `max_travel` [m] is divided as long as
+    `spare_rows` remain; if there are more of them than loads, a row checks that no step is longer.
     """
     springs, reference, rubbing = springs_with_friction(layout)
     path = np.zeros((len(LOOP), springs.slope.shape[2]))
@@ -235,8 +247,8 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
 def _reference_forces(reference: DisplacedSprings, rubbing: Rubbing, path: Array) -> Iterator[Array]:
     """Yield the generalised force of springs and friction [N], shape (u,), at each pose of a path (m, u) [m] from rest.
 
-    Contacts and cams have springs on exact gaps, hysteresis of the material along the normal, and friction across it;
-    seals have constant friction. Each friction element is a spring that slips at its limit.
+    Contacts and cams have the `reference` springs on exact gaps, hysteresis of the material along the normal, and
+    friction across it; seals have constant friction. Each friction element is a spring that slips at its limit.
     """
     count, discs = rubbing.stick.size, reference.design.gear.discs
     normal_count = reference.stiffness.size + discs

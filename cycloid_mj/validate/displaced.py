@@ -82,12 +82,24 @@ def exact_contacts(reducer: Reducer, crank: float, z: Array, pin_shift: Array | 
 def _tooth_contacts(
     reducer: Reducer, crank: float, z: Array, disc: int, pin_shift: Array | float = 0.0
 ) -> tuple[Array, Array]:
-    """Compute the gaps of ring pins or lobe arcs to a disc [m], shape (N,), and their gradients by z, shape (N, u).
+    """Compute the gaps of ring pins or lobe arcs to a disc, and their gradients by the unknowns.
 
-    `crank` is the crank angle [rad], `z` are the unknowns [m] (u,), and `pin_shift` [m] moves all pins.
+    Parameters
+    ----------
+    crank, z
+        Crank angle [rad], and unknowns [m], shape (u,).
+    disc
+        Index of the disc.
+    pin_shift
+        Displacement of the pins [m], shape (N, 2) or (2,).
+
+    Returns
+    -------
+    tuple of Array
+        Gaps [m], shape (N,), and gradients [1], shape (N, u).
     """
     gear, errors, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
-    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_place + pin_shift
+    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_displacement + pin_shift
     nearest = pin_gaps(gear, pose, pins, design_flanks(reducer))
     offset = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius
     slopes = np.zeros((nearest.distance.size, z.size))
@@ -99,15 +111,25 @@ def _tooth_contacts(
 
 
 def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
-    """Compute the gaps of the output pins in the holes of a disc [m], (n,), and their gradients by z, (n, u).
+    """Compute the gaps of the output pins in the holes of a disc, and their gradients by the unknowns.
 
-    `crank` is the crank angle [rad], `z` are the unknowns [m] (u,).
+    Parameters
+    ----------
+    crank, z
+        Crank angle [rad], and unknowns [m], shape (u,).
+    disc
+        Index of the disc.
+
+    Returns
+    -------
+    tuple of Array
+        Gaps [m], shape (n,), and gradients [1], shape (n, u).
     """
     output, ideal = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
     ideal_positions = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
     disc_angle, output_angle = (ideal + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
     holes, pins = (
-        rotate(ideal_positions + reducer.deviations.hole_place[disc], disc_angle),
+        rotate(ideal_positions + reducer.deviations.hole_displacement[disc], disc_angle),
         rotate(ideal_positions, output_angle),
     )
     centre_distances = pins - holes - pose_of(reducer, crank, z, disc).centre
@@ -136,7 +158,7 @@ def cam_offsets(reducer: Reducer, crank: float, z: Array) -> Array:
             kinematics.gear_centre(reducer.tooth_profile, crank + phase_of(reducer, disc)) / design.gear.eccentricity
         )
         offsets.append(
-            z[3 * disc : 3 * disc + 2] - errors.eccentricity * direction - rotate(errors.cam_place[disc], crank)
+            z[3 * disc : 3 * disc + 2] - errors.eccentricity * direction - rotate(errors.cam_displacement[disc], crank)
         )
     return np.array(offsets)
 
@@ -160,9 +182,14 @@ class DisplacedSprings:
     part of `stiffness` and is 0 here."""
 
     def contacts(self, unknowns: Array) -> tuple[Array, Array]:
-        """Compute the gaps of contacts, then of cams [m], shape (n + D,), and their gradients, shape (n + D, u).
+        """Compute the gaps of contacts, then of cams, and their gradients, at `unknowns` (u,) [m].
 
         The gaps include the free travel of ring pins.
+
+        Returns
+        -------
+        tuple of Array
+            Gaps [m], shape (n + D,), and gradients [1], shape (n + D, u).
         """
         gaps, slopes = exact_contacts(Reducer(self.design), self.crank, unknowns)
         offsets = cam_offsets(Reducer(self.design), self.crank, unknowns)

@@ -144,9 +144,14 @@ def solve(
 
 
 def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
-    """Solve for the pose of equilibrium [m] from an initial guess by Powell's hybrid method.
+    """Solve for the pose of equilibrium of a `locked` reducer by Powell's hybrid method, from an initial guess.
 
-    Returns it and the largest residual force [N].
+    `start` is the guess [m], shape (u,).
+
+    Returns
+    -------
+    tuple
+        The pose [m], shape (u,), and the largest residual force [N].
     """
 
     def imbalance(x: Array) -> Array:
@@ -157,9 +162,10 @@ def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
 
 
 def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
-    """Minimise the energy of springs with uniform stiffness by a trust-region method of SciPy; return the pose [m].
+    """Minimise the energy of springs with uniform stiffness by a trust-region method; return the pose [m], (u,).
 
-    It is the initial guess for the equilibrium, whose springs depend on the local curvature.
+    It is the initial guess for the equilibrium of the `locked` reducer, whose springs depend on the local curvature.
+    `method` is that of SciPy.
     """
 
     def gradient(x: Array) -> Array:
@@ -178,7 +184,10 @@ def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
 
 
 def _make_locked_reducer(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> LockedReducer:
-    """Return a reducer with its crank locked at an angle [rad], under the load of its design."""
+    """Return a reducer with its crank locked at an angle [rad], under the load of its design.
+
+    `stiffness` is the contact stiffness of each kind of pair [N/m].
+    """
     design = reducer.design
     gear = reducer.tooth_profile
     roots = np.zeros(0, dtype=np.int64)
@@ -210,7 +219,7 @@ def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
 
 
 def _make_equilibrium(locked: LockedReducer, z: Array) -> Equilibrium:
-    """Return rotations, tooth forces and cam force of the equilibrium at a pose z [m]."""
+    """Return rotations, tooth forces and cam force of a `locked` reducer in the equilibrium at a pose z [m]."""
     springs = _springs_at_pose(locked, z, False)
     ring_springs, cam_spring = springs["ring"], springs["cam"]
     forces = np.zeros((locked.gear.ring_teeth, 2))
@@ -221,14 +230,15 @@ def _make_equilibrium(locked: LockedReducer, z: Array) -> Equilibrium:
 
 
 def _springs_at_pose(locked: LockedReducer, z: Array, uniform: bool) -> dict[str, PairSprings]:
-    return _springs_at(locked, z.tobytes(), uniform)
+    return _cached_springs(locked, z.tobytes(), uniform)
 
 
 @lru_cache(maxsize=1)  # energy, residual and stiffness use the same pose
-def _springs_at(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
-    """Compute the springs by kind ("ring", "cam", "output", and "socket" if pins move) at a pose.
+def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
+    """Compute the springs of a `locked` reducer at a pose by kind: "ring", "cam", "output", and "socket" if pins move.
 
-    `pose` are the bytes of the unknowns [m], by which the result is cached.
+    `pose` are the bytes of the unknowns [m], by which the result is cached; `uniform` is whether all tooth contacts
+    have the same stiffness.
     """
     unknowns = np.frombuffer(pose)
     springs = {
@@ -240,17 +250,25 @@ def _springs_at(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, 
 
 
 def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
-    """Compute the nearest points of disc and ring at a pose z [m], by search along the exact curves."""
+    """Compute the nearest points of disc and ring of a `locked` reducer at a pose z [m].
+
+    They are searched for along the exact curves.
+    """
     pose = locked.pose(z)
     if locked.design.ring.kind == "nonpin":
         return ring_gaps(locked.gear, pose, locked.roots, locked.flanks)
-    pin_centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear)) + locked.deviations.pin_place
+    pin_centres = (
+        locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear)) + locked.deviations.pin_displacement
+    )
     displaced_centres = pin_centres + z[4:].reshape(-1, 2) if locked.has_moving_pins else pin_centres
     return pin_gaps(locked.gear, pose, displaced_centres, locked.flanks)
 
 
 def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
-    """Compute the springs between disc and ring at a pose z [m], with `uniform` stiffness or by the local curvature."""
+    """Compute the springs between disc and ring of a `locked` reducer at a pose z [m].
+
+    Their stiffness is `uniform`, or follows from the local curvature.
+    """
     nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
     count, normals = nearest.distance.size, nearest.normals
     gradient = np.zeros((count, z.size))
@@ -269,7 +287,7 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
 
 
 def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the springs of pins in sockets, or of sleeves on their pins, at a pose z [m].
+    """Compute the springs of pins in sockets, or of sleeves on their pins, of a `locked` reducer at a pose z [m].
 
     Sockets are full circles: under load pins rest on the walls or carry nothing; an unloaded pin could leave an open
     socket during the search.
@@ -323,7 +341,7 @@ def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
 
 
 def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the spring between disc and cam at a pose z [m]."""
+    """Compute the spring between disc and cam of a `locked` reducer at a pose z [m]."""
     eccentric_direction = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
     offset = z[:2] - locked.deviations.eccentricity * eccentric_direction
     distance = np.linalg.norm(offset)
@@ -335,11 +353,14 @@ def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
 
 
 def _output_springs(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the spring between each output pin and its hole at a pose z [m], along the line of their centres."""
+    """Compute the springs between output pins and holes of a `locked` reducer at a pose z [m].
+
+    Each acts along the line between the centres of pin and hole.
+    """
     output, pose = locked.design.output, locked.pose(z)
     ideal_positions = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
     holes, pins = (
-        rotate(ideal_positions + locked.deviations.hole_place[0], pose.angle),
+        rotate(ideal_positions + locked.deviations.hole_displacement[0], pose.angle),
         rotate(ideal_positions, locked.angle(z[3])),
     )
     centre_distances = pins - pose.centre - holes

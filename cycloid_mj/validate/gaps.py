@@ -95,9 +95,15 @@ def rotate(points: Array, angle: npt.ArrayLike) -> Array:
 
 
 def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, Array]:
-    """Compute signed distance [m], outward normal and parameter t of the point of the trochoid nearest to each point.
+    """Compute the signed distance of points (n, 2) [m] in the gear's frame from the trochoid.
 
-    `points` (n, 2) [m] are in the gear's frame. Newton's method on (T - p) . T' = 0 from the nearest of many samples.
+    Newton's method on (T - p) . T' = 0 from the nearest of many samples.
+
+    Returns
+    -------
+    tuple of Array
+        Distance [m], shape (n,), positive outside, outward normal (n, 2), and parameter t of the nearest point [rad],
+        (n,).
     """
     tree, samples = _samples(gear)
     t = samples[tree.query(points)[1]]
@@ -115,10 +121,14 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
 
 
 def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute the distance of points from the flanks less their offset [m], outward normal and parameter t of the foot.
+    """Compute the distance of points (n, 2) [m] in the gear's frame, outside it, from the flanks less their offset.
 
-    `points` (n, 2) [m] are in the gear's frame, outside the gear. Rotated flanks: the nearer of the two families, where
-    a foot beyond the end of its flank is moved to that end.
+    Rotated flanks: the nearer of the two families, where a foot beyond the end of its flank is moved to that end.
+
+    Returns
+    -------
+    tuple of Array
+        Distance [m], shape (n,), outward normal (n, 2), and parameter t of the foot point [rad], (n,).
     """
     if not flanks.rotation:
         return _waved_distance(flanks, points)
@@ -132,7 +142,15 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 
 
 def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute distance, normal and parameter as `trochoid_distance`, for a trochoid with waves, by Newton's method."""
+    """Compute distance, normal and parameter of `points` (n, 2) as `trochoid_distance`, for a trochoid with waves.
+
+    Newton's method starts from the foot point on the trochoid.
+
+    Returns
+    -------
+    tuple of Array
+        As `trochoid_distance`: shapes (n,) [m], (n, 2) and (n,) [rad].
+    """
     distance, normals, t = trochoid_distance(flanks.gear, points)
     if not flanks.waves:
         return distance, normals, t
@@ -146,7 +164,13 @@ def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]
 
 
 def _waved_curve(flanks: Flanks, t: Array) -> tuple[Array, Array]:
-    """Compute the points T - w n [m] of the trochoid set back by waves w(t), and their derivative by t, each (n, 2)."""
+    """Compute points of the trochoid set back by waves, T - w(t) n, at parameters t [rad], and their derivative by t.
+
+    Returns
+    -------
+    tuple of Array
+        Points [m] and derivatives [m], shape (n, 2) each.
+    """
     gear = flanks.gear
     offset, offset_rate = np.zeros(t.shape), np.zeros(t.shape)
     for order, cosine, sine in flanks.waves:
@@ -171,11 +195,13 @@ def _outwards(along: Array) -> Array:
 def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
     """Compute distance, normal and foot of points (n, 2) [m] for the flanks on one side of the tips.
 
-    All are in the frame of the disc: the distance less the offset (n,) [m], positive outside; the unit normal (n, 2);
-    and the parameter of the foot point (n,) [rad].
+    All are in the frame of the disc. `side` is 1 for the flanks before the tips (with growing parameter), -1 for those
+    after them; they are rotated by the modification.
 
-    `side` is 1 for the flanks before the tips (with growing parameter), -1 for those after them; they are rotated by
-    the modification.
+    Returns
+    -------
+    tuple of Array
+        Distance less the offset (n,) [m], positive outside; unit normal (n, 2); parameter of the foot point (n,) [rad].
     """
     gear, ends = flanks.gear, _flank_ends(flanks)
     rotated_points = rotate(points, side * flanks.rotation)
@@ -192,7 +218,7 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
 
 
 def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the signed distance of every pin from the disc, wherever it is.
+    """Compute the signed distance of every pin from the disc at a `pose`, wherever it is.
 
     `centres` (N, 2) [m] are in the ring's frame; `flanks` are given if they are modified.
     """
@@ -210,11 +236,11 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
 
 
 def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the gap of every arc of the internal gear, and the local minima of the gap inside `roots`.
+    """Compute the gap of every arc of the internal gear to the disc, and the local minima of the gap inside `roots`.
 
-    Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only within
-    the fan of its normals, at most asin(c N/E) from the radial direction, with eccentricity c, N lobes and the
-    pin-circle radius E. `flanks` are given if they are modified.
+    `pose` is that of the disc. Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next
+    lobe. An arc touches only within the fan of its normals, at most asin(c N/E) from the radial direction, with
+    eccentricity c, N lobes and the pin-circle radius E. `flanks` are given if they are modified.
     """
     flanks = flanks or _ideal(gear)
     arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
@@ -232,7 +258,10 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
 
 
 def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
-    """Find the local minima of the distance inside roots: the lowest of three adjacent samples, refined by parabola."""
+    """Find the local minima of the distance of the disc, at a `pose`, inside roots of the ring.
+
+    The lowest of three adjacent samples is refined by a parabola.
+    """
     min_phase = gear.best_phase
     B = np.pi - (np.pi - min_phase) * np.cos(np.linspace(0, np.pi, 400))
     samples = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))

@@ -145,7 +145,10 @@ def incline_model(contact_parameters: ContactParameters, angle: float, is_cylind
 
 
 def _compile_model(pair: str, angle: float, is_cylinder: bool) -> Any:
-    """Compile the MuJoCo model of a body on an incline of an angle [rad] with the XML of its contact pair."""
+    """Compile the MuJoCo model of a body on an incline of an angle [rad] with the XML of its contact `pair`.
+
+    The body is a cylinder, which can rotate, if `is_cylinder`, else a block.
+    """
     text = _BODY.format(
         timestep=INCLINE.timestep,
         along=INCLINE.gravity * math.sin(angle),

@@ -154,7 +154,7 @@ def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
 def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow]:
     """Compare the static equilibrium of springs at crank angles [rad] with an independent solution on exact gaps.
 
-    The rows are tooth forces, cam force and turn of the output.
+    `kind` is the kind of ring. The rows are tooth forces, cam force and turn of the output.
     """
     design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
@@ -221,7 +221,7 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, relative_angle, unknowns), axis=1)
     min_gap = np.array([min(*cams, *exact_gaps(reducer, relative_angle, unknowns))])
     name = ", ".join(("least gap of the best fit", FIXED, *changes))
-    return [deviation_row(name, 1e6 * np.array([fit.room]), 1e6 * min_gap, "um", "exact curves", bound)]
+    return [deviation_row(name, 1e6 * np.array([fit.min_gap]), 1e6 * min_gap, "um", "exact curves", bound)]
 
 
 def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
@@ -247,7 +247,8 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
 def stop_rows(kind: str) -> list[ValidationRow]:
     """Compare the stops of rigid parts (linear programme) with very stiff parts under a small torque both ways.
 
-    Moving pins are replaced by fixed pins with the clearances added, which is equivalent for rigid parts.
+    `kind` is the kind of ring. Moving pins are replaced by fixed pins with the clearances added, which is equivalent
+    for rigid parts.
     """
     design = design_with_errors(kind, *WIDE_CLEARANCES)
     variant = design

@@ -171,9 +171,12 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
 
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
-    """Compute Hertz's peak pressure [Pa] at the lobe's tip, in the valley and on an output sleeve of a variant.
+    """Compute Hertz's peak pressures of a variant of Krol et al. 2019, by their formulas for ideal sharing.
 
-    The forces are those of their formulas for ideal sharing.
+    Returns
+    -------
+    tuple of float
+        Pressure at the lobe's tip, in the valley and on an output sleeve [Pa].
     """
     lobes, pins = case.pins - 1, case.pins
     eccentricity, rho, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
@@ -275,9 +278,15 @@ def output_efficiency(case: Wang) -> float:
 
 
 def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
-    """Simulate a reducer of Wang's proportions; return its settled samples over full mesh periods, and its design.
+    """Simulate a reducer of the proportions of a `case` of Wang, Luo and Su 2016.
 
-    `ideal`: almost no clearance and a rigid cam. Otherwise the default clearances and stiffness.
+    `ideal`: almost no clearance and a rigid cam. Otherwise the default clearances and stiffness. With `quick` the run
+    is shorter.
+
+    Returns
+    -------
+    tuple
+        Settled samples over full mesh periods, and the design.
     """
     design = wang_design(case, ideal)
     periods = 8 if quick else case.pins
@@ -292,9 +301,9 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
 
 
 def wang_design(case: Wang, ideal: bool) -> Design:
-    """Return a design of the proportions of Wang, Luo and Su 2016 with fixed pins; `ideal` as in `wang_run`.
+    """Return a design of the proportions of a `case` of Wang, Luo and Su 2016 with fixed pins.
 
-    Rollers on the output pins act as less friction.
+    `ideal` as in `wang_run`. Rollers on the output pins act as less friction.
     """
     eccentricity = case.shortening * case.pin_circle / 2.0 / case.pins
     sleeve_radius = case.output_pin / 2.0 + case.sleeve_wall

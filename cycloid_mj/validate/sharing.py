@@ -129,7 +129,10 @@ def patch_forces(reducer: Reducer, crank: float) -> Array:
 
 
 def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the tooth forces, disc rotation and cam force of the real design with an independent static solution."""
+    """Compare the tooth forces, disc rotation and cam force of the real design with an independent static solution.
+
+    `kind` is the kind of ring; `quick` reduces samples and run time.
+    """
     changes = [
         *rig.without_friction(),
         *rig.without_gravity(),
@@ -225,10 +228,10 @@ def _lobe_of_roots(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
 
 
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
-    """Compute the share of a full spring of each contact of the ideal internal gear at a crank angle [rad], arcs first.
+    """Compute the share of a full spring of each contact of the ideal internal gear at a crank angle [rad], shape (n,).
 
-    A root line and the arc of its lobe have the share (1 + s)/2 each, where s is the gap half-way between them in
-    working deflections, at most 1. An arc next to two root lines has the product of both.
+    Arcs come first, then root lines. A root line and the arc of its lobe have the share (1 + s)/2 each, where s is the
+    gap half-way between them in working deflections, at most 1. An arc next to two root lines has the product of both.
     """
     design = reducer.design
     gear = tooth_profile(design)

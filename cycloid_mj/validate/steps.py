@@ -109,6 +109,15 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
     All figures up to the automatic step [us] have a row with a bound; for longer steps only the worst one has, without
     a bound. A failed run is a row that fails. Rows of the observed order of convergence follow.
 
+    Parameters
+    ----------
+    kind
+        Kind of ring.
+    figures_by_step
+        Figures of the run, or its error, by time step [us].
+    automatic_step
+        Automatic time step [us].
+
     Raises
     ------
     RunError
@@ -139,7 +148,7 @@ def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> lis
 
 
 def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:
-    """Solve for the order p in a + b h^p from the values at three increasing steps h, by Brent's method.
+    """Solve for the order p [1] in a + b h^p from the values at three increasing steps h, by Brent's method.
 
     NaN if no p from 0.1 to 8 fits.
     """
@@ -189,7 +198,10 @@ def _has_moving_pins(kind: str) -> bool:
 def _compare_figures(
     kind: str, case: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
-    """Return one row per figure of a run, compared with a reference run; a figure with an infinite bound has none."""
+    """Return one row per figure of a run, compared with a reference run; a figure with an infinite bound has no bound.
+
+    `kind`, the kind of ring, `case` and `source` name run and reference in the rows.
+    """
     rows = []
     values = (astuple(item) for item in (figures, reference, bounds))
     for (quantity, unit), value, reference_value, bound in zip(FIGURES, *values, strict=True):
@@ -210,7 +222,7 @@ def _compare_figures(
 def _order_rows(kind: str, figures_by_step: Study) -> list[ValidationRow]:
     """Return the row of the observed order of convergence of the mean transmission error over the three shortest steps.
 
-    Empty with fewer than three runs.
+    `kind` is the kind of ring, `figures_by_step` are the figures by time step [us]. Empty with fewer than three runs.
     """
     steps = sorted(figures_by_step)[:3]
     values = [figures_by_step[step] for step in steps]

@@ -11,10 +11,17 @@ from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, flank_dist
 def tooth_stiffness(
     reducer: Reducer, flat_stiffness: float, nearest: NearestPoints, pose: GearPose, flanks: Flanks
 ) -> Array:
-    """Compute the stiffness of each contact of the mesh [N/m], shape (n,); `flat_stiffness` is that of a pin on a flat.
+    """Compute the stiffness of each contact of the mesh [N/m], shape (n,).
 
     It is that of a line contact at the local relative curvature, at most twice `flat_stiffness`. Lines of an arc and a
     root with less than one deflection of gap between them form one patch and share its stiffness.
+
+    Parameters
+    ----------
+    flat_stiffness
+        Stiffness of a pin on a flat [N/m].
+    nearest, pose, flanks
+        Nearest points of disc and ring, pose of the disc, and its flanks.
     """
     stiffness = np.full(nearest.distance.size, flat_stiffness)
     if reducer.design.contact.stiffness_law == "local":
@@ -24,7 +31,10 @@ def tooth_stiffness(
 
 
 def _stiffness_factor(reducer: Reducer, curvature: Array) -> Array:
-    """Compute the stiffness at relative curvatures [1/m] over that of a pin on a flat, by the law of line contacts."""
+    """Compute the stiffness at relative curvatures [1/m], any shape, over that of a pin on a flat [1].
+
+    It follows the law of line contacts; the shape of the result is that of the curvatures.
+    """
     design = reducer.design
     pin_radius = design.ring.pin_radius
     modulus = ideal_loads.contact_modulus(design.material.youngs_modulus, design.material.poisson)
@@ -41,6 +51,15 @@ def _share_patches(
     """Return the stiffness [N/m], shape (n,), with the contact lines of one patch sharing that of a single line.
 
     A root line and the arc of its lobe with less than one deflection of gap between them form a patch.
+
+    Parameters
+    ----------
+    flat_stiffness
+        Stiffness of a pin on a flat [N/m].
+    nearest, pose, flanks
+        Nearest points of disc and ring, pose of the disc, and its flanks.
+    stiffness
+        Stiffness of each line on its own [N/m], shape (n,).
     """
     gear, deflection = reducer.tooth_profile, reducer.contacts[reducer.design.tooth_pair].force / flat_stiffness
     min_phase, stiffness = gear.best_phase, stiffness.copy()

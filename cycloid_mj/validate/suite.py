@@ -121,9 +121,15 @@ def select_parts(only: Sequence[str] = (), other_parts: Sequence[ValidationPart]
 def run_parts(
     parts: Sequence[ValidationPart], quick: bool = False, workers: int = WORKERS
 ) -> Iterator[tuple[int, list[ValidationRow]]]:
-    """Run validation parts in parallel processes, the longest first; yield index and rows of each as it ends.
+    """Run validation parts in parallel processes, the longest first; yield the result of each as it ends.
 
     A part that cannot be run yields one row, which fails and has the reason. Warnings of the parts are repeated here.
+    `workers` is the number of processes.
+
+    Yields
+    ------
+    tuple
+        Index of the part, and its rows.
     """
     order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
     tasks = [(parts[index], quick) for index in order]
@@ -140,9 +146,14 @@ def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[
 
 
 def _run(task: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
-    """Run a part, quickly or in full; return its rows, and the texts of its warnings, which a process would lose.
+    """Run a validation part of a `task`, which also has whether it runs quickly.
 
     A part that raises CycloidError has one failed row.
+
+    Returns
+    -------
+    tuple
+        Rows, and the texts of the warnings, which a process would lose.
     """
     part, quick = task
     with warnings.catch_warnings(record=True) as caught:

@@ -45,7 +45,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     }
     progress("search over what the paper leaves open")
     searches = {
-        design.name: search(design, {torque.way: torque.rate for torque in torques(design)}) for design in designs()
+        design.name: search(design, {torque.method: torque.rate for torque in torques(design)}) for design in designs()
     }
     progress(equal_play_design().name)
     alike = _at_equal_play(plan)

@@ -142,7 +142,7 @@ def test_repair_completes_a_cut_log(cut, tmp_path):
     assert (code, out) == (0, f"{mended}\n")
     assert "samples, up to" in err
     old, new = load(cut), load(mended)
-    assert (new.whole, new.run.complete, new.run.note) == (True, False, old.run.note)
+    assert (new.complete, new.run.complete, new.run.note) == (True, False, old.run.note)
     assert new.run.topics == old.run.topics
     assert new.viewers == old.viewers
     for name in COLUMNS:

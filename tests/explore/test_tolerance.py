@@ -191,8 +191,8 @@ def test_drawn_values_are_listed_next_to_the_figures() -> None:
     assert ((found["drawn_cam_um"] >= -0.3) & (found["drawn_cam_um"] <= -0.1)).all()
     for column, values in (
         ("cam", made.cam - design.clearance.cam),
-        ("pin_position_2_y", made.pin_place[:, 1, 1]),
-        ("hole_position_2_3_x", made.hole_place[:, 1, 2, 0]),
+        ("pin_position_2_y", made.pin_displacement[:, 1, 1]),
+        ("hole_position_2_3_x", made.hole_displacement[:, 1, 2, 0]),
         ("disc_size_2", made.disc_radius[:, 1]),
         ("profile_2_sin", made.waves[:, 1, 1]),
     ):
@@ -400,7 +400,7 @@ def test_interference_of_rigid_parts_is_that_of_their_radii() -> None:
         assert room == pytest.approx(-depth, abs=2e-9)
         assert shares[pair] == pytest.approx(1.0)
     room, shares = find_tightest_pairs(Reducer(PIN), 0.3)
-    assert room == pytest.approx(best_fit(Reducer(PIN), 0.3).room)
+    assert room == pytest.approx(best_fit(Reducer(PIN), 0.3).min_gap)
     assert sum(shares.values()) == pytest.approx(1.0)
 
 

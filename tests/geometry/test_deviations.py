@@ -48,12 +48,12 @@ def nonpin(*changes: str) -> Design:
 def test_draws_follow_the_seed_independently_for_each_kind() -> None:
     changes = ["errors.pin_position_um=2.0", "errors.seed=5"]
     first, again = (deviations(override(PRESETS["pin"], changes)) for _ in range(2))
-    np.testing.assert_array_equal(first.pin_place, again.pin_place)
+    np.testing.assert_array_equal(first.pin_displacement, again.pin_displacement)
     other = deviations(override(PRESETS["pin"], ["errors.pin_position_um=2.0", "errors.seed=6"]))
-    assert not np.any(first.pin_place == other.pin_place)
+    assert not np.any(first.pin_displacement == other.pin_displacement)
     more = deviations(override(PRESETS["pin"], [*changes, "errors.pin_radius_um=1.0", "errors.hole_position_um=3.0"]))
-    np.testing.assert_array_equal(first.pin_place, more.pin_place)
-    columns = [*more.pin_place.T / 2e-6, more.pin_radius / 1e-6]
+    np.testing.assert_array_equal(first.pin_displacement, more.pin_displacement)
+    columns = [*more.pin_displacement.T / 2e-6, more.pin_radius / 1e-6]
     assert np.abs(np.corrcoef(columns) - np.eye(3)).max() < 0.5  # 36 pairs of independent deviates: 3 sigma
     assert first.pin_radius.tolist() == [0.0] * 36
 
@@ -78,8 +78,8 @@ def test_a_list_replaces_the_draw() -> None:
     sparse = override(PRESETS["pin"], ["errors.pin_x_um={3 = 5}", "errors.pin_position_um=1.0"])
     assert full == sparse
     made = deviations(full)
-    assert made.pin_place[:, 0].tolist() == [0.0, 0.0, 5e-6, *[0.0] * 33]
-    assert np.all(made.pin_place[:, 1] != 0.0)
+    assert made.pin_displacement[:, 0].tolist() == [0.0, 0.0, 5e-6, *[0.0] * 33]
+    assert np.all(made.pin_displacement[:, 1] != 0.0)
 
 
 def test_errors_survive_the_round_trip() -> None:
@@ -335,11 +335,11 @@ def test_model_parts_are_at_their_manufactured_positions() -> None:
 
     for k in range(36):
         for name in (f"pin_{k + 1}", f"socket_{k + 1}"):
-            assert moved(name) == pytest.approx(made.pin_place[k], abs=1e-15)
+            assert moved(name) == pytest.approx(made.pin_displacement[k], abs=1e-15)
         assert model.geom(f"pin_{k + 1}").size[0] == pytest.approx(2.25e-3 + made.pin_radius[k], abs=1e-17)
         assert model.geom(f"socket_{k + 1}").size[0] == ideal.geom(f"socket_{k + 1}").size[0]
     for k in range(8):
-        assert moved(f"hole_{k + 1}") == pytest.approx(made.hole_place[0, k], abs=1e-15)
+        assert moved(f"hole_{k + 1}") == pytest.approx(made.hole_displacement[0, k], abs=1e-15)
     assert moved("cam") == pytest.approx([0.0, 4e-6], abs=1e-15)
 
 
@@ -349,7 +349,7 @@ def test_model_parts_are_at_their_manufactured_positions() -> None:
 def test_the_free_room_of_an_ideal_reducer_is_its_smallest_clearance() -> None:
     for preset in presets_for("stress").values():
         least = min(getattr(preset.clearance, kind) for kind in preset.pair_kinds if kind != preset.seat_pair)
-        assert limits.best_fit(Reducer(preset), 0.7).room == pytest.approx(least, rel=1e-6)
+        assert limits.best_fit(Reducer(preset), 0.7).min_gap == pytest.approx(least, rel=1e-6)
 
 
 def test_the_best_pose_is_seen_by_the_collider() -> None:
@@ -357,7 +357,7 @@ def test_the_best_pose_is_seen_by_the_collider() -> None:
     changes = ["errors.pin_position_um=2.0", "errors.eccentricity_um=6.0", "errors.hole_position_um=2.0"]
     start = ["drive.ramp_s=0.0", "drive.hold_s=1e-5", 'contact.stiffness_law="uniform"']
     for design in (pin(*changes, *start), nonpin(*changes[1:], "modification.pin_circle_um=-30.0", *start)):
-        room = limits.best_fit(Reducer(design), 0.0).room
+        room = limits.best_fit(Reducer(design), 0.0).min_gap
         assert room < -1e-6
         # The polygon around the cam's circle: 1 - cos(pi/16) of its displacement, 6 um.
         assert simulate(design)["penetration"][0] == pytest.approx(-room, abs=0.15e-6)
@@ -456,18 +456,18 @@ def test_every_disc_has_its_errors_and_the_first_those_of_a_single_disc() -> Non
         *("errors.pin_position_um=1.0", "errors.seed=7"),
     ]
     one, three = (deviations(override(PRESETS["pin"], [*drawn, f"gear.discs={count}"])) for count in (1, 3))
-    assert three.hole_place.shape == (3, 8, 2)
-    for name in ("hole_place", "disc_radius", "cam_place"):
+    assert three.hole_displacement.shape == (3, 8, 2)
+    for name in ("hole_displacement", "disc_radius", "cam_displacement"):
         assert np.array_equal(getattr(three, name)[0], getattr(one, name)[0])
         assert len(np.unique(np.ravel(getattr(three, name)))) == getattr(three, name).size
-    assert np.array_equal(three.pin_place, one.pin_place)
+    assert np.array_equal(three.pin_displacement, one.pin_displacement)
 
 
 def test_listed_errors_continue_disc_after_disc() -> None:
     design = override(PRESETS["pin"], ["gear.discs=2", "errors.hole_x_um={10 = 3.0}", "errors.disc_dr_um=[0, 1]"])
     made = deviations(design)
-    assert made.hole_place[1, 1, 0] == pytest.approx(3e-6)
-    assert np.count_nonzero(made.hole_place) == 1
+    assert made.hole_displacement[1, 1, 0] == pytest.approx(3e-6)
+    assert np.count_nonzero(made.hole_displacement) == 1
     np.testing.assert_allclose(made.disc_radius, [0.0, 1e-6])
     with pytest.raises(DesignError, match=r"has 8 values, but output\.pins times gear\.discs is 16"):
         override(PRESETS["pin"], ["gear.discs=2", f"errors.hole_x_um={[0.0] * 8}"])

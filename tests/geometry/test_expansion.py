@@ -64,8 +64,8 @@ def test_a_warm_disc_moves_its_holes_outward_and_keeps_its_errors() -> None:
     design = warm("pin", "thermal.disc_c=21", "errors.hole_position_um=2", "errors.seed=3")
     before, after = Reducer(PRESETS["pin"]).deviations, expand(design)
     moved = np.stack([after.errors.hole_x, after.errors.hole_y], axis=1)
-    drawn = Reducer(warm("pin", "errors.hole_position_um=2", "errors.seed=3")).deviations.hole_place[0]
-    assert np.allclose(before.hole_place, 0.0)
+    drawn = Reducer(warm("pin", "errors.hole_position_um=2", "errors.seed=3")).deviations.hole_displacement[0]
+    assert np.allclose(before.hole_displacement, 0.0)
     assert np.allclose(np.linalg.norm(moved - drawn, axis=1), 26e-3 * STEEL, rtol=1e-9)
     assert np.allclose((moved - drawn)[0], [0.0, 26e-3 * STEEL], atol=1e-15), "the first hole is on +y"
 

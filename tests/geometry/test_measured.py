@@ -115,10 +115,10 @@ def test_pins_are_displaced_outwards_and_clockwise(tmp_path: Path) -> None:
         "\n".join(["pin,radial_um,tangential_um,radius_um", *rows]).replace("True", "1").replace("False", "0")
     )
     made = deviations(override(PRESETS["pin"], {"measured.pins": str(path)}))
-    assert made.pin_place[0] == pytest.approx([0.0, 1e-6])
-    assert made.pin_place[9] == pytest.approx([2e-6, -3e-6])
+    assert made.pin_displacement[0] == pytest.approx([0.0, 1e-6])
+    assert made.pin_displacement[9] == pytest.approx([2e-6, -3e-6])
     assert made.pin_radius[9] == pytest.approx(0.5e-6)
-    assert np.count_nonzero(np.linalg.norm(made.pin_place, axis=1) > 1e-12) == 2
+    assert np.count_nonzero(np.linalg.norm(made.pin_displacement, axis=1) > 1e-12) == 2
 
 
 def test_paths_are_relative_to_the_design_file_and_a_log_needs_none(tmp_path: Path) -> None:

@@ -133,7 +133,7 @@ def test_waves_of_the_profile_widen_gaps_as_the_exact_outline_does(preset: str) 
     found = arc_gaps(Reducer(design), crank)
     count = design.ring.teeth
     # in the valleys the nearest point of a polygon lies beside the foot: there nothing carries
-    flat = np.abs(found.bend[:count]) < 500.0
+    flat = np.abs(found.curvature[:count]) < 500.0
     assert flat.sum() > 0.7 * count
     # what is left is of second order in the waves: their slope turns the normal
     np.testing.assert_allclose((near - gear.pin_radius)[flat], found.width[:count][flat], atol=6e-9)

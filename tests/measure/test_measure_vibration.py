@@ -54,7 +54,7 @@ def test_contact_forces_on_the_housing_are_weight_less_momentum(pins: str) -> No
     run = simulate(design)
     run = run.select(run.time > 0.003)
     of, span = body_masses(Reducer(design)), run.time[-1] - run.time[0]
-    whole = reaction(run, Reducer(design)).whole
+    whole = reaction(run, Reducer(design)).total
     turned = np.stack([-np.sin(run["crank_angle"]), np.cos(run["crank_angle"])], axis=1)
     tangent = np.stack([-turned[:, 1], turned[:, 0]], axis=1) * run["crank_speed"][:, np.newaxis]
     momentum = of["gear"].mass * run.block(["gear_vx", "gear_vy"])

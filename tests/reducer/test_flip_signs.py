@@ -27,7 +27,9 @@ def test_every_sign_is_found_and_flipped_separately(tmp_path: Path) -> None:
 
 def test_a_module_is_loaded_with_its_sign_flipped(monkeypatch) -> None:
     flip = next(
-        flip for flip in flip_signs.choose_flips("gaps.py", "", 0) if flip.expression == "self.room + self.distance"
+        flip
+        for flip in flip_signs.choose_flips("gaps.py", "", 0)
+        if flip.expression == "self.clearance + self.distance"
     )
     finder = flip_signs.Flipped(flip)
     assert finder.find_spec("cycloid_mj.reducer.limits", None) is None
@@ -36,8 +38,8 @@ def test_a_module_is_loaded_with_its_sign_flipped(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, spec.name, module)
     spec.loader.exec_module(module)
     ours, spoiled = (gaps(Reducer(PRESETS["pin"]), 1.9) for gaps in (unspoiled.gaps, module.gaps))
-    assert abs(ours.width - (ours.room + ours.distance)).max() == 0.0
-    assert abs(spoiled.width - (spoiled.room - spoiled.distance)).max() == 0.0
+    assert abs(ours.width - (ours.clearance + ours.distance)).max() == 0.0
+    assert abs(spoiled.width - (spoiled.clearance - spoiled.distance)).max() == 0.0
 
 
 @pytest.mark.slow

@@ -73,7 +73,7 @@ def test_smallest_gap_of_the_best_fit_is_its_play(discs: int, member: str) -> No
     assert abs(fit.output_turn) > 8e-6, "the output is not where it would be anyhow"
     # The polygon around a cam's play has sixteen sides: it is larger than the circle by up to 2 %.
     assert np.concatenate(gaps_of_fit(design, CRANK, fit)).min() == pytest.approx(
-        fit.room, abs=0.02 * design.clearance.cam
+        fit.min_gap, abs=0.02 * design.clearance.cam
     )
 
 

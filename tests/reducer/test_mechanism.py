@@ -127,7 +127,7 @@ def test_the_path_of_a_pin_bends_and_twists_as_its_normal_turns(name: str) -> No
     )
     bend = (before / behind + after / ahead) / 2.0
     twist = 2.0 * (after / ahead - before / behind) / (ahead - behind)
-    for ours, exactly in ((found.bend, bend), (found.twist, twist)):
+    for ours, exactly in ((found.curvature, bend), (found.curvature_rate, twist)):
         np.testing.assert_allclose(ours[: gear.ring_teeth], exactly, rtol=0.0, atol=2e-3 * np.abs(exactly).max())
 
 

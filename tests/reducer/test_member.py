@@ -115,8 +115,8 @@ def test_stops_of_the_ring_are_those_of_the_carrier_times_the_ratio_of_ratios(de
     for theta in (0.0, 1.0):
         low, high = stops(Reducer(errors), float(Reducer(ring).member.against_ring(theta)))
         assert stops(Reducer(ring), theta) == pytest.approx((-of * high, -of * low), rel=1e-9)
-        assert best_fit(Reducer(ring), theta).room == pytest.approx(
-            best_fit(Reducer(errors), theta / (1 + 1 / errors.lobes)).room
+        assert best_fit(Reducer(ring), theta).min_gap == pytest.approx(
+            best_fit(Reducer(errors), theta / (1 + 1 / errors.lobes)).min_gap
         )
 
 

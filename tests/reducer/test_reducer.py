@@ -123,7 +123,7 @@ def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
     design = override(PRESETS["pin"], [*errors, *more, "clearance.pin_sleeve_um=5.0", f'ring.pins="{pins}"'])
     wrong, made, ring = deviations(design), build_mechanism(design), design.ring
     angle = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth
-    home = ring.pin_circle_radius * np.stack([np.sin(angle), np.cos(angle)], axis=1) + wrong.pin_place
+    home = ring.pin_circle_radius * np.stack([np.sin(angle), np.cos(angle)], axis=1) + wrong.pin_displacement
     mesh = made.mating("pin_gear")
     np.testing.assert_allclose(mesh.by.radius, 2.25e-3 + wrong.pin_radius, rtol=1e-14)
     if made.pins:
@@ -146,7 +146,7 @@ def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
     np.testing.assert_allclose([cam.by.radius[0], cam.on.radius[0]], [15e-3, 15.002e-3], rtol=1e-14)
     turned = 2.0 * np.pi * np.arange(design.output.pins) / design.output.pins
     circle = design.output.pin_circle_radius * np.stack([np.sin(turned), np.cos(turned)], axis=1)
-    np.testing.assert_allclose(holes.on.place, circle + wrong.hole_place[0], rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose(holes.on.place, circle + wrong.hole_displacement[0], rtol=0.0, atol=1e-17)
     np.testing.assert_allclose(holes.by.place, circle, rtol=0.0, atol=1e-17)
     np.testing.assert_allclose([holes.on.radius[0], holes.by.radius[0]], [5.003e-3, 4e-3], rtol=1e-14)
 

@@ -278,7 +278,7 @@ def test_round_trip_with_a_scene_is_bitwise(logged):
     assert {name: v.tobytes() for name, v in found.run.columns.items()} == {
         name: v.tobytes() for name, v in run.columns.items()
     }
-    assert (found.run.complete, found.whole, found.size) == (True, True, path.stat().st_size)
+    assert (found.run.complete, found.complete, found.size) == (True, True, path.stat().st_size)
     assert found.viewers.keys() == {FRAMES, PARTS, FORCES}
     assert {shown.rate for shown in found.viewers.values()} == {1000.0}
 
@@ -325,7 +325,7 @@ def test_cut_log_keeps_scene_and_samples_of_complete_chunks(small, tmp_path):
         target = tmp_path / "repaired.mcap"
         write_run(found.run, target, Scene(design, 1000.0), force=True)
         mended = load(target)
-        assert mended.whole
+        assert mended.complete
         assert not mended.run.complete
         assert mended.run.note == found.run.note
         assert mended.viewers == found.viewers
@@ -405,7 +405,7 @@ def test_log_of_the_first_format_stays_readable():
     assert dict(found.run.units) == {"crank_angle": "rad", "gear_speed": "rad/s", "pin_1_x": "m"}
     assert dict(found.run.provenance) == {"mujoco": "3.17.0"}
     assert dict(found.run.attachments) == {"design.toml": b"name = 'old'\n"}
-    assert (found.run.complete, found.whole, dict(found.viewers)) == (True, True, {})
+    assert (found.run.complete, found.complete, dict(found.viewers)) == (True, True, {})
 
 
 def test_findings_come_last_and_are_read_back(small, tmp_path):

@@ -93,10 +93,10 @@ def test_no_contact_that_is_closed_is_passed_over(name: str) -> None:
     """The energy is that of all gaps, with curves apart and displaced along each other at random."""
     contacts = springs(name, "structure=rigid")
     rest, shape = np.zeros(contacts.slope.shape[2]), contacts.distance.shape
-    away = np.linalg.norm(contacts.cam_place[0], axis=1)
+    away = np.linalg.norm(contacts.cam_position[0], axis=1)
     deep = np.maximum(away - contacts.cam_clearance, 0.0)
     draw = np.random.default_rng(3).uniform
-    for size in np.outer(np.repeat((1e-6, 5e-6), 20), np.where(contacts.turning, 1.0, 200.0)):  # holes are circles
+    for size in np.outer(np.repeat((1e-6, 5e-6), 20), np.where(contacts.rotates, 1.0, 200.0)):  # holes are circles
         apart = contacts._replace(distance=draw(-size, size, shape), shift=draw(-size, size, shape))
         widths = np.array([gap(apart, 0, i, rest).width for i in range(contacts.disc.size)])
         stored = contacts.stiffness[0] @ np.minimum(widths, 0.0) ** 2 + contacts.cam_stiffness * deep @ deep
@@ -109,7 +109,7 @@ def test_a_barely_closed_contact_is_not_counted_as_open() -> None:
     rest, shape = np.zeros(contacts.slope.shape[2]), contacts.distance.shape
     draw = np.random.default_rng(6).uniform
     for size, aside in ((1e-9, 0.0), (5e-11, 5e-7)):
-        distance = draw(-size, size, shape) - contacts.room
+        distance = draw(-size, size, shape) - contacts.clearance
         touching = contacts._replace(distance=distance, shift=draw(-aside, aside, shape))
         widths = np.array([gap(touching, 0, i, rest).width for i in range(contacts.disc.size)])
         assert np.any(widths < 0.0)
@@ -124,7 +124,7 @@ def test_far_from_their_places_teeth_press_by_exact_gaps(name: str, size: float)
     design = override(design_of(name), ["structure=rigid"])
     design = design.but(clearance=dict.fromkeys(design.pair_kinds, 0.9 * size))
     contacts = springs_of(Reducer(design), [CRANK], friction=False).contacts
-    teeth = contacts.turning.sum()
+    teeth = contacts.rotates.sum()
     for angle in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False):
         z = np.zeros(contacts.slope.shape[2])
         z[:-1:3], z[1:-1:3] = size * np.cos(angle), size * np.sin(angle)
@@ -144,7 +144,7 @@ def test_pins_beyond_the_middle_of_their_holes_press_by_exact_gaps(name: str) ->
     design, size = override(design_of(name), ["structure=rigid"]), 4e-4
     design = design.but(clearance=dict.fromkeys(design.pair_kinds, size))
     contacts = springs_of(Reducer(design), [CRANK], friction=False).contacts
-    holes = np.flatnonzero(~contacts.turning)
+    holes = np.flatnonzero(~contacts.rotates)
     for z in np.random.default_rng(1).uniform(-1.5 * size, 1.5 * size, (25, contacts.slope.shape[2])):
         z[2::3], z[-1] = 3.0 * z[2::3], 4.0 * z[-1]
         found = np.array([gap(contacts, 0, i, z).width for i in holes])
@@ -188,7 +188,7 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
     load[:, -1] = design_of(name).rated_torque / contacts.radius
     assert balance(contacts, load, other, force, False).force <= RESIDUAL_RTOL
     here, system = np.zeros(u), allocate_system(contacts)
-    for disc, place in enumerate(contacts.cam_place[0]):
+    for disc, place in enumerate(contacts.cam_position[0]):
         here[3 * disc : 3 * disc + 2] = place
     allowed = RESIDUAL_RTOL * load.max()
     assert solve_by_arclength(contacts, 0, load[0], here, lag, allowed, system) <= allowed
@@ -222,10 +222,10 @@ def test_the_equations_of_a_path_fall_with_its_point(name: str, lag: float, way:
 def test_wide_open_gaps_are_recognised_immediately(name: str) -> None:
     """Of concave curves as soon as the gap is wider than the third order may make it; their roots cost the most."""
     contacts, draw = springs(name, "structure=rigid"), np.random.default_rng(8).uniform
-    rest, shape, hollow = np.zeros(contacts.slope.shape[2]), contacts.distance.shape, contacts.bend[0] <= 0.0
+    rest, shape, hollow = np.zeros(contacts.slope.shape[2]), contacts.distance.shape, contacts.curvature[0] <= 0.0
     for room in (1e-6, 1e-4):
-        wide = np.full(contacts.room.shape, room)
-        apart = contacts._replace(room=wide, distance=draw(-room, 0.0, shape), shift=draw(-1e-6, 1e-6, shape))
+        wide = np.full(contacts.clearance.shape, room)
+        apart = contacts._replace(clearance=wide, distance=draw(-room, 0.0, shape), shift=draw(-1e-6, 1e-6, shape))
         well = [gap(apart, 0, i, rest).width > 1e-8 and hollow[i] for i in range(hollow.size)]
         assert sum(well) > 0.5 * hollow.sum()
         assert all(is_open(apart, 0, i, rest) for i in np.flatnonzero(well))
@@ -289,7 +289,7 @@ def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
     force = np.zeros(contacts.distance.shape)
     left = balance(contacts, load, z, force, False)
     assert left.force <= RESIDUAL_RTOL
-    for disc, place in enumerate(contacts.cam_place[0]):
+    for disc, place in enumerate(contacts.cam_position[0]):
         of_disc = np.flatnonzero(contacts.disc == disc)
         turn = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).normal[2] for i in of_disc])
         depth = np.linalg.norm(z[0, 3 * disc : 3 * disc + 2] - place) - contacts.cam_clearance
@@ -302,7 +302,7 @@ def test_the_friction_of_a_plain_cam_pushes_its_disc_sideways() -> None:
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
     assert balance(contacts, load, z, force, False).force <= RESIDUAL_RTOL
-    for disc, place in enumerate(contacts.cam_place[0]):
+    for disc, place in enumerate(contacts.cam_position[0]):
         of_disc = np.flatnonzero(contacts.disc == disc)
         push = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).normal[:2] for i in of_disc])
         offset = z[0, 3 * disc : 3 * disc + 2] - place
@@ -313,7 +313,7 @@ def test_the_friction_of_a_plain_cam_pushes_its_disc_sideways() -> None:
 
 def balance_along(contacts: KernelSprings, load: Array, z: Array, force: Array) -> Residual:
     """Balance crank angles that follow each other, with every disc where its cam is at first."""
-    z[:, :-1].reshape(len(z), -1, 3)[..., :2] = contacts.cam_place
+    z[:, :-1].reshape(len(z), -1, 3)[..., :2] = contacts.cam_position
     return search.balance_briefly(contacts, load, z, force, True, None, allocate_system(contacts))
 
 
@@ -323,7 +323,7 @@ def balanced(name: str, follow: bool, friction: bool) -> Residual:
     load = np.zeros((len(TURN), contacts.slope.shape[2]))
     load[:, -1] = design_of(name).rated_torque / contacts.radius
     z, force = np.zeros_like(load), np.zeros(contacts.distance.shape)
-    for disc, place in enumerate(contacts.cam_place.swapaxes(0, 1)):
+    for disc, place in enumerate(contacts.cam_position.swapaxes(0, 1)):
         z[:, 3 * disc : 3 * disc + 2] = place
     return balance_along(contacts, load, z, force) if follow else balance(contacts, load, z, force, False)
 
@@ -389,10 +389,12 @@ def test_a_cam_far_stiffer_than_the_teeth_needs_hardly_more_steps(name: str) -> 
     contacts = springs(name, friction=True)
     steps = []
     for factor in (1.0, 100.0):
-        hard = contacts._replace(room=np.full(contacts.disc.size, 1e-4), cam_stiffness=factor * contacts.cam_stiffness)
+        hard = contacts._replace(
+            clearance=np.full(contacts.disc.size, 1e-4), cam_stiffness=factor * contacts.cam_stiffness
+        )
         load, z = np.zeros((1, contacts.slope.shape[2])), np.zeros((1, contacts.slope.shape[2]))
         load[:, -1] = design_of(name).rated_torque / contacts.radius
-        for disc, place in enumerate(contacts.cam_place[0]):
+        for disc, place in enumerate(contacts.cam_position[0]):
             z[0, 3 * disc : 3 * disc + 2] = place
         left = balance(hard, load, z, np.zeros(contacts.distance.shape), False)
         assert left.force <= RESIDUAL_RTOL
@@ -405,7 +407,7 @@ def test_a_tight_cam_presses_on_both_sides_until_the_far_side_is_free(reach: flo
     tight, way = 1e-6, np.array([0.6, -0.8])
     contacts = untouched(springs("pin"))._replace(cam_clearance=-tight)
     z = np.zeros(4)
-    z[:2] = contacts.cam_place[0, 0] + reach * way
+    z[:2] = contacts.cam_position[0, 0] + reach * way
 
     def at(z: np.ndarray) -> State:
         return state(contacts, 0, np.zeros(4), z)
@@ -505,7 +507,7 @@ def test_a_tooth_that_rests_at_the_limit_of_the_foot_point_search_is_solved_agai
     found = springs_of(Reducer(design), [3.37], friction=False)
     load = found.load(11.288784096638361)
     z, force = np.zeros_like(load), np.zeros(found.contacts.distance.shape)
-    z[:, :2] = found.contacts.cam_place[:, 0]
+    z[:, :2] = found.contacts.cam_position[:, 0]
     left = balance(found.contacts, load, z, force, False)
     assert left.force <= RESIDUAL_RTOL
     assert left.work > 200, "the first searches must have failed"
@@ -513,7 +515,7 @@ def test_a_tooth_that_rests_at_the_limit_of_the_foot_point_search_is_solved_agai
 
 def rubbing(contacts: KernelSprings, **given: float) -> Rubbing:
     """Return friction that remembers of nothing, or the same of all."""
-    count = contacts.disc.size + contacts.cam_place.shape[1]
+    count = contacts.disc.size + contacts.cam_position.shape[1]
     none = {name: np.zeros(count) for name in ("coefficient", "stick", "loss", "backing")}
     values = {name: none[name] + given.get(name, 0.0) for name in none}
     return Rubbing(slip=np.zeros((count, contacts.slope.shape[2])), drag=np.zeros(0), **values)
@@ -521,7 +523,7 @@ def rubbing(contacts: KernelSprings, **given: float) -> Rubbing:
 
 def untouched(contacts: KernelSprings) -> KernelSprings:
     """Compute springs whose contacts are all open: what is left are the cams."""
-    return contacts._replace(room=np.ones(contacts.room.shape))
+    return contacts._replace(clearance=np.ones(contacts.clearance.shape))
 
 
 def test_a_long_step_is_divided_while_rows_are_left() -> None:
@@ -560,7 +562,7 @@ def test_a_part_without_contact_is_held_by_the_weak_springs() -> None:
 def test_a_disc_rubs_its_cam_across_its_way() -> None:
     """It sticks, then slips, on both discs: against the law of a circle in a circle."""
     contacts = untouched(springs("twodisc"))._replace(cam_clearance=1e-6)
-    number, discs, stick, coefficient = contacts.disc.size, contacts.cam_place.shape[1], 1e9, 0.2
+    number, discs, stick, coefficient = contacts.disc.size, contacts.cam_position.shape[1], 1e9, 0.2
     path = np.zeros((4, contacts.slope.shape[2]))
     path[:, :2] = [[100.0, 40.0], [95.0, 50.0], [60.0, 90.0], [80.0, 80.0]]
     path[:, 3:5] = [[-80.0, 150.0], [-85.0, 145.0], [-150.0, 90.0], [-140.0, 95.0]]
@@ -570,8 +572,8 @@ def test_a_disc_rubs_its_cam_across_its_way() -> None:
     left = follow_path(contacts, rubs, path, np.inf, np.zeros(len(path)), z)[0]
     assert left.force == 0.0
     for disc in range(discs):
-        way = z[:, 3 * disc : 3 * disc + 2] - contacts.cam_place[0, disc]
-        side, before, slipped = 0.0, -contacts.cam_place[0, disc], 0
+        way = z[:, 3 * disc : 3 * disc + 2] - contacts.cam_position[0, disc]
+        side, before, slipped = 0.0, -contacts.cam_position[0, disc], 0
         for here, load in zip(way, path[:, 3 * disc : 3 * disc + 2], strict=True):
             across = np.array([-before[1], before[0]]) / np.linalg.norm(before)
             out = np.linalg.norm(here)
@@ -594,7 +596,7 @@ def test_gaps_fall_with_their_gradient_and_normals_turn_at_their_rate(name: str,
             distance=np.full(contacts.distance.shape, across), shift=np.full(contacts.shift.shape, ahead)
         )
         gradient, rate = [], []
-        for i in np.flatnonzero(contacts.turning):
+        for i in np.flatnonzero(contacts.rotates):
             here, ways = gap(moved, 0, i, rest), step * np.eye(rest.size)[:2]
             sides = [[gap(moved, 0, i, s * way) for way in ways] for s in (1, -1)]
             widths, normals = ([[getattr(one, what) for one in side] for side in sides] for what in ("width", "normal"))
@@ -612,8 +614,8 @@ def test_the_gap_is_continuous_where_the_foot_point_search_begins() -> None:
     contacts = springs("2")
     rest, size = np.zeros(contacts.slope.shape[2]), contacts.trochoid[0]
     step = 2e-6 * size
-    cut = np.flatnonzero(contacts.turning & (contacts.bend[0] > 0.0) & (contacts.twist[0] != 0.0))
+    cut = np.flatnonzero(contacts.rotates & (contacts.curvature[0] > 0.0) & (contacts.curvature_rate[0] != 0.0))
     for i in cut[:: cut.size // 4]:
         moved = (contacts._replace(shift=np.full(contacts.shift.shape, p)) for p in np.arange(-1e-3, 1e-3, 2e-6) * size)
         width = np.array([gap(one, 0, i, rest).width for one in moved])
-        assert np.abs(np.diff(width, 2)).max() < 1.05 * step**2 * contacts.bend[0, i]
+        assert np.abs(np.diff(width, 2)).max() < 1.05 * step**2 * contacts.curvature[0, i]

@@ -21,9 +21,9 @@ FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
 
 def as_made(design: Design, made: Samples, number: int) -> Design:
     """Return the design of one sample, part by part."""
-    parts = {f"hole_{axis}": made.hole_place[number, ..., i].ravel() for i, axis in enumerate("xy")}
+    parts = {f"hole_{axis}": made.hole_displacement[number, ..., i].ravel() for i, axis in enumerate("xy")}
     if design.ring.kind == "pin":
-        parts |= {"pin_x": made.pin_place[number, :, 0], "pin_y": made.pin_place[number, :, 1]}
+        parts |= {"pin_x": made.pin_displacement[number, :, 0], "pin_y": made.pin_displacement[number, :, 1]}
         parts |= {"pin_dr": made.pin_radius[number]}
     waves = {f"profile_{name}": made.waves[number, :, i] for i, name in enumerate(("cos", "sin"))}
     seat = {design.seat_pair: made.seat[number]} if design.seat_pair else {}
@@ -152,13 +152,13 @@ def test_draws_have_their_seed_and_their_size() -> None:
         draw_samples(Reducer(design), 400, 7),
         draw_samples(Reducer(design), 400, 8),
     )
-    np.testing.assert_array_equal(made.pin_place, again.pin_place)
-    assert not np.array_equal(made.hole_place, other.hole_place)
-    assert made.pin_place.std() == pytest.approx(0.8e-6, rel=0.02)
+    np.testing.assert_array_equal(made.pin_displacement, again.pin_displacement)
+    assert not np.array_equal(made.hole_displacement, other.hole_displacement)
+    assert made.pin_displacement.std() == pytest.approx(0.8e-6, rel=0.02)
     assert made.pin_radius.std() == pytest.approx(0.4e-6, rel=0.02)
     listed = draw_samples(Reducer(override(design, ["errors.pin_x_um={2=1.5}"])), 5, 7)
-    assert np.ptp(listed.pin_place[:, :, 0], axis=0).max() == 0.0
-    assert listed.pin_place[3, 1, 0] == 1.5e-6
+    assert np.ptp(listed.pin_displacement[:, :, 0], axis=0).max() == 0.0
+    assert listed.pin_displacement[3, 1, 0] == 1.5e-6
 
 
 @pytest.mark.slow
@@ -221,7 +221,7 @@ def test_equilibrium_matches_exact_geometry(name: str, largest: float, bound: fl
 def placed(design: Design, count: int) -> tuple[Samples, dict[str, np.ndarray]]:
     """Return samples as designed, and places drawn about theirs by 1 um."""
     draw, many = np.random.default_rng(1).standard_normal, identical_samples(Reducer(design), count)
-    places = ("pin_place", "hole_place", "eccentricity")
+    places = ("pin_displacement", "hole_displacement", "eccentricity")
     return many, {name: getattr(many, name) + 1e-6 * draw(getattr(many, name).shape) for name in places}
 
 

@@ -27,9 +27,14 @@ SECONDS_TO_CONNECT = 20.0
 def run_on_cluster(
     work: Callable[[T], R], items: Iterable[T], scheduler: str, on_lost: Callable[[int, str], R] | None = None
 ) -> Iterator[tuple[int, R]]:
-    """Apply a function to each item on a Dask cluster; yield index and result in the order of completion.
+    """Apply the function `work` to each item on a Dask cluster; yield the results in the order of completion.
 
-    Parameters and errors are those of `Engine.stream`.
+    `scheduler` is the address of the cluster; other parameters and errors are those of `Engine.stream`.
+
+    Yields
+    ------
+    tuple
+        Index of the item, and result.
     """
     with _connect_client(scheduler) as client, _connect(scheduler):
         from distributed import KilledWorker, as_completed
@@ -126,7 +131,10 @@ def _connection_error(scheduler: str) -> RunError:
 
 
 def _require_workers(client: Any, scheduler: str) -> None:
-    """Raise RunError if a cluster has no workers, or workers with other versions of the packages."""
+    """Raise RunError if a cluster has no workers, or workers with other versions of the packages.
+
+    `client` is that of Dask, `scheduler` the address of the cluster, for messages.
+    """
     try:
         client.wait_for_workers(1, timeout=SECONDS_TO_CONNECT)
     except TimeoutError as problem:
@@ -146,7 +154,10 @@ def _require_workers(client: Any, scheduler: str) -> None:
 
 
 def _worker_error(future: Any, scheduler: str) -> BaseException:
-    """Return the error to raise for a failed future: that of the work itself, or that the cluster is lost."""
+    """Return the error to raise for a failed future: that of the work itself, or that the cluster is lost.
+
+    `scheduler` is the address of the cluster, for messages.
+    """
     if future.status != "error":
         return _connection_error(scheduler)
     error: BaseException = future.exception()

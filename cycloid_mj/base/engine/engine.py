@@ -37,7 +37,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def silent(done: int, whole: int) -> None:
+def silent(done: int, total: int) -> None:
     """Report no progress."""
 
 
@@ -67,7 +67,7 @@ class Engine:
     def stream(
         self, function: Callable[[T], R], items: Iterable[T], on_lost: Lost[R] | None = None
     ) -> Iterator[tuple[int, R]]:
-        """Apply a function to each item; yield the index of each item with its result, in the order of completion.
+        """Apply a function to each item in parallel; yield the results in the order of completion.
 
         Processes and a cluster need a function of a module (or a `functools.partial` of such a function), which can be
         pickled; items and results should be small. The results do not depend on the worker. The first error of the
@@ -79,6 +79,11 @@ class Engine:
             The function, and its arguments.
         on_lost
             Function that returns the result of an item whose worker died at each attempt; by default a `RunError`.
+
+        Yields
+        ------
+        tuple
+            Index of the item, and result.
 
         Raises
         ------

@@ -23,10 +23,15 @@ TRIES = 3
 def run_in_processes(
     work: Callable[[T], R], items: Iterable[T], workers: int, on_lost: Callable[[int, str], R] | None = None
 ) -> Iterator[tuple[int, R]]:
-    """Apply a function to each item in processes of this machine; yield index and result in the order of completion.
+    """Apply the function `work` to each item in processes of this machine; yield results in the order of completion.
 
-    An item whose process died `TRIES` times is tried once more alone. Parameters and errors are those of
-    `Engine.stream`.
+    An item whose process died `TRIES` times is tried once more alone. `workers` is the number of processes; other
+    parameters and errors are those of `Engine.stream`.
+
+    Yields
+    ------
+    tuple
+        Index of the item, and result.
     """
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
@@ -57,9 +62,14 @@ def run_in_processes(
 def _run_pool(
     work: Callable[[T], R], items: dict[int, T], workers: int, started_indices: set[int]
 ) -> Iterator[tuple[int, R]]:
-    """Apply a function to items by index in a pool of processes, without a second try; yield index and result.
+    """Apply the function `work` to items by index in a pool of `workers` processes, without a second try.
 
     The indices of items that were handed to a process are added to the set `started_indices`.
+
+    Yields
+    ------
+    tuple
+        Index of the item, and result.
     """
     from joblib import Parallel, delayed, parallel_config
 

@@ -15,9 +15,14 @@ R = TypeVar("R")
 
 
 def run_in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iterator[tuple[int, R]]:
-    """Apply a function to each item in threads; yield index and result in the order of completion.
+    """Apply the function `work` to each item in `workers` threads; yield the results in the order of completion.
 
     After the first error or Ctrl-C, items in progress stop at their next `check_interrupt` and no further one begins.
+
+    Yields
+    ------
+    tuple
+        Index of the item, and result.
     """
     stop_requested = threading.Event()
 

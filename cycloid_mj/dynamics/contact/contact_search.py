@@ -154,7 +154,7 @@ class HalfRoot(NamedTuple):
 
 @njit(inline="always")
 def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx: float, ny: float) -> None:
-    """Write the six numbers of a `Touch` at an address."""
+    """Write gap [m], position (x, y) [m], stiffness factor [1] and normal (nx, ny) of a `Touch` at an address."""
     write_float(address, gap)
     write_float(address + 8, x)
     write_float(address + 16, y)
@@ -191,9 +191,21 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
     A massless pin is a two-force body: it moves by its clearance, then both of its contacts carry the same force, and
     their compliances add up. With the stiffness K f of a pin on the gear, f = 1 on a flat, and K/x of the seat, the
-    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A pin without a home direction is where a ring
-    that rotates about the origin has moved it. A massless pin that is pressed towards the opening of its socket has no
-    contact.
+    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A massless pin that is pressed towards the
+    opening of its socket has no contact.
+
+    Parameters
+    ----------
+    profile
+        Teeth of the gear.
+    pin
+        The pin; without a home direction it is where a ring that rotates about the origin has moved it.
+    gear
+        Pose of the gear.
+    px, py
+        Centre of the pin [m].
+    margin
+        Largest gap of a contact [m].
     """
     offset = profile.flank.offset
     effective_radius, softness = pin.radius - pin.play, pin.yielding
@@ -225,7 +237,7 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
 @njit(inline="always")
 def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_graded: bool) -> float:
-    """Compute the phase [rad] at which a piece of a half root ends, at a fraction of the pieces from `bottom`.
+    """Compute the phase [rad] at which a piece of a half root ends, at a fraction of the pieces from `bottom` to `top`.
 
     `is_own` for the half root of the lobe itself. If `is_graded`, pieces are short at the middle of the root and
     shorter at its junction.
@@ -254,7 +266,7 @@ def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float
 
 @njit(inline="always")
 def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: float, margin: float) -> ArcTouch:
-    """Compute the contact of teeth and the arc of a lobe, which lies on +y of the ring's frame.
+    """Compute the contact of teeth, with a `profile`, and the arc of a lobe [m], which lies on +y of the ring's frame.
 
     `gear` is the pose of the teeth in that frame, `sn`, `cn` are sine and cosine of N times its angle, for N ring
     teeth; there is no contact with a gap above `margin` [m]. Beyond the range of the arc's normals there is none
@@ -294,10 +306,11 @@ def _root_factor(profile: Teeth, arc_radius: float, least: Minimum) -> float:
 
 @njit(inline="always")
 def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
-    """Compute how separate the contacts on arc and root are, from 0 (one patch) to 1.
+    """Compute how separate the contacts of teeth on arc and root of a lobe are, from 0 (one patch) to 1.
 
-    Contacts with less than a deflection of gap between them, at a `phase` half-way, are one patch. `larger_gap` is the
-    larger of their gaps [m].
+    Contacts with less than a deflection of gap between them, at a `phase` half-way, are one patch. `profile` is that of
+    the teeth, `arc_radius` [m] that of the arc, `gear` the pose of the teeth in the frame of the lobe, and `larger_gap`
+    the larger of the two gaps [m].
     """
     x, y, _, _, _ = offset_root(phase, profile.ring)
     ex, ey = inwards(gear, x - gear.x, y - gear.y)
@@ -368,12 +381,28 @@ def _write_root(
     gear: Pose,
     margin: float,
 ) -> tuple[int, ArcTouch]:
-    """Find and write the contacts in half a root after `count` others.
+    """Find and write the contacts of the teeth in half a root of the ring, after `count` others at an address.
 
-    Returns the new number of contacts, and the contact on the arc, which may share a patch. The half root is divided
-    into pieces, each of which is searched for a minimum of the gap. Contacts on arc and root with less than a
-    deflection of gap between them are one patch, which both share equally. `gear` is the pose of the teeth in the frame
-    of the lobe, `lobe` that of the lobe in the world's frame; contacts have gaps below `margin` [m].
+    The half root is divided into pieces, each of which is searched for a minimum of the gap. Contacts on arc and root
+    with less than a deflection of gap between them are one patch, which both share equally.
+
+    Parameters
+    ----------
+    address, count
+        Address of the first contact, and number of contacts written so far.
+    profile, arc_radius
+        Teeth of the gear, and radius of the lobe's arc [m].
+    root, arc
+        The half root, and the contact on the arc.
+    lobe, gear
+        Poses of the lobe in the world's frame, and of the teeth in the frame of the lobe.
+    margin
+        Largest gap of a contact [m].
+
+    Returns
+    -------
+    tuple
+        The new number of contacts, and the contact on the arc, which may share a patch.
     """
     flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.low
     gear_x, gear_y = inwards(frame, gear.x, gear.y)

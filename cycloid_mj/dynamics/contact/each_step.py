@@ -62,7 +62,7 @@ _integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place
 
 
 def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
-    """Add the user data and the user sensor to an editable model.
+    """Add the user sensor that calls `EachStep` in every step, and its user data, to an editable model.
 
     With `changes_contacts` a second sensor is added, which is evaluated before the forces, to apply the law IMPACT or
     the friction law ``film`` to each contact.
@@ -120,7 +120,27 @@ class EachStep:
         orbit_dofs: Sequence[int] = (),
         film: FilmRows | None = None,
     ) -> None:
-        """Allocate the arrays of the run, and store the address of its state record in the user data of the model."""
+        """Allocate the arrays of the run, and store the address of its state record in the user data of the model.
+
+        Parameters
+        ----------
+        model, data
+            Model and data of MuJoCo.
+        index
+            Mating pairs of the model.
+        every
+            Steps per sample.
+        sources
+            Addresses in the data of the numbers that each sample copies.
+        drags
+            Constraint rows of the losses by seals and lubricant, see `drag_rows`.
+        impacts
+            Law IMPACT of each pair; empty with other laws.
+        orbit_dofs
+            Degrees of freedom of the discs that orbit.
+        film
+            Rows of the film table; None without the law ``film``.
+        """
         self._model, self._data, self._index = model, data, index
         energies = data.energy.ctypes.data + 8 * np.arange(2)
         self._sources = np.array([*sources, *energies], dtype=np.int64)

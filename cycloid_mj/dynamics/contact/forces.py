@@ -68,9 +68,12 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Return radii of mates of exact teeth and addresses of the teeth's data, `max_reach` and `teeth` of `PairIndex`.
+    """Return `max_reach` and `teeth` of `PairIndex`: both are zero for a model without exact teeth.
 
-    Both are zero for a model without exact teeth.
+    Returns
+    -------
+    tuple
+        Radii of the mates of exact teeth [m], and addresses of the data of the teeth; an element for each surface.
     """
     priority, user, max_reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     exact = priority == int(Role.TEETH)
@@ -97,7 +100,7 @@ def pair_of(state: StepState, contact: int) -> int:
 
 @compiling.njit(inner=True)
 def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
-    """Sum the forces and powers of the contacts of the current step by mating pair.
+    """Sum the forces and powers of the contacts of the current step of a run by mating pair.
 
     Writes, at the address `summary`, the number of contacts that carry a force, the deepest geometric penetration [m]
     and the largest force of one contact [N]; at `pair_table`, the ``sample_layout.PAIR_COLUMNS`` of every pair, which
@@ -177,10 +180,10 @@ def _penetration(state: StepState, contact: int) -> float:
 
 
 def drag_rows(model: Any, joint_by_loss: Mapping[str, str]) -> dict[str, int]:
-    """Return the constraint row of each loss by seals and lubricant that a model has, by the name of the loss.
+    """Return the index of the constraint that models each loss by seals and lubricant, by the name of the loss.
 
-    `joint_by_loss` maps losses to joints. The models have no equalities: the rows of joint friction come first, in the
-    order of the degrees of freedom.
+    `joint_by_loss` maps losses to joints of the model. The models have no equalities: the rows of joint friction come
+    first, in the order of the degrees of freedom.
     """
     has_drag = model.dof_frictionloss > 0.0
     joints = {model.joint(i).name: int(model.jnt_dofadr[i]) for i in range(model.njnt)}

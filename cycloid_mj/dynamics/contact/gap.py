@@ -68,9 +68,14 @@ def to_frame(pose: Pose, x: float, y: float) -> tuple[float, float]:
 
 @njit(inline="always")
 def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, float]:
-    """Return sine and cosine of an angle, given by its `sine` and `cosine`, plus another `angle` [rad].
+    """Compute sine and cosine of the sum of two angles: one given by its `sine` and `cosine`, and `angle` [rad].
 
-    For a small one, a series that is exact to rounding replaces the sine and cosine functions.
+    For a small `angle`, a series that is exact to rounding replaces the sine and cosine functions.
+
+    Returns
+    -------
+    tuple of float
+        Sine and cosine of the sum.
     """
     if abs(angle) > 0.05:
         small_sine, small_cosine = math.sin(angle), math.cos(angle)
@@ -83,11 +88,15 @@ def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, floa
 
 @njit(inline="always")
 def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, float]:
-    """Compute a start for the foot point of (x, y) [m] on a trochoid in closed form.
+    """Compute a start for the search of the foot point of (x, y) [m] on a trochoid `curve`, in closed form.
 
-    Returns its parameter [rad], and sine and cosine of the parameter. On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t),
-    and the polar angle is t - atan2(c sin, E - c cos) of that phase. Both invert in closed form; the sign of the phase
-    is that of (N-1) times the polar angle.
+    On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and the polar angle is t - atan2(c sin, E - c cos) of that phase.
+    Both invert in closed form; the sign of the phase is that of (N-1) times the polar angle.
+
+    Returns
+    -------
+    tuple of float
+        Parameter of the start [rad], and its sine and cosine.
     """
     radius, eccentricity, teeth = curve
     squared_distance = x * x + y * y
@@ -107,9 +116,16 @@ def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, f
 def trochoid_foot(
     x: float, y: float, curve: Trochoid, start: float, st: float, ct: float
 ) -> tuple[float, float, float, float, bool]:
-    """Solve for the foot point of (x, y) [m] on a trochoid by Newton's method from a parameter `start` [rad].
+    """Solve for the foot point of (x, y) [m] on a trochoid `curve` by Newton's method.
 
-    ``st`` and ``ct`` are sine and cosine of the start.
+    Parameters
+    ----------
+    x, y
+        Position of the point [m].
+    curve
+        The trochoid.
+    start, st, ct
+        Parameter at which the iteration starts [rad], its sine and cosine.
 
     Returns
     -------
@@ -154,10 +170,15 @@ def trochoid_foot(
 
 @njit
 def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float, float, float]:
-    """Compute the foot parameter [rad], signed distance [m] and outward normal of a point (x, y) near the trochoid.
+    """Compute the signed distance of a point (x, y) [m] from a trochoid `curve`.
 
     Newton's method starts in closed form. Far from the curve, where it may find another foot point, it starts again
     from the nearest point of a grid.
+
+    Returns
+    -------
+    tuple of float
+        Parameter of the foot point [rad], distance [m], positive outside, and outward unit normal (x, y).
     """
     radius, eccentricity, teeth = curve
     start, st, ct = trochoid_start(x, y, curve)

@@ -42,7 +42,13 @@ class Start(NamedTuple):
 
 @njit(inline="always")
 def multiple_angle(sine: float, cosine: float, factor: int) -> tuple[float, float]:
-    """Compute sine and cosine of a whole multiple of an angle, by repeated doubling."""
+    """Compute sine and cosine of `factor` times an angle, for a whole number `factor`, by repeated doubling.
+
+    Returns
+    -------
+    tuple of float
+        Sine and cosine.
+    """
     s, c = 0.0, 1.0
     while factor > 0:
         if factor & 1:
@@ -65,10 +71,15 @@ def _rotate_small(sine: float, cosine: float, angle: float) -> tuple[float, floa
 def local_distance(
     x: float, y: float, curve: Trochoid, start: Start, max_distance: float
 ) -> tuple[float, float, float, float]:
-    """Compute signed distance [m], outward normal and curvature [1/m] of the trochoid at the foot point of (x, y) [m].
+    """Compute the signed distance of a point (x, y) [m] from a trochoid `curve`, from a start near the foot point.
 
     Newton steps lead from the start to the foot point, the last one by the osculating circle. A distance that exceeds
     `max_distance` [m] may be returned as any larger value, with zeros for normal and curvature.
+
+    Returns
+    -------
+    tuple of float
+        Distance [m], outward unit normal (x, y) and curvature of the trochoid [1/m] at the foot point.
     """
     radius, eccentricity, teeth = curve
     st, ct, sn, cn = start
@@ -129,9 +140,15 @@ def local_distance(
 def pin_distance(
     x: float, y: float, flank: Flank, start: Start, max_distance: float
 ) -> tuple[float, float, float, float]:
-    """Compute `local_distance` for a gear's flanks.
+    """Compute the distance of a point (x, y) [m] from a gear's flanks, from a start near the foot point.
 
-    A full search, `flank_distance`, replaces it if the flanks are rotated or have waves, or if there is no start.
+    A full search, `flank_distance`, replaces `local_distance` if the flanks are rotated or have waves, or if there is
+    no start. A distance that exceeds `max_distance` [m] may be returned as any larger value.
+
+    Returns
+    -------
+    tuple of float
+        As in `local_distance`: distance [m], unit normal (x, y) and curvature [1/m].
     """
     if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.st != 0.0 or start.ct != 0.0):
         return local_distance(x, y, flank.curve, start, max_distance)

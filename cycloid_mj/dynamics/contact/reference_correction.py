@@ -53,7 +53,8 @@ def bind_multiplication() -> None:
 def compile_control_callback(layout: StepLayout) -> Any:
     """Compile or load MuJoCo's control callback (``mjcb_control``), which corrects the reference accelerations.
 
-    MuJoCo calls it in each step after it has computed the velocities and before it computes the forces.
+    MuJoCo calls it in each step after it has computed the velocities and before it computes the forces. `layout` has
+    the offsets of MuJoCo's arrays.
     """
     bind_multiplication()
 
@@ -110,10 +111,10 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
 
 @compiling.njit(inner=True)
 def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, of_speeds: bool) -> None:
-    """Multiply the constraint Jacobian by the accelerations of the orbiting discs, or errors of their mean speeds.
+    """Multiply the constraint Jacobian by the accelerations of the orbiting discs, or by errors of their mean speeds.
 
-    The mean of the speeds half a step before and after is smaller than the speed v by (w dt)^2/6 v. The product is
-    written to ``efc_force``.
+    The latter with `of_speeds`: the mean of the speeds half a step before and after is smaller than the speed v by (w
+    dt)^2/6 v. The product is written to ``efc_force``.
     """
     half_timestep = read_float(run.half_timestep)
     for k in range(run.discs):

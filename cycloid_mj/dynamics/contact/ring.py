@@ -39,10 +39,14 @@ SETTINGS = RootSettings()
 
 @njit
 def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
-    """Compute a point of the offset root S at the phase B [rad]: x, y [m], normal angle, arc rate, curvature 1/R [1/m].
+    """Compute a point of the root of the internal gear, offset to the path of lobe centres, at the phase B [rad].
 
-    The normal is given by its clockwise angle psi [rad]. The arc rate is positive and R is the concave radius of S
-    (``envelope.Sigma.radius`` at rho = 0).
+    The arc rate is positive; R is the concave radius (``envelope.Sigma.radius`` at rho = 0).
+
+    Returns
+    -------
+    tuple of float
+        Position x, y [m], clockwise angle psi of the normal [rad], arc rate [m/rad], and curvature 1/R [1/m].
     """
     radius, eccentricity, teeth = ring
     pitch_distance = eccentricity * teeth
@@ -118,10 +122,15 @@ class Minimum(NamedTuple):
 
 @njit(inline="always")
 def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[float, float, float, float, float, float]:
-    """Compute the gap [m] of the root at the phase B [rad] to the gear's flank, and its slope along the root [1].
+    """Compute the gap of the root at the phase B [rad] to the gear's flank, and its slope along the root.
 
-    Then follow the rate of that slope over B [1/rad], the parameter t [rad] of the foot point on the gear, and the
-    gear's outward normal (x, y). `gear` is the pose of the gear in the frame of the root.
+    `gear` is the pose of the gear in the frame of the root.
+
+    Returns
+    -------
+    tuple of float
+        Gap [m], its slope along the root [1], the rate of that slope over B [1/rad], the parameter t of the foot point
+        on the gear [rad], and the gear's outward normal (x, y).
     """
     x, y, psi, rate, curvature = offset_root(B, ring)
     dx, dy = inwards(gear, x - gear.x, y - gear.y)

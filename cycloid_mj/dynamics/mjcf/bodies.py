@@ -29,7 +29,10 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties]) -> None:
-    """Add every body of the mechanism with its joints to an editable model, and with its mass if it moves."""
+    """Add every body of the mechanism with its joints to an editable model, and its inertia if it moves.
+
+    `masses` are the mass properties by part.
+    """
     # MuJoCo factorises from the last degree of freedom backwards: each pin is coupled with the gear only, so with pins
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
     for body in reducer.mechanism.bodies:
@@ -92,9 +95,14 @@ def colour(part: str) -> Colour:
 
 
 def axial_extent(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
-    """Return the centre of surfaces along z, and half their width [m].
+    """Return where a group of surfaces is along z: in its disc, or in all discs.
 
-    They span their disc, or all discs, or the planets if they are teeth of sun or planets.
+    Teeth of sun and planets are in the plane of the planets.
+
+    Returns
+    -------
+    tuple of float
+        Centre and half width [m].
     """
     gear = reducer.design.gear
     if isinstance(reducer, RvReducer) and surfaces.role in (Role.SUN, Role.PLANET):
@@ -126,7 +134,7 @@ def set_inertia(body: Any, properties: MassProperties) -> None:
 
 
 def _add_joints(element: Any, body: Body, reducer: Reducer) -> None:
-    """Add the joints of a body: slides along x and y for a planar body, and the hinge about z.
+    """Add the joints of a body to its `element` of an editable model: slides in x and y if it is planar, and the hinge.
 
     The hinge of the driven shaft has the rotor's inertia, those of both shafts have the drag of seals and lubricant.
     """

@@ -138,7 +138,13 @@ def _check_surface(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
 
 
 def _add_drive(mesh: MeshSpec, reducer: Reducer) -> tuple[float, float]:
-    """Add the speed servo of the crank and the torque of the load; return the servo's gains kp and kv."""
+    """Add the speed servo of the crank and the torque of the load to an editable `mesh` model.
+
+    Returns
+    -------
+    tuple of float
+        Gains of the servo: kp, which is 0, and kv [N m s/rad].
+    """
     joint = mujoco.mjtTrn.mjTRN_JOINT
     drive = mesh.spec.add_actuator(name=names.DRIVE, target=reducer.INPUT_JOINT, trntype=joint)
     gain = mesh.crank_inertia * SPEED_SERVO.bandwidth

@@ -43,11 +43,16 @@ def add_keyframes(spec: Any, reducer: Reducer) -> None:
 
 
 def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Compute positions and velocities of all joints at a crank angle [rad] and speed [rad/s], by joint name.
+    """Compute positions and velocities of all joints at a crank angle [rad] and speed [rad/s] of the ideal motion.
 
     Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output rotate at -speed/(N-1);
     or the gear does not rotate, and the ring does, at speed/N. If parts have errors or modified flanks, they and moving
     pins are where they fit best. In an RV reducer, `crank` and `speed` are those of the sun, see `rv_motion`.
+
+    Returns
+    -------
+    tuple of dict
+        Positions [m] or [rad], and velocities [m/s] or [rad/s], by joint name.
     """
     if isinstance(reducer, RvReducer):
         return rv_motion(reducer, crank, speed)

@@ -237,7 +237,13 @@ def _add_visuals(spec: Any, reducer: Reducer) -> None:
 
 
 def _part_positions(reducer: Reducer, part: str) -> Iterator[tuple[str, list[float]]]:
-    """Yield the body that each copy of a part belongs to, and the position of the copy in it [m]."""
+    """Yield every copy of a part in the model, by the name of the part.
+
+    Yields
+    ------
+    tuple
+        Name of the body that it belongs to, and its position in that body (x, y, z) [m].
+    """
     visible = [
         (body.name, position)
         for body in reducer.mechanism.bodies
@@ -341,11 +347,24 @@ def _set_pair_contact(pair: Any, parameters: SolverParameters) -> None:
 
 
 def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
-    """Return contype and conaffinity of a slice of a surface, or of the hull that is a convex tip.
+    """Return MuJoCo's collision bits of a slice of a surface, or of the hull that is a convex tip.
 
-    `surface` is "teeth", "lobe", "socket", "bore" or "hole"; the `width` [m] of a hull is infinite. Tips of the gear
-    collide with the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe is a capsule,
-    which is exact and quicker than its hull.
+    Tips of the gear collide with the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe
+    is a capsule, which is exact and quicker than its hull.
+
+    Parameters
+    ----------
+    surface
+        ``teeth``, ``lobe``, ``socket``, ``bore`` or ``hole``.
+    width
+        Width of the slice [m]; infinite for a hull.
+    disc
+        Index of the disc.
+
+    Returns
+    -------
+    tuple of int
+        contype and conaffinity.
     """
     is_hull = not np.isfinite(width)
     if surface == "lobe":

@@ -176,11 +176,21 @@ def visible_solids(reducer: Reducer) -> dict[str, Solid]:
 def add_actuators(
     spec: Any, inertia: float, held: Held = "crank", driven: str = names.CRANK_JOINT
 ) -> tuple[float, float]:
-    """Add the actuators of crank and output to an editable model.
+    """Add the actuators of crank and output to an editable model: a position servo and a torque.
 
-    Return the gains kp [N m/rad] and kv [N m s/rad] of the position servo. It is on the shaft `held`, which moves the
-    `inertia` [kg m2]; the actuators of other shafts are torques. `driven` is the joint of the crank, or of the sun of
-    an RV reducer.
+    Parameters
+    ----------
+    inertia
+        Inertia that the servo moves [kg m2].
+    held
+        The shaft with the servo; the actuator of the other shaft is a torque.
+    driven
+        Joint of the crank, or of the sun of an RV reducer.
+
+    Returns
+    -------
+    tuple of float
+        Gains kp [N m/rad] and kv [N m s/rad] of the servo.
     """
     kp, kv = servo_gains(inertia)
     for shaft, name, joint in (("crank", names.DRIVE, driven), ("output", names.LOAD, names.OUTPUT_JOINT)):

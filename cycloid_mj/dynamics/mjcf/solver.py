@@ -15,9 +15,9 @@ MAX_CG_STIFFNESS_RATIO = 0.3
 def set_solver(spec: Any, laws: Mapping[str, ContactParameters], loaded: bool) -> None:
     """Choose constraint solver, Jacobian and islands of an editable model with moving pins.
 
-    Conjugate gradients are used if K dt^2/m of every contact is at most `MAX_CG_STIFFNESS_RATIO`, otherwise Newton's
-    method. Each contact affects few of many degrees of freedom, so matrices are sparse. Without moving pins there are
-    five degrees of freedom, and Newton's method is as cheap as any.
+    `laws` are the contact laws by kind of pair. Conjugate gradients are used if K dt^2/m of every contact is at most
+    `MAX_CG_STIFFNESS_RATIO`, otherwise Newton's method. Each contact affects few of many degrees of freedom, so
+    matrices are sparse. Without moving pins there are five degrees of freedom, and Newton's method is as cheap as any.
 
     If `loaded`, the loaded pins form one island with gear and output, and the others stay out of its matrix: a step
     costs 0.91 to 0.95 of one without islands. Without load, finding the islands costs more than they save, 1.17.

@@ -113,7 +113,7 @@ def find_contacts(
 ) -> int:
     """Find the contacts of all mating pairs at a pose q and speeds v; write them, and return their number.
 
-    Those of the cranks of an RV reducer follow (``crank_train``).
+    Those of the cranks of an RV reducer are not included; see ``crank_train``.
 
     Parameters
     ----------
@@ -280,9 +280,10 @@ def _find_seat_contacts(
 
 @njit
 def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
-    """Return the cosine of the phase of a moving pin against the disc that presses it most; 1 if none does.
+    """Return the cosine of the phase of a moving pin against the disc that presses it most [1]; 1 if none does.
 
-    Only the first `count` contacts, those with discs, are considered.
+    `pin_unknown` is the index of the pin's first unknown. Only the first `count` contacts, those with discs, are
+    considered.
     """
     largest, cosine = -1.0, 1.0
     for k in range(count):
@@ -360,10 +361,22 @@ def _find_round_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of a circle within another circle from the index `first_contact` on, and return their number.
+    """Write the contacts of a circle within another circle or arc, and return their number.
 
-    `kind` and `cosine` are their row in the film table and the cosine of their pin's phase, `address` is that of
-    `scratch`; other arguments as in `find_contacts`.
+    Parameters
+    ----------
+    system, contacts, q, v, half_step
+        As in `find_contacts`.
+    first_contact
+        Index of the first contact to be written.
+    mating
+        The mating pair.
+    inner, outer
+        The inner circle and the outer circle or arc.
+    kind, cosine
+        Row of the pair in the film table, and cosine of the phase of its pin.
+    address
+        Address of `scratch` in `find_contacts`.
     """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
     count = inner_touches(address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
@@ -391,7 +404,8 @@ def _fill_contact(
 ) -> None:
     """Fill a contact with normal, lever arms, linearised force and friction state at the pose q and speeds v.
 
-    `sign` is 1 if the contact pushes its first body along the normal of the touch, -1 if against it.
+    `mating` is its mating pair, `touch` the result of the contact search, `half_step` half of the time step [s]. `sign`
+    is 1 if the contact pushes its first body along the normal of the touch, -1 if against it.
     """
     contact.pair = mating.pair
     contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, mating.pin, mating.shaft, -1
@@ -414,9 +428,10 @@ def _fill_contact(
 
 @njit
 def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float, v: Array, half_step: float) -> None:
-    """Set force, slope, friction and state of a contact with gap and lever arms by its law, at the speeds v.
+    """Set force, slope, friction and state of a contact with known gap and lever arms by its law, at the speeds v.
 
-    `factor` scales the stiffness, `chord_excess` [m/s] is the speed of `_chord_excess`.
+    `factor` scales the stiffness, `chord_excess` [m/s] is the speed of `_chord_excess`, and `half_step` [s] half of the
+    time step.
     """
     contact.friction, contact.creep = law.friction, law.creep
     speed, slip = relative_speeds(contact, v)
@@ -432,7 +447,8 @@ def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step
     """Compute by how much a step overestimates the normal speed of a disc that circles about the axis [m/s].
 
     In the middle of a step the disc is on a chord of its circle, where it circles with the speed v. The step's own
-    speed, chord over time, is v tan(w h)/(w h), h half a step: (w h)^2/3 v too much against a gap that stays constant.
+    speed, chord over time, is v tan(w h)/(w h), with h half a step: (w h)^2/3 v too much against a gap that stays
+    constant. (`nx`, `ny`) is the normal of the contact, `half_step` is h [s].
     """
     x, y, vx, vy = q[disc], q[disc + 1], v[disc], v[disc + 1]
     angle = half_step * (x * vy - y * vx) / (x * x + y * y)
@@ -441,10 +457,14 @@ def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step
 
 @njit
 def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: float) -> tuple[float, float, float]:
-    """Compute the normal force of a contact law [N], its decrease per speed over half a step, and its damping [N s/m].
+    """Compute the normal force of a contact law and its derivative by the speed, which may be negative.
 
-    `gap` [m] is negative in contact, `factor` scales the stiffness, `speed` [m/s] is that along the normal. The force
-    may be negative.
+    `gap` [m] is negative in contact, `factor` scales the stiffness, `speed` [m/s] is that along the normal.
+
+    Returns
+    -------
+    tuple of float
+        Force [N], decrease of the force per speed over `half_step` [N s/m], and damping [N s/m].
     """
     if law.impact == 0.0:
         stiffness = law.stiffness * factor
@@ -457,7 +477,13 @@ def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: 
 
 @njit
 def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
-    """Compute the relative speed of a contact's surfaces along normal and tangent [m/s] at the speeds v."""
+    """Compute the relative speed of a contact's surfaces at the speeds v of all unknowns.
+
+    Returns
+    -------
+    tuple of float
+        Speeds along normal and tangent [m/s].
+    """
     disc, pin, shaft, crank = contact.disc, contact.pin, contact.shaft, contact.crank
     nx, ny = contact.nx, contact.ny
     normal, tangent = 0.0, 0.0

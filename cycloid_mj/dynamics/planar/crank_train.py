@@ -69,8 +69,8 @@ def find_crank_contacts(
 ) -> int:
     """Write the contacts of all cranks after `count` others, and return their new number.
 
-    Arguments are as in ``contacts.find_contacts``. Their pairs follow those of teeth and seats: a bearing of each disc
-    and crank, then a mesh of each planet.
+    `train` are the cranks; the other arguments are those of ``contacts.find_contacts``. The pairs of the cranks follow
+    those of teeth and seats: a bearing of each disc and crank, then a mesh of each planet.
     """
     discs, cranks = train.eccentrics.shape[0], train.eccentrics.shape[1]
     carrier, first_crank = system.stud_shaft, len(system.inertia) - cranks

@@ -99,17 +99,23 @@ def solve_step(
     pin_span: float,
     v: Array,
 ) -> int:
-    """Solve a time step [s] from pose q0 and speeds v0 for the midpoint speeds, by a semismooth Newton method.
+    """Solve a time step for the speeds at its midpoint, by a semismooth Newton method.
 
     Each iteration assembles the linear equations for the current contact states, condenses the pins, solves by Gaussian
     elimination and updates the states.
 
     Parameters
     ----------
+    system, equations
+        The reducer, and the workspace of a step.
     contacts, count
         Contacts, and their number, at the `predicted` midpoint speeds.
+    q0, v0
+        Pose and speeds of all unknowns at the beginning of the step.
     command
         Commands of output and crank: an angle [rad] or a torque [N m].
+    timestep
+        Time step [s].
     pin_span
         Time [s] in which forces accelerate pins from v0 to v: half a step, or a full step by implicit Euler.
     v
@@ -271,7 +277,8 @@ def _lever_arms(
 def _linearise_force(contact: Contact, predicted: Array, coupled_friction: bool) -> Tangent:
     """Linearise the force of a contact in the speeds, for its current state (sticking or sliding).
 
-    Without coupled friction, sliding friction follows the normal force of the last iteration.
+    `predicted` are the midpoint speeds at which the contact was linearised. Without `coupled_friction`, sliding
+    friction follows the normal force of the last iteration.
     """
     roll_stiffness, force = contact.geometric_stiffness * contact.normal_force, contact.force
     rolling_force = roll_stiffness * rolling_speed(contact, predicted)
@@ -287,9 +294,10 @@ def _linearise_force(contact: Contact, predicted: Array, coupled_friction: bool)
 def _add_contacts(
     contacts: Contacts, count: int, equations: Equations, predicted: Array, coupled_friction: bool
 ) -> None:
-    """Add the forces of closed contacts to the equations of their bodies.
+    """Add the forces of the closed ones of `count` contacts to the equations of their bodies.
 
-    If friction is not coupled to the normal force, it follows the `normal_force` of the previous iteration.
+    Without `coupled_friction`, sliding friction follows the `normal_force` of the previous iteration. `predicted` are
+    the midpoint speeds at which the contacts were linearised.
     """
     for k in range(count):
         if contacts[k].state != OPEN:
@@ -380,9 +388,9 @@ def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent) 
 def _add_block(
     target: Array, row: int, column: int, loaded_body: LeverArms, moving_body: LeverArms, tangent: Tangent
 ) -> None:
-    """Add the derivative of the force on `loaded_body` by the speeds of `moving_body` to a block (3, 3) of a matrix.
+    """Add the derivative of the force on `loaded_body` by the speeds of `moving_body` to a block (3, 3) of `target`.
 
-    `row` and `column` are those of the block's first element.
+    `row` and `column` are those of the block's first element in this matrix.
     """
     for a in range(3):
         normal_term, creep_term, roll_term = (
@@ -412,7 +420,8 @@ def _couple_shaft(
 ) -> None:
     """Add the derivatives of a body's force by a shaft's speed, and of the shaft's torque by the body's speeds.
 
-    The former are added to `columns` at `row` and `column`, the latter to `rows` at `shaft_row` from `first_column` on.
+    `arms` are the lever arms of the shaft, `tangent` is the linearised force. The former derivatives are added to
+    `columns` at `row` and `column`, the latter to `rows` at `shaft_row` from `first_column` on.
     """
     for a in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[a], tangent.geometric * body.centre[a]
@@ -512,8 +521,9 @@ def _update_states(
 ) -> bool:
     """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
 
-    Of each moving pin only the first contact changes; of all other contacts the first, or all with `change_all`.
-    Without `coupled_friction`, the result is also True until friction agrees with the normal force.
+    Of each moving pin only the first of its `count` contacts changes; of all other contacts the first, or all with
+    `change_all`. Without `coupled_friction`, the result is also True until friction agrees with the normal force.
+    `predicted` are the midpoint speeds at which the contacts were linearised, `half_step` [s] is half of the time step.
     """
     changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
     size, no_change = len(equations.right), equations.settled
@@ -575,7 +585,8 @@ def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: floa
 def _next_state(contact: Contact, normal_force: float, one_at_a_time: bool, coupled_friction: bool) -> int:
     """Return the state of a contact that follows from its forces and slip: open, sticking, or sliding to either side.
 
-    `normal_force` [N] may be negative; `one_at_a_time` says whether contacts change one at a time.
+    `normal_force` [N] may be negative; `one_at_a_time` says whether contacts change one at a time, `coupled_friction`
+    whether friction is coupled to the normal force.
     """
     old_state = contact.state
     if (old_state == SLIDES and contact.slip < 0.0) or (old_state == SLIDES_BACK and contact.slip > 0.0):

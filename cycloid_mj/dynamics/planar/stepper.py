@@ -73,7 +73,8 @@ class Stepper:
     ) -> None:
         """Allocate contacts and equations, and set the state half a step before time 0, at the initial speeds.
 
-        `positions` and `speeds` are those of all unknowns at time 0; other parameters as in the class.
+        `positions` and `speeds` are those of all unknowns at time 0; `timestep` [s], `stride` (steps per sample),
+        `midpoint_pins` and `train` (the cranks of an RV reducer) are those of the class.
         """
         self._system, self._train, self._timestep, self._stride = system, train, timestep, stride
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
@@ -150,10 +151,12 @@ def _compile_steps() -> Any:
         stride: int,
         rows: Array,
     ) -> None:
-        """Take a step for each command, and write a sample every `stride` steps from step `next_sample` on to `rows`.
+        """Take a step for each row of `commands`, and write samples to `rows`.
 
-        In each step contacts are searched at the predicted midpoint until the solved midpoint is near it (fixed-point
-        iteration).
+        There is a sample every `stride` steps from step `next_sample` on. In each step contacts are searched at the
+        predicted midpoint until the solved midpoint is near it (fixed-point iteration). `lobes` and `train` are None
+        without an internal gear and without cranks, `timestep` and `pin_span` [s] are those of
+        ``equations.solve_step``.
         """
         size, half = len(equations.right), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
@@ -228,7 +231,9 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
 def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
     """Return whether the midpoint of a disc or a moving pin is too far from the pose of the contact search.
 
-    `size` is the number of unknowns that are not of pins. Rotations count by the path of the ring's pin circle.
+    The search was at the `predicted` midpoint speeds, the solution has `midpoint` (unknowns,) [m/s, rad/s]; `half_step`
+    [s] is half of the time step, `size` the number of unknowns that are not of pins. Rotations count by the path of the
+    ring's pin circle.
     """
     radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, 3 * system.bodies, 3):
@@ -249,7 +254,7 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
 def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
     """Raise the peak force of each pair [N] to its normal force in this step, the sum over its contacts, if larger.
 
-    `sums` (pairs,) is working memory, zero before and after.
+    Only the first `count` contacts count. `sums` (pairs,) is working memory, zero before and after.
     """
     for k in range(count):
         sums[contacts[k].pair] += contacts[k].normal_force
@@ -272,10 +277,11 @@ def _write_sample(
     unconverged: int,
     row: Array,
 ) -> None:
-    """Write the sample of a step: positions and speeds, energies, solver statistics, pairs and drags.
+    """Write the sample of a step to a row: positions and speeds, energies, solver statistics, pairs and drags.
 
-    `iterations` is the largest number of Newton iterations in a step since the last sample, at its last contact search;
-    `unconverged` is the number of steps since then whose contact geometry did not converge.
+    `q` and `v` are positions and speeds of all unknowns. `iterations` is the largest number of Newton iterations in a
+    step since the last sample, at its last contact search; `unconverged` is the number of steps since then whose
+    contact geometry did not converge.
     """
     column = _write_motion(system, q, v, command, row)
     row[column], row[column + 1] = _compute_energies(system, q, v, len(system.inertia))
@@ -382,9 +388,12 @@ def _write_shaft(
 
 @njit
 def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
-    """Compute potential and kinetic energy [J] of all bodies at positions q and speeds v.
+    """Compute the energies of all bodies at positions q and speeds v; the first `size` unknowns are not of pins.
 
-    `size` unknowns are not pins.
+    Returns
+    -------
+    tuple of float
+        Potential and kinetic energy [J].
     """
     gx, gy = system.gravity[0], system.gravity[1]
     potential, kinetic = 0.0, 0.0

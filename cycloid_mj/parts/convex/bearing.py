@@ -49,7 +49,7 @@ def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
     radius = output.hole_radius + reducer.design.clearance.output
-    centres = output.pin_circle_radius * unit(angles) + reducer.deviations.hole_place[disc]
+    centres = output.pin_circle_radius * unit(angles) + reducer.deviations.hole_displacement[disc]
     hole = Hole("hole", radius, output.pin_radius, math.pi, angles, centres)
     return _facets(hole, gear_depth(reducer, settings), reducer, settings)
 
@@ -63,7 +63,7 @@ def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     ring = design.ring
     angles = 2.0 * math.pi * np.arange(ring.teeth) / ring.teeth
     radius = ring.pin_radius + design.clearance.pin_socket
-    centres = ring.pin_circle_radius * unit(angles) + reducer.deviations.pin_place
+    centres = ring.pin_circle_radius * unit(angles) + reducer.deviations.pin_displacement
     hole = Hole("socket", radius, ring.pin_radius, socket_half_angle(design), angles, centres)
     return _facets(hole, housing_depth(reducer, settings), reducer, settings)
 

@@ -43,7 +43,13 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
 
 
 def wall_samples(region: Prism) -> tuple[Array, Array]:
-    """Compute points (k, 2) [m] along the walls of a prism and the normals (k, 2) out of its material."""
+    """Compute evenly spaced points on the walls of a prism, outline and holes, and the normals there.
+
+    Returns
+    -------
+    tuple of Array
+        Points (k, 2) [m], and unit normals out of the material (k, 2).
+    """
     points, normals = [], []
     for ring in (region.outline, *(hole[::-1] for hole in region.holes)):
         edges = np.roll(ring, -1, axis=0) - ring
@@ -55,9 +61,9 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
 
 
 def free_distance(region: Prism, points: Array, normals: Array) -> Array:
-    """Compute the free length of each wall normal (k,) [m], up to the next material of the prism or `METHOD.reach`.
+    """Compute the free length (k,) [m] of each wall normal: up to the next material of the prism `region`.
 
-    `points` (k, 2) [m] are on its walls, `normals` (k, 2) point out of its material.
+    It is at most `METHOD.reach`. `points` (k, 2) [m] are on the walls, `normals` (k, 2) point out of the material.
     """
     rings = (region.outline, *region.holes)
     starts = np.concatenate(rings)

@@ -62,7 +62,7 @@ def polygon_body(outline: Array) -> ConvexRegion:
 
 
 def hull_body(vertices: Array) -> ConvexRegion:
-    """Return the convex hull of points (n, 3) [m] as half spaces."""
+    """Return the convex hull of points `vertices` (n, 3) [m] as half spaces."""
     from scipy.spatial import ConvexHull
 
     scale = np.ptp(vertices, axis=0)
@@ -139,7 +139,10 @@ def summarize_quality(heights: Array, parts: int, volume_error: float) -> Qualit
 
 
 def require_within(name: str, quality: Quality, overfill: float, underfill: float) -> None:
-    """Raise DesignError if convex pieces overfill or underfill a surface by more than the bounds [m]."""
+    """Raise DesignError if convex pieces overfill or underfill a surface by more than the bounds [m].
+
+    `name` is that of the surface, for the message; `overfill` and `underfill` are the bounds.
+    """
     sides = (
         ("extend beyond its outline", quality.max_overfill, overfill),
         ("fall short of its outline", quality.max_underfill, underfill),
@@ -155,9 +158,23 @@ def require_within(name: str, quality: Quality, overfill: float, underfill: floa
 def _intervals(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], max_distance: float
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
-    """Intersect the normal lines with the bodies; return for each interval inside a body its line, start and end [m].
+    """Intersect lines along the normals at some points with convex bodies.
 
-    Bodies farther than `max_distance` [m] from a point are skipped. Each returned array has one element per interval.
+    Bodies farther than `max_distance` [m] from a point are skipped.
+
+    Parameters
+    ----------
+    points, normals
+        Points (k, d) [m], and unit normals (k, d).
+    bodies
+        Convex bodies, of the same dimension.
+    max_distance
+        Distance from the point up to which bodies count [m].
+
+    Returns
+    -------
+    tuple of Array
+        For each interval inside a body: index of the line, and start and end along the normal [m].
     """
     intervals = []
     for body in bodies:

@@ -82,9 +82,17 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 
 
 def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Return the sectors of a disc inside its sliced surfaces: the hub with one hole, and the band below one valley.
+    """Return the repeating sectors of a disc inside its sliced surfaces, both about the axis.
 
-    Both repeat around the axis. Raises DesignError if nothing is left between hub and lobes.
+    Returns
+    -------
+    tuple of Sector
+        The hub with one hole, and the band below one valley.
+
+    Raises
+    ------
+    DesignError
+        Nothing is left between hub and lobes.
     """
     design = reducer.design
     depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output

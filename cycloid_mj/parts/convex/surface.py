@@ -106,9 +106,16 @@ def placed_outline(surface: ConvexSurface, placement: SlicePlacement) -> Array:
 def convex_slice(
     name: str, outline: Array, width: float, curvature: float, radius: float = 0.0, play: float = 0.0
 ) -> Slice:
-    """Return a slice of a surface with this outline (n, 2) [m], made counter-clockwise.
+    """Return a slice of a working surface with a convex outline, whose corners are put in counter-clockwise order.
 
-    The other arguments are those of `Slice`; `name` is that of the surface, for the error.
+    Parameters
+    ----------
+    name
+        Name of the surface, for the error.
+    outline
+        Corners (n, 2) [m].
+    width, curvature, radius, play
+        As in `Slice`.
 
     Raises
     ------

@@ -123,7 +123,7 @@ def _gear_nodes(gear: CycloidGear, offset: float, chord_error: float) -> Array:
 
 
 def _flank_nodes(gear: CycloidGear, offset: float, low: float, high: float, chord_error: float) -> Array:
-    """Compute flank parameters [rad] from `low` to `high` whose chords deviate by `chord_error` [m] from the flank.
+    """Compute flank parameters (n,) [rad] from `low` to `high` with chords within `chord_error` [m] of the flank.
 
     The flank is offset by `offset` [m]; see `profile.sagitta_nodes`.
     """
@@ -146,8 +146,16 @@ def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
 def _quads(name: str, face: Array, base_points: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
     """Return one quadrilateral slice per chord of a concave flank.
 
-    `face` and `base_points` (n, 2) [m] are points of the flank and of the far ends, `curvature` (n - 1,) [1/m] that of
-    contacts.
+    Parameters
+    ----------
+    name
+        Name of the surface, for errors.
+    face, base_points
+        Points of the flank, and far ends of the slices (n, 2) [m].
+    curvature
+        Relative curvature of the contacts on each slice (n - 1,) [1/m].
+    settings
+        Settings of the slices.
     """
     width = np.linalg.norm(np.diff(face, axis=0), axis=1)
     overlap = METHOD.overlap * settings.chord_error
@@ -168,7 +176,10 @@ def _extend_ends(points: Array, overlap: float) -> Array:
 
 
 def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth: float) -> list[Slice]:
-    """Slice the convex half of the lobe after valley 1, from inflection to tip, into `settings.hulls` polygons."""
+    """Slice the convex half of the lobe after valley 1, from inflection to tip, into `settings.hulls` polygons.
+
+    `offset` [m] is that of the flank from the trochoid, `depth` [m] the thickness of the slices.
+    """
     error = settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
     t = _flank_nodes(gear, offset, inflection, tip, 2.0 * error)
@@ -187,10 +198,10 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
 
 
 def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
-    """Compute the curvature [1/m] that represents the contact of pin and lobe between two phases [rad].
+    """Compute the curvature [1/m] that represents the contact of pin and lobe between two phases [rad], shape (2,).
 
     It is the relative curvature kappa whose ln kappa, to which compliance is proportional, is the mean over the phases,
-    weighted by the square of the moment arm as in the stiffness of the mesh.
+    weighted by the square of the moment arm as in the stiffness of the mesh. The flank is offset by `offset` [m].
     """
     B = np.linspace(phases[0], phases[1], METHOD.flank_samples)
     kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius
@@ -199,7 +210,10 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
 
 
 def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slice:
-    """Return half the arc of lobe 1 of the internal gear as one polygon; contacts use a cylinder instead."""
+    """Return half of the arc of lobe 1 of the internal gear as one convex slice, `depth` [m] thick.
+
+    It is for its shape: contacts use a cylinder instead.
+    """
     rho, alpha, error = gear.pin_radius, envelope.largest_alpha(gear), settings.chord_error
     angle = -np.linspace(0.0, alpha, math.ceil(0.5 * alpha / math.acos(1.0 - 2.0 * error / rho)) + 1)
     centre = gear.pin_circle_radius * profile.unit(0.0)

@@ -75,16 +75,16 @@ _EXPANSION, _FOOT_POINT = ExpansionSettings(), FootPointSettings()
 class KernelSprings(NamedTuple):
     """Springs at k crank angles, n at each, on the unknowns of D discs and an output, u = 3 D + 1.
 
-    For most attributes see ``gaps.Gaps``; `room` [m] includes the clearance of the pins. Shapes: `room` (n,)
-    [m]; `distance`, `shift`, `bend`, `twist`, `phase`, `stiffness` (k, n) [m, m, 1/m, 1/m2, rad, N/m]; `slope`,
-    `shift_slope` (k, n, u) [1].
+    For most attributes see ``gaps.Gaps``; `clearance` [m] includes the clearance of the pins. Shapes: `clearance` (n,)
+    [m]; `distance`, `shift`, `curvature`, `curvature_rate`, `phase`, `stiffness` (k, n) [m, m, 1/m, 1/m2, rad, N/m];
+    `slope`, `shift_slope` (k, n, u) [1].
 
     `radius` [m] is that of the circle of output pins: unknowns of rotation are angles times this radius. `trochoid`,
     the path of ideal pin centres, is E u(t) - c u(N t): E and c [m], and N. `disc` (n,) is the disc of a contact;
-    `turning` (n,) marks contacts whose profile rotates with the disc: teeth, but not round holes. `cam_place` (k, D, 2)
-    [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam with negative clearance is in
-    contact on both sides. `rubbing` (k, n, u) and `cam_rubbing` [1] are the generalised friction per normal force, that
-    of the cam on the rotation of its disc; k is 0 in `rubbing` without friction. `cam_lateral` [1] is the
+    `rotates` (n,) marks contacts whose profile rotates with the disc: teeth, but not round holes. `cam_position`
+    (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam with negative clearance is
+    in contact on both sides. `rubbing` (k, n, u) and `cam_rubbing` [1] are the generalised friction per normal force,
+    the latter on the rotation of the cam's disc; k is 0 in `rubbing` without friction. `cam_lateral` [1] is the
     friction force of a sliding cam across its normal, per normal force; rollers exert none.
 
     `bending` (D, D) [m/N] is the deflection of an output pin at each disc, along its own force, per force of each other
@@ -94,18 +94,18 @@ class KernelSprings(NamedTuple):
 
     radius: float
     disc: Integers
-    turning: Mask
-    room: Array
+    rotates: Mask
+    clearance: Array
     distance: Array
     slope: Array
     shift: Array
     shift_slope: Array
-    bend: Array
-    twist: Array
+    curvature: Array
+    curvature_rate: Array
     phase: Array
     trochoid: tuple[float, float, float]
     stiffness: Array
-    cam_place: Array
+    cam_position: Array
     cam_clearance: float
     cam_stiffness: float
     rubbing: Array
@@ -157,33 +157,33 @@ def largest_play(springs: KernelSprings) -> float:
     """Return the largest clearance of all contacts and cams [m]."""
     play = max(abs(springs.cam_clearance), 1e-6)
     for i in range(springs.disc.size):
-        play = max(play, springs.room[i])
+        play = max(play, springs.clearance[i])
     return play
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def scale_clearances(springs: KernelSprings, share: float, scaled_room: Array) -> KernelSprings:
-    """Return springs with a share of their clearances; cams with negative clearance (a preload) keep it.
+def scale_clearances(springs: KernelSprings, share: float, scaled_clearance: Array) -> KernelSprings:
+    """Return springs whose clearances are multiplied by a `share`; cams with negative clearance (a preload) keep it.
 
-    The clearances of the contacts are written to `scaled_room` (n,) [m], a workspace.
+    The clearances of the contacts are written to `scaled_clearance` (n,) [m], a workspace.
     """
-    for i in range(scaled_room.size):
-        scaled_room[i] = share * springs.room[i]
+    for i in range(scaled_clearance.size):
+        scaled_clearance[i] = share * springs.clearance[i]
     return KernelSprings(
         springs.radius,
         springs.disc,
-        springs.turning,
-        scaled_room,
+        springs.rotates,
+        scaled_clearance,
         springs.distance,
         springs.slope,
         springs.shift,
         springs.shift_slope,
-        springs.bend,
-        springs.twist,
+        springs.curvature,
+        springs.curvature_rate,
         springs.phase,
         springs.trochoid,
         springs.stiffness,
-        springs.cam_place,
+        springs.cam_position,
         springs.cam_clearance * (share if springs.cam_clearance > 0.0 else 1.0),
         springs.cam_stiffness,
         springs.rubbing,
@@ -224,15 +224,24 @@ def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveOffset:
-    """Compute the offset of two curves at their ideal contact, with finite rotations to the second order.
+    """Compute the offset of the two curves of a contact at displaced parts, with rotations to the second order.
 
-    `k` is the index of the crank angle, `i` that of the contact. q is along the normal, p along the tangent of the
-    ideal contact [m]. In the frame of a profile that rotates with its disc by phi, its mate rotates the other way, q +
-    i p as e^(i phi); the centre of a round hole rotates about that of the disc, and the output pin about that of the
-    output.
+    The offset is that of the points where the curves touch in the ideal mesh. q is along the normal, p along the
+    tangent of the ideal contact [m]. In the frame of a profile that rotates with its disc by phi, its mate rotates the
+    other way, q + i p as e^(i phi); the centre of a round hole rotates about that of the disc, and the output pin about
+    that of the output.
+
+    Parameters
+    ----------
+    springs
+        Springs at all crank angles.
+    k, i
+        Indices of the crank angle and of the contact.
+    pose
+        Displacement of the contact's disc and of the output.
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
-    y, t, rotates, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
+    y, t, rotates, phi, psi = x + 1, x + 2, springs.rotates[i], pose.phi, pose.psi
     q, p = springs.distance[k, i], springs.shift[k, i]
     rotated_q, rotated_p = springs.slope[k, i, t] * pose.t, springs.shift_slope[k, i, t] * pose.t
     output_q, output_p = springs.slope[k, i, output_dof] * pose.o, springs.shift_slope[k, i, output_dof] * pose.o
@@ -252,17 +261,27 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveO
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOffset, use_foot_point: bool) -> Gap:
-    """Compute the gap of contact `i` at crank angle `k`, and its gradients, from the result of `curve_offset`.
+    """Compute the width [m] of the gap of a contact at displaced parts, and its gradients.
 
-    The profile is expanded to the third order, unless `use_foot_point` is set or the expansion is not accurate.
+    Parameters
+    ----------
+    springs
+        Springs at all crank angles.
+    k, i
+        Indices of the crank angle and of the contact.
+    pose, offset
+        Displacement of the contact's disc and of the output, and the result of `curve_offset` for it.
+    use_foot_point
+        Whether the foot point on the tooth profile is computed; else the profile is expanded to the third order, where
+        the expansion is accurate.
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
-    y, t, rotates, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
+    y, t, rotates, phi, psi = x + 1, x + 2, springs.rotates[i], pose.phi, pose.psi
     qx, px = springs.slope[k, i, x], springs.shift_slope[k, i, x]
     qy, py = springs.slope[k, i, y], springs.shift_slope[k, i, y]
     qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
     qo, po = springs.slope[k, i, output_dof], springs.shift_slope[k, i, output_dof]
-    curvature, curvature_rate, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
+    curvature, curvature_rate, clearance = springs.curvature[k, i], springs.curvature_rate[k, i], springs.clearance[i]
     phase, trochoid = springs.phase[k, i], springs.trochoid
     arm_q, arm_p = offset.arm_q / springs.radius, offset.arm_p / springs.radius
     if rotates:
@@ -278,7 +297,7 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOf
     )
     normal = (cosine * qx + sine * px, cosine * qy + sine * py, cosine * qt + sine * pt, cosine * qo + sine * po)
     tangential = (cosine * px - sine * qx, cosine * py - sine * qy, cosine * pt - sine * qt, cosine * po - sine * qo)
-    return Gap(room + width, normal, tangential, rate)
+    return Gap(clearance + width, normal, tangential, rate)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
@@ -307,6 +326,8 @@ def _curve_distance(
         Offset along the normal and along the tangent [m].
     rotates
         Whether the contact is that of a profile, and not of a round hole.
+    use_foot_point
+        Whether the foot point of a profile is always computed.
 
     Returns
     -------
@@ -344,7 +365,17 @@ def _curve_distance(
 def _is_expansion_valid(
     trochoid: tuple[float, float, float], curvature: float, curvature_rate: float, p: float
 ) -> bool:
-    """Return whether curvature [1/m] and its rate [1/m2] describe the trochoid accurately up to the arc p [m]."""
+    """Return whether the third-order expansion of a tooth profile is accurate at a distance p along it [m].
+
+    Parameters
+    ----------
+    trochoid
+        Radii E and c [m], and N, as in `KernelSprings`.
+    curvature, curvature_rate
+        Relative curvature at the ideal contact [1/m], and its rate along the arc [1/m2].
+    p
+        Offset along the tangent of the ideal contact [m].
+    """
     max_curvature = _valley_curvature(trochoid)
     if abs(max_curvature * p) >= _EXPANSION.max_arc or abs(p) >= _EXPANSION.max_shift * trochoid[0]:
         return False
@@ -364,12 +395,18 @@ def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
 def _find_foot_point(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, normal_component: float
 ) -> tuple[bool, float, float, float, float]:
-    """Find the foot point of a point on the trochoid E u(t) - c u(N t); return success, then as `_curve_distance`.
+    """Find the foot point of a point on the trochoid E u(t) - c u(N t), the path of the centres of ideal pins.
 
     The point is at q along the normal and p along the tangent [m] from the curve's point at the `phase` (N - 1) t,
     where the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method,
     safeguarded by bisection, starts from the foot point on the circle of curvature, at the arc p over
     `normal_component`.
+
+    Returns
+    -------
+    tuple
+        Whether there is a foot point nearby; distance [m], cosine and sine of the rotation of the normal, and its
+        rotation per offset p [1/m].
     """
     E, c, N = trochoid
     sine, cosine = math.sin(phase), math.cos(phase)
@@ -425,19 +462,20 @@ def _find_foot_point(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def bound_width(springs: KernelSprings, k: int, i: int, offset: _CurveOffset, use_foot_point: bool) -> float:
-    """Compute a lower bound of the width of a gap [m] from the result of `curve_offset`; 0 if it may be closed.
+    """Compute a lower bound of the width of a contact's gap [m]; 0 if the gap may be closed.
 
-    It needs no square root for most gaps, which are open.
+    It needs no square root for most gaps, which are open. The arguments are those of `gap_at`: indices of crank angle
+    `k` and contact `i`, the `offset` from `curve_offset`, and whether the gap is that of the foot point.
     """
     q, p = offset.q, offset.p
-    curvature, curvature_rate, trochoid = springs.bend[k, i], springs.twist[k, i], springs.trochoid
-    room, rotates = springs.room[i] - _EXPANSION.third_order * abs(p), springs.turning[i]
-    if room + q <= 0.0:
+    curvature, curvature_rate, trochoid = springs.curvature[k, i], springs.curvature_rate[k, i], springs.trochoid
+    clearance, rotates = springs.clearance[i] - _EXPANSION.third_order * abs(p), springs.rotates[i]
+    if clearance + q <= 0.0:
         return 0.0
     if rotates and (use_foot_point or not _is_expansion_valid(trochoid, curvature, curvature_rate, p)):
         curvature = _valley_curvature(trochoid)  # a circle of the largest curvature lies inside the profile
     if curvature > 0.0:
-        return room + q
-    normal_component, tangent_component, rim = 1.0 + curvature * q, curvature * p, 1.0 - curvature * room
+        return clearance + q
+    normal_component, tangent_component, rim = 1.0 + curvature * q, curvature * p, 1.0 - curvature * clearance
     square = normal_component * normal_component + tangent_component * tangent_component
     return (math.sqrt(square) - rim) / curvature if square < rim * rim else 0.0

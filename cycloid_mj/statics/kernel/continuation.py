@@ -64,13 +64,13 @@ class _Path(NamedTuple):
 
     Its points are the u displacements over a `unit` [m], and the parameter [1]. `point`, the `next_point`, the unit
     `tangent` and the `previous_tangent`, the Newton `step`, the `residual` and the unit vector `last_axis` have shape
-    (u + 1,). `room` (n,) [m] are the clearances at a point, `rate` (u,) [N] is the derivative of the residual by the
-    parameter, and `matrix` (u + 1, u + 1) that of the augmented system.
+    (u + 1,). `clearance` (n,) [m] are the clearances at a point, `rate` (u,) [N] is the derivative of the residual by
+    the parameter, and `matrix` (u + 1, u + 1) that of the augmented system.
     """
 
     order: float
     unit: float
-    room: Array
+    clearance: Array
     point: Array
     next_point: Array
     tangent: Array
@@ -92,8 +92,20 @@ def solve_by_arclength(
     path begins at this unique solution and cannot return to it: it leads to the full friction and clearance, or its
     forces grow until friction wedges the parts. It is followed by its arc length, since it turns back where parts snap
     over. Where a contact opens or closes it has a corner, beyond which it continues in the direction that preserves the
-    sign of its determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12). For `order` see
-    `search._PARAMETER_ORDERS`.
+    sign of its determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12).
+
+    Parameters
+    ----------
+    springs, k, load
+        Springs, index of the crank angle, and generalised load (u,) [N].
+    z
+        Array for the displacements.
+    order
+        Relation of friction and clearance along the path, see `search._PARAMETER_ORDERS`.
+    tolerance
+        Residual norm of a solution [N].
+    system
+        Residual, tangent and workspace, which are overwritten.
 
     Returns
     -------
@@ -102,7 +114,9 @@ def solve_by_arclength(
     """
     unknown_count, end_parameter, path = z.size, 1.0 + abs(order), allocate_path(springs, z.size, order)
     point, next_point, path_tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * tolerance
-    newton(scale_clearances(springs, 0.0, path.room), k, load, z, 1.0, 0.0, TRUE, tolerance, 0.0, FALSE, TRUE, system)
+    newton(
+        scale_clearances(springs, 0.0, path.clearance), k, load, z, 1.0, 0.0, TRUE, tolerance, 0.0, FALSE, TRUE, system
+    )
     for j in range(unknown_count):
         point[j] = z[j] / path.unit
     path.tangent[unknown_count] = path.last_axis[unknown_count] = 1.0
@@ -149,7 +163,17 @@ def _shares(order: float, parameter: float) -> tuple[float, float]:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> _Path:
-    """Allocate a path of `unknown_count` displacements with an order of its parameters."""
+    """Allocate the workspace of a continuation path.
+
+    Parameters
+    ----------
+    springs
+        Springs at all crank angles.
+    unknown_count
+        Number of displacements.
+    order
+        Relation of friction and clearance along the path, see `search._PARAMETER_ORDERS`.
+    """
     return _Path(
         order,
         largest_play(springs),
@@ -170,15 +194,18 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> _
 def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: System) -> float:
     """Assemble the residual at a point of the path and its derivatives, `path.matrix`; return the residual norm [N].
 
-    `k` is the index of the crank angle. The point consists of displacements over `path.unit` and the parameter, shape
-    (u + 1,).
+    `k` is the index of the crank angle, `load` (u,) [N] the generalised load. The point consists of displacements over
+    `path.unit` and the parameter, shape (u + 1,).
     """
     unknown_count, matrix, residual, z = load.size, path.matrix, system.residual, system.back
     for j in range(unknown_count):
         z[j] = point[j] * path.unit
     parameter, rate, order = point[unknown_count], path.rate, path.order
     friction, clearance = _shares(order, parameter)
-    scaled_springs, friction_grows = scale_clearances(springs, clearance, path.room), (parameter < 1.0) == (order > 0.0)
+    scaled_springs, friction_grows = (
+        scale_clearances(springs, clearance, path.clearance),
+        (parameter < 1.0) == (order > 0.0),
+    )
     if order == 0.0 or friction_grows:
         assemble(scaled_springs, k, load, z, 1.0, friction + 1.0, TRUE, TRUE, system)
         for j in range(unknown_count):
@@ -209,9 +236,16 @@ def _add_clearance_rate(
     rate: Array,
     system: System,
 ) -> None:
-    """Add the derivative of the springs' forces by the share of clearance to a `rate` [N], shape (u,).
+    """Add the derivative of the springs' generalised forces by the share of clearance to `rate` [N], shape (u,).
 
-    `scaled_springs` are the springs with the present share of clearance.
+    Parameters
+    ----------
+    springs, scaled_springs
+        Springs with their full clearances, and with the present share of them.
+    k, z
+        Index of the crank angle, and displacements (u,) [m].
+    friction
+        Factor on the friction coefficients.
     """
     unknown_count, has_friction = z.size, springs.rubbing.shape[0] > 0
     for i in range(springs.disc.size):
@@ -220,8 +254,8 @@ def _add_clearance_rate(
         for component in range(4):
             unknown = 3 * springs.disc[i] + component if component < 3 else unknown_count - 1
             friction_rate = friction * springs.rubbing[k, i, unknown] if has_friction else 0.0
-            rate[unknown] -= system.row[i, RATE] * springs.room[i] * (system.row[i, component] + friction_rate)
-    for disc in range(springs.cam_place.shape[1]):
+            rate[unknown] -= system.row[i, RATE] * springs.clearance[i] * (system.row[i, component] + friction_rate)
+    for disc in range(springs.cam_position.shape[1]):
         cam = cam_at(scaled_springs, k, disc, z)
         if cam.both > 0.0 and springs.cam_clearance > 0.0:
             force_rate = springs.cam_stiffness * springs.cam_clearance
@@ -240,7 +274,8 @@ def _update_tangent(
 ) -> float:
     """Write the unit tangent of the path at a `point` to `path`; return the sign of its determinant, 0 if singular.
 
-    `sign` is that of the determinant at the beginning of the path, by which the tangent is directed.
+    `k` is the index of the crank angle, `load` (u,) [N] the generalised load. `sign` is that of the determinant at the
+    beginning of the path, by which the tangent is directed.
     """
     unknown_count = load.size
     augmented_residual(springs, k, load, point, path, system)
@@ -269,8 +304,8 @@ def _predict_and_correct(
 ) -> bool:
     """Compute the next point of the path at a `length` [1] from the last one, and its tangent there.
 
-    `sign` is that of `_update_tangent`, `tolerance` that of the residual norm [N]. Returns whether the path advances;
-    if not, the tangent is unchanged.
+    `sign` is that of `_update_tangent`, `tolerance` that of the residual norm [N]; `k` is the index of the crank angle,
+    `load` (u,) [N] the generalised load. Returns whether the path advances; if not, the tangent is unchanged.
     """
     copy(path.tangent, path.previous_tangent)
     if not _correct(springs, k, load, length, tolerance, path, system):
@@ -290,7 +325,8 @@ def _correct(
 ) -> bool:
     """Compute the next point at a `length` [1] from the predictor by Newton's method; return whether it converges.
 
-    It fails if the residual norm stays above `tolerance` [N], or the point deviates too far from the predictor.
+    It fails if the residual norm stays above `tolerance` [N], or the point deviates too far from the predictor. `k` is
+    the index of the crank angle, `load` (u,) [N] the generalised load.
     """
     unknown_count, point, next_point, tangent, residual = (
         load.size,
@@ -327,8 +363,8 @@ def _pass_corner(
 ) -> float:
     """Find a point of the path beyond a corner, where a contact opens or closes and the path may turn back.
 
-    Tangents are taken at trial distances from 1e-7 to 1e-3, and steps of 1e-2 to 1e-6 along them are tried. Returns the
-    length of the step [1], 0 if none succeeds.
+    Tangents are taken at trial distances from 1e-7 to 1e-3, and steps of 1e-2 to 1e-6 along them are tried. Arguments
+    as in `_predict_and_correct`. Returns the length of the step [1], 0 if none succeeds.
     """
     unknown_count = load.size
     tangent = path.tangent.copy()

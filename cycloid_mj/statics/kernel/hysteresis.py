@@ -215,10 +215,11 @@ def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
 def assemble_after(
     springs: KernelSprings, rubbing: Rubbing, middle: Array, load: Array, z: Array, fixed_limits: bool
 ) -> State:
-    """Assemble a step of a path from rest via displacements `middle` to z (u,) [m] under a load (u,) [N].
+    """Assemble residual and tangent of the second of two steps from rest: to `middle` (u,), then to z (u,) [m].
 
-    Neither needs to be an equilibrium. The friction limits follow from the normal forces at z, as in `follow_path`, or
-    are fixed by those at `middle`: then the residual is the descent of the energy.
+    The load (u,) [N] acts at z. Neither displacement needs to be an equilibrium. The friction limits follow from the
+    normal forces at z, as in `follow_path`; with `fixed_limits` they are those at `middle`, and the residual is the
+    descent of the energy.
     """
     unknown_count, elements = z.size, rubbing.stick.size
     rest, old, new = (
@@ -241,7 +242,7 @@ def assemble_after(
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _allocate_increment(elements: int, unknown_count: int) -> _Increment:
-    """Allocate a step with a number of friction elements and of unknowns."""
+    """Allocate the workspace of a step, for `elements` friction elements and `unknown_count` displacements."""
     return _Increment(
         np.zeros(unknown_count),
         np.zeros(unknown_count),
@@ -259,7 +260,7 @@ def _allocate_increment(elements: int, unknown_count: int) -> _Increment:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _allocate_state(elements: int, unknown_count: int) -> _ElastoplasticState:
-    """Allocate the state at rest of a number of friction elements, with a number of unknowns."""
+    """Return the state of unloaded parts at rest, for `elements` friction elements and `unknown_count` unknowns."""
     return _ElastoplasticState(
         np.zeros(unknown_count),
         np.zeros(elements),
@@ -272,13 +273,13 @@ def _allocate_state(elements: int, unknown_count: int) -> _ElastoplasticState:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _ElastoplasticState) -> None:
-    """Overwrite ``state.slip``, the derivatives of the sliding of each contact by the unknowns, at a state.
+    """Overwrite ``state.slip``: the derivatives of the sliding of each contact by the displacements [1], at a state.
 
     They are those of `rubbing`, except for the cams, whose sliding direction depends on the displacement of their disc.
     """
     for i in range(len(state.slip)):
         copy(rubbing.slip[i], state.slip[i])
-    for disc in range(springs.cam_place.shape[1]):
+    for disc in range(springs.cam_position.shape[1]):
         cam, row = cam_at(springs, FIRST, disc, state.z), springs.disc.size + disc
         state.slip[row, 3 * disc] -= cam.v
         state.slip[row, 3 * disc + 1] += cam.u
@@ -295,10 +296,11 @@ def _solve_newton(
 ) -> float:
     """Solve a step by Newton's method with the consistent tangent of springs and friction; return the residual [N].
 
-    `old` is the state before the step, `new` the state after it, whose displacements are filled in.
+    `old` is the state before the step, `new` the state after it, whose displacements are filled in. A residual norm
+    below `tolerance` [N] is a solution; `increment` has the load and the workspace.
     """
     copy(old.z, new.z)
-    max_length = _HYSTERESIS.max_step / largest(springs.bend[0])
+    max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
     norm = _assemble_step(springs, rubbing, FALSE, increment, old, new)[0]
     for _ in range(_HYSTERESIS.newton_steps):
         if norm <= tolerance or not abs(np.linalg.det(increment.tangent)) > 0.0:
@@ -322,11 +324,11 @@ def _solve_tresca(
 ) -> float:
     """Solve a step by a fixed-point iteration of the friction limits (Tresca); return the residual norm [N].
 
-    With fixed limits the solution minimizes an energy: Newton's method with backtracking. Arguments as
-    `_solve_newton`.
+    With fixed limits the solution minimizes an energy: Newton's method with backtracking. The arguments are those of
+    `_solve_newton`: `tolerance` of the residual norm [N], state `old` before the step and `new` after it.
     """
     copy(old.z, new.z)
-    max_length = _HYSTERESIS.max_step / largest(springs.bend[0])
+    max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
     regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     norm = np.inf
     work_before = increment.work[0]
@@ -424,10 +426,15 @@ def _assemble_step(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[float, float]:
-    """Assemble residual and tangent at the displacements of `new`; return the residual norm [N] and the energy [J].
+    """Assemble residual and tangent of a step at the displacements of `new`.
 
     `old` is the state before the step. The forces of springs, friction and material are written to `new`. With
     `fixed_limits` of friction there is an energy, and the tangent is symmetric.
+
+    Returns
+    -------
+    tuple of float
+        Residual norm [N] and energy [J].
     """
     increment.work[0] += 1
     unknown_count, contacts, z = increment.load.size, springs.disc.size, new.z
@@ -453,11 +460,11 @@ def _assemble_step(
         if depth == 0.0:
             continue
         force = new.pressed[i] + new.normal[i]
-        _add_geometric_stiffness(increment.tangent, x_dof, gap, force, force / springs.radius, springs.turning[i])
-    for disc in range(springs.cam_place.shape[1]):
+        _add_geometric_stiffness(increment.tangent, x_dof, gap, force, force / springs.radius, springs.rotates[i])
+    for disc in range(springs.cam_position.shape[1]):
         energy += _add_cam(springs, rubbing, fixed_limits, disc, increment, old, new)
     for e in range(rubbing.drag.size):
-        i = contacts + springs.cam_place.shape[1] + e
+        i = contacts + springs.cam_position.shape[1] + e
         energy += _add_friction(rubbing, i, rubbing.drag[e], 0.0, increment, old, new)
     return largest(increment.residual), energy
 
@@ -468,8 +475,8 @@ def _add_geometric_stiffness(
 ) -> None:
     """Add the geometric stiffness of a contact under a `force` [N] to the tangent (u, u) [N/m].
 
-    It is that of the rotation of the normal and of the parts, as in `system._add_contact`. The disc's unknowns begin at
-    `x`; `rotates` is whether the profile rotates with the disc.
+    It is that of the rotation of the normal, and `rotation_stiffness` [N/m] that of the parts, as in
+    `system._add_contact`. The disc's unknowns begin at `x`; `rotates` is whether the profile rotates with the disc.
     """
     y, t, output_dof = x + 1, x + 2, len(tangent) - 1
     (bx, by, bt, bo), normal_rotation = gap.tangential, -force * gap.rate
@@ -501,9 +508,10 @@ def _add_cam(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add the contact of a disc and its cam, with its friction, to a step; return their energy [J].
+    """Add the contact of a disc, by its index, and its cam, with its friction, to a step; return their energy [J].
 
-    The arguments are those of `_assemble_step`.
+    The arguments are those of `_assemble_step`: `old` and `new` are the states before and after the step,
+    `fixed_limits` whether the friction limits are.
     """
     x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
     cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
@@ -532,10 +540,10 @@ def _add_contact(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add contact `i` of a deflection `depth` [m], its material and friction to a step; return their energy [J].
+    """Add contact `i` of a `stiffness` [N/m] and a deflection `depth` [m], with its friction, to a step.
 
     The material retains a share of the force by a spring along the normal that slips at a limit. The other arguments
-    are those of `_assemble_step`, with `increment.gradient` of the depth.
+    are those of `_assemble_step`, with `increment.gradient` of the depth. Returns the energy of the contact [J].
     """
     spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
     new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
@@ -573,7 +581,7 @@ def _add_friction(
     """Add the friction of element `i` with a limit [N] to a step; return its energy [J].
 
     Return mapping: the elastic trial force is limited. `rate` is that of the limit by the depth of its contact [N/m].
-    The friction force is written to ``new.side``.
+    `old` is the state before the step; the friction force is written to ``new.side``.
     """
     slip, stick, unknown_count = old.slip[i], rubbing.stick[i], increment.load.size
     new.side[i] = 0.0

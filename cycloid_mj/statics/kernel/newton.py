@@ -79,12 +79,30 @@ def newton(
     use_backtracking: bool,
     system: System,
 ) -> float:
-    """Solve for displacements z (u,) [m] at crank angle `k` by semismooth Newton; return the residual norm [N].
+    """Solve for the displacements of static equilibrium at a crank angle by a semismooth Newton method.
 
-    `z` contains the start values. Springs, load, `stiffness_factor`, `friction` and `use_foot_points` are those of
-    `assemble`. `tolerance` [N] is the residual norm of a solution; `damping` [1/N] is a stiffness over that of the cam,
-    per residual norm. With `warm_start`, contacts that carried a force count as closed in the first step (warm-started
-    active set). With `use_backtracking`, without friction, steps are shortened until the energy falls (Armijo).
+    Parameters
+    ----------
+    springs, k, load, stiffness_factor, friction, use_foot_points
+        As in `assemble`: springs, index of the crank angle, generalised load (u,) [N], factors on stiffness and
+        friction, and whether foot points of teeth are computed.
+    z
+        Start values of the displacements (u,) [m], which are replaced by the solution.
+    tolerance
+        Residual norm of a solution [N].
+    damping
+        Stiffness that is added to the tangent, over that of the cam and per residual norm [1/N].
+    warm_start
+        Whether contacts that carried a force count as closed in the first step (warm-started active set).
+    use_backtracking
+        Whether steps are shortened until the energy falls (Armijo); only without friction.
+    system
+        Residual, tangent and workspace, which are overwritten.
+
+    Returns
+    -------
+    float
+        Residual norm [N].
     """
     cam_stiffness, max_length = stiffness_factor * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
     residual, step, start, unknown_count = system.residual, system.step, system.start, z.size
@@ -93,7 +111,7 @@ def newton(
     for i in range(system.warm.size):
         system.warm[i] = warm_start and system.pressed[i] > 0.0
     for step_number in range(
-        _NEWTON.descent_steps if use_backtracking else springs.cam_place.shape[1] * _NEWTON.steps_per_disc
+        _NEWTON.descent_steps if use_backtracking else springs.cam_position.shape[1] * _NEWTON.steps_per_disc
     ):
         trial = assemble(springs, k, load, z, stiffness_factor, friction, use_foot_points, step_number == 0, system)
         norm = largest(residual)
@@ -123,9 +141,10 @@ def newton(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _compute_step(use_backtracking: bool, cam_stiffness: float, damping: float, system: System) -> bool:
-    """Compute the Newton step of the system, or with backtracking a descent step by the modified Hessian.
+    """Compute the Newton step (u,) [m] of the system, in ``system``; return whether there is a step.
 
-    `damping` [N/m] is added to the tangent of a Newton step. Returns whether there is a step.
+    With `use_backtracking` it is a descent step by the modified Hessian, whose eigenvalues are at least a share of
+    `cam_stiffness` [N/m]; else `damping` [N/m] is added to the tangent.
     """
     tangent, residual, step = system.tangent, system.residual, system.step
     if use_backtracking:
@@ -154,10 +173,10 @@ def _curvature(stiffness: Array, step: Array) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> float:
-    """Solve a linear system (u, u) by Gaussian elimination with pivoting, in place.
+    """Solve a linear system `matrix` (u, u) times `solution` = `right_side` (u,) by Gaussian elimination with pivoting.
 
-    `diagonal` is added to the diagonal (regularization of rigid-body modes). `solution` may be `right_side`. Returns
-    the sign of the determinant, or 0 if the matrix is singular.
+    Matrix and right side are overwritten; `solution` may be `right_side`. `diagonal` is added to the diagonal
+    (regularization of rigid-body modes). Returns the sign of the determinant, or 0 if the matrix is singular.
     """
     unknown_count, sign = right_side.size, 1.0
     for j in range(unknown_count):
@@ -194,9 +213,10 @@ def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: fl
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> bool:
-    """Solve a symmetric system (u, u) by Cholesky factorization in place; return whether it is definite.
+    """Solve a symmetric linear system by Cholesky factorization in place; return whether it is positive definite.
 
-    Only the lower half is read; `diagonal` is added to its diagonal.
+    Of the `matrix` (u, u) only the lower half is read, and overwritten; `diagonal` is added to its diagonal. `solution`
+    (u,) is filled in, and may be `right_side` (u,).
     """
     unknown_count = right_side.size
     for j in range(unknown_count):
@@ -227,10 +247,10 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenvalue: float, vectors: Array) -> None:
-    """Solve a symmetric system with the absolute values of its eigenvalues: a descent direction.
+    """Compute a descent direction `step` (u,) from a `residual` (u,) and a symmetric, maybe indefinite `matrix` (u, u).
 
-    Absolute values count as at least `min_eigenvalue`. In place, with workspace `vectors` (u, u). A Cholesky
-    factorization replaces the eigenvalues if all exceed `min_eigenvalue`.
+    The eigenvalues are replaced by their absolute values, at least `min_eigenvalue`; a Cholesky factorization replaces
+    them if all exceed it. The matrix is overwritten, `vectors` (u, u) is workspace.
     """
     unknown_count = residual.size
     for i in range(unknown_count):

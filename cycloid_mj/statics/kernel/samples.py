@@ -24,29 +24,30 @@ class Effects(NamedTuple):
     """Displacements of the curves of a contact per error of the parts, [1] and [m/rad].
 
     `distance` and `shift`, shape (k, n, 4), as in ``kernel.KernelSprings``: by the position of its pin or hole in x and
-    y, the disc's pin circle, and the rotation of its flanks. `cam_place` (k, D, 2) [1] is the displacement of the cams
-    by the eccentricity, `turned` (k, 2) are cosine and sine of the crank angle, and `waves` (k, n, w) is the effect
-    of the profile's waves on `distance`: first those of all samples [m], then that of each amplitude [1].
+    y, the disc's pin circle, and the rotation of its flanks. `cam_position` (k, D, 2) [1] is the displacement of the
+    cams by the eccentricity, `turned` (k, 2) are cosine and sine of the crank angle, and `waves` (k, n, w) is the
+    effect of the profile's waves on `distance`: first those of all samples [m], then that of each amplitude [1].
     """
 
     distance: Array
     shift: Array
-    cam_place: Array
+    cam_position: Array
     turned: Array
     waves: Array
 
 
 class SampleDeviations(NamedTuple):
-    """Deviations of s samples: `room` (s, n) and `place` (s, n, 2) of each contact, and `cam_place` (s, D, 2) [m].
+    """Manufacturing errors of s samples, by contact (n), disc (D) and order of the profile waves (w).
 
-    `waves` (s, w) [m] are those of the profile, after a 1 for the waves of all samples. The others have shape (s,):
-    `pin_circle` [m], `rotation` [rad], `eccentricity` [m], and the clearance of the `cam` [m].
+    `clearance` (s, n) and `displacement` (s, n, 2) [m] are those of each contact, `cam_displacement` (s, D, 2) [m]
+    those of the cams on the crank. `waves` (s, w) [m] are those of the profile, after a 1 for the waves of all samples.
+    The others have shape (s,): `pin_circle` [m], `rotation` [rad], `eccentricity` [m], and clearance of the `cam` [m].
     """
 
-    room: Array
-    place: Array
+    clearance: Array
+    displacement: Array
     waves: Array
-    cam_place: Array
+    cam_displacement: Array
     pin_circle: Array
     rotation: Array
     eccentricity: Array
@@ -61,7 +62,7 @@ class SampleWorkspace(NamedTuple):
 
     distance: Array
     shift: Array
-    cam_place: Array
+    cam_position: Array
     begun: Array
     z: Array
     force: Array
@@ -69,9 +70,9 @@ class SampleWorkspace(NamedTuple):
 
 
 def allocate_workspace(ideal: KernelSprings) -> SampleWorkspace:
-    """Allocate the workspace for the samples of ideal parts."""
+    """Allocate the workspace for the samples of a tolerance study; `ideal` are the springs of parts without errors."""
     shape, unknowns = ideal.distance.shape, ideal.slope.shape[2]
-    cam_positions = np.empty(ideal.cam_place.shape)
+    cam_positions = np.empty(ideal.cam_position.shape)
     start_values, z = np.zeros((shape[0], unknowns)), np.empty((shape[0], unknowns))
     return SampleWorkspace(
         np.empty(shape), np.empty(shape), cam_positions, start_values, z, np.empty(shape), allocate_system(ideal)
@@ -110,23 +111,23 @@ def balance_few_samples(
     z, force, system = workspace.z, workspace.force, workspace.system
     for sample in range(first_sample, end_sample):
         _fill_sample(
-            effects, deviations, sample, workspace.distance, workspace.shift, workspace.cam_place, workspace.begun
+            effects, deviations, sample, workspace.distance, workspace.shift, workspace.cam_position, workspace.begun
         )
         springs = KernelSprings(
             ideal.radius,
             ideal.disc,
-            ideal.turning,
-            deviations.room[sample],
+            ideal.rotates,
+            deviations.clearance[sample],
             workspace.distance,
             ideal.slope,
             workspace.shift,
             ideal.shift_slope,
-            ideal.bend,
-            ideal.twist,
+            ideal.curvature,
+            ideal.curvature_rate,
             ideal.phase,
             ideal.trochoid,
             ideal.stiffness,
-            workspace.cam_place,
+            workspace.cam_position,
             deviations.cam[sample],
             ideal.cam_stiffness,
             ideal.rubbing,
@@ -145,8 +146,8 @@ def balance_few_samples(
                 residual = balance_by_all(springs, load[t], z, force, TRUE, use_arclength, system)
             _write_sample_figures(
                 ideal.radius,
-                ideal.turning,
-                workspace.cam_place,
+                ideal.rotates,
+                workspace.cam_position,
                 deviations.cam[sample],
                 ideal.cam_stiffness,
                 z,
@@ -170,19 +171,30 @@ def _fill_sample(
     sample: int,
     distance: Array,
     shift: Array,
-    cam_place: Array,
+    cam_position: Array,
     start_values: Array,
 ) -> None:
-    """Write gaps (k, n) [m], cam positions (k, D, 2) [m] and start values (k, u) [m] of the sample of an index.
+    """Write gaps, cam positions and start values of a sample, sums of effects of unit errors times its errors.
 
-    They are sums of effects of unit errors times the errors of the sample.
+    Parameters
+    ----------
+    effects, deviations
+        Effects of unit errors, and errors of all samples.
+    sample
+        Index of the sample.
+    distance, shift
+        Arrays for the normal distance and the tangential shift of each contact (k, n) [m].
+    cam_position
+        Array for the positions of the cams (k, D, 2) [m].
+    start_values
+        Array for the initial displacements (k, u) [m].
     """
     circle, rotation = deviations.pin_circle[sample], deviations.rotation[sample]
     for k in range(distance.shape[0]):
         for i in range(distance.shape[1]):
             distance_change = shift_change = 0.0
             for j, size in enumerate(
-                (deviations.place[sample, i, 0], deviations.place[sample, i, 1], circle, rotation)
+                (deviations.displacement[sample, i, 0], deviations.displacement[sample, i, 1], circle, rotation)
             ):
                 distance_change += effects.distance[k, i, j] * size
                 shift_change += effects.shift[k, i, j] * size
@@ -190,12 +202,15 @@ def _fill_sample(
                 distance_change += effects.waves[k, i, j] * deviations.waves[sample, j]
             distance[k, i], shift[k, i] = distance_change, shift_change
         cosine, sine = effects.turned[k, 0], effects.turned[k, 1]
-        for disc in range(cam_place.shape[1]):
-            x, y = deviations.cam_place[sample, disc, 0], deviations.cam_place[sample, disc, 1]
-            radial_x, radial_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
-            cam_place[k, disc, 0] = deviations.eccentricity[sample] * radial_x + (cosine * x - sine * y)
-            cam_place[k, disc, 1] = deviations.eccentricity[sample] * radial_y + (sine * x + cosine * y)
-            start_values[k, 3 * disc], start_values[k, 3 * disc + 1] = cam_place[k, disc, 0], cam_place[k, disc, 1]
+        for disc in range(cam_position.shape[1]):
+            x, y = deviations.cam_displacement[sample, disc, 0], deviations.cam_displacement[sample, disc, 1]
+            radial_x, radial_y = effects.cam_position[k, disc, 0], effects.cam_position[k, disc, 1]
+            cam_position[k, disc, 0] = deviations.eccentricity[sample] * radial_x + (cosine * x - sine * y)
+            cam_position[k, disc, 1] = deviations.eccentricity[sample] * radial_y + (sine * x + cosine * y)
+            start_values[k, 3 * disc], start_values[k, 3 * disc + 1] = (
+                cam_position[k, disc, 0],
+                cam_position[k, disc, 1],
+            )
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
@@ -209,13 +224,23 @@ def _write_sample_figures(
     force: Array,
     row: Array,
 ) -> None:
-    """Write means, ranges and maxima of a sample over its crank angles, from displacements `z` and contact forces.
-
-    `z` has x, y and rotation times `radius` of each disc, then the rotation of the output, shape (angles, 3 D + 1) [m].
-    `row` gets mean and range of the rotation of the discs and of the output [rad] (0 to 3), the largest force on a
-    tooth, an output pin and a cam [N] (4 to 6), and the mean number of teeth that carry (7).
+    """Write means, ranges and maxima of a sample over its crank angles to a `row`.
 
     The arguments are single attributes of the springs, as conversion of all of them from Python takes long to compile.
+
+    Parameters
+    ----------
+    radius, is_tooth
+        Radius of the circle of output pins [m], and which contacts are teeth (n,).
+    cam_position, cam_clearance, cam_stiffness
+        Positions (k, D, 2) [m], clearance [m] and stiffness [N/m] of the cams.
+    z
+        x, y and rotation times `radius` of each disc, then the rotation of the output, shape (k, 3 D + 1) [m].
+    force
+        Contact forces (k, n) [N].
+    row
+        Array for mean and range of the rotation of the discs and of the output [rad] (0 to 3), the largest force on a
+        tooth, an output pin and a cam [N] (4 to 6), and the mean number of teeth that carry (7).
     """
     angles, discs = len(z), cam_position.shape[1]
     for body in range(2):

@@ -72,10 +72,20 @@ PATHS: bool = np.bool_(True)  # type: ignore[assignment]
 
 
 def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool) -> Residual:
-    """Solve for the displacements z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
+    """Solve for static equilibrium at every crank angle, by Newton's method or else by continuation.
 
-    z and force (k, n) [N] are filled in. Each row of z is a start value; with `extrapolate`, only the first row is, and
-    the others are extrapolated from the previous equilibria.
+    Parameters
+    ----------
+    springs
+        Springs at k crank angles.
+    load
+        Generalised loads (k, u) [N].
+    z
+        Start values of the displacements (k, u) [m], which are replaced by the solutions.
+    force
+        Array for the forces of the springs (k, n) [N].
+    extrapolate
+        Whether only the first row of z is a start value, and the others are extrapolated from the previous equilibria.
 
     Returns
     -------
@@ -100,9 +110,10 @@ def _balance(
     use_arclength: bool | None,
     system: System,
 ) -> Residual:
-    """Solve as `balance`, with or without (None) the paths of `solve_by_arclength`.
+    """Solve as `balance`, with or without the paths of `solve_by_arclength`: `use_arclength` is True, or None.
 
-    For None, numba leaves out half of the code, which is seldom needed.
+    For None, numba leaves out half of the code, which is seldom needed. `system` is workspace; `load` (k, u), `z` (k,
+    u), `force` (k, n) and `extrapolate` are those of `balance`.
     """
     count, start, was_quick, warm_start, largest_norm, last_angle = len(load), system.begun, False, False, 0.0, 0
     system.assembled[0] = 0
@@ -158,12 +169,28 @@ def _continue(
 ) -> float:
     """Solve for displacements z (u,) [m] at crank angle `k` by Newton's method, or else by continuation from a `start`.
 
-    Newton's method begins at the values of z. Returns the residual norm [N]; `scale` [N] is the load's size. For
-    `warm_start` see `newton`. Springs so soft that all contacts are closed in spite of the clearances have a convex
-    energy, whose minimum Newton's method finds. From there, friction is increased and the springs are hardened, in
-    steps that are halved until Newton's method converges at the end of each. If such a path ends, because parts snap
-    across their clearances, the springs are hardened first, by descent of the energy, and friction is increased
-    afterwards.
+    Springs so soft that all contacts are closed in spite of the clearances have a convex energy, whose minimum Newton's
+    method finds. From there, friction is increased and the springs are hardened, in steps that are halved until
+    Newton's method converges at the end of each. If such a path ends, because parts snap across their clearances, the
+    springs are hardened first, by descent of the energy, and friction is increased afterwards.
+
+    Parameters
+    ----------
+    springs, k, load
+        Springs, index of the crank angle, and generalised load (u,) [N].
+    z
+        Start values of Newton's method, which are replaced by the solution.
+    start
+        Start values of the continuation (u,) [m].
+    scale
+        Size of the load [N].
+    warm_start, system
+        As in `newton`.
+
+    Returns
+    -------
+    float
+        Residual norm [N].
     """
     has_friction = springs.rubbing.shape[0] > 0
     min_factor, friction, factor, parameter, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
@@ -220,10 +247,11 @@ def _continue_by_arclength(
     tolerance: float,
     system: System,
 ) -> float:
-    """Solve along the paths of `solve_by_arclength` from a `start` (u,), if the residual exceeds the tolerance [N].
+    """Solve along the paths of `solve_by_arclength` from a `start` (u,) [m], if no other method reached equilibrium.
 
-    Paths are followed in turn until one reaches equilibrium. `smallest_norm` is the residual norm so far; returns the
-    smallest one [N].
+    Paths are followed in turn until one reaches it. `k` is the index of the crank angle, `load` (u,) [N] the
+    generalised load, z (u,) [m] the displacements so far, and `smallest_norm` [N] their residual norm; it is replaced
+    if it exceeds the `tolerance` [N]. Returns the smallest residual norm [N].
     """
     scale, has_friction = largest(load) or 1.0, springs.rubbing.shape[0] > 0
     for order in _PARAMETER_ORDERS:
@@ -243,7 +271,7 @@ def _continue_by_arclength(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float:
-    """Compute the force to which the springs are softened [N]: it deflects the stiffest spring by several clearances.
+    """Compute the force to which the springs are softened [N]: it deflects the stiffest by several clearances.
 
     `clearance_count` is their number, `k` the index of the crank angle. It deflects no contact beyond the reach of the
     curves, however much stiffer a cam is.
@@ -258,14 +286,17 @@ def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float) -> bool:
-    """Return whether friction wedges a cam at crank angle `k`: it is deflected far more than by the load [N] alone."""
+    """Return whether friction wedges a cam at crank angle `k`: it is deflected far more than by the `load` [N] alone.
+
+    `z` (u,) [m] are the displacements of the equilibrium.
+    """
     valid = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
     max_deflection = max(
         min(_SEARCH.wedged_depth * largest_play(springs), valid), _SEARCH.wedged_force * load / springs.cam_stiffness
     )
-    for disc in range(springs.cam_place.shape[1]):
-        x = z[3 * disc] - springs.cam_place[k, disc, 0]
-        y = z[3 * disc + 1] - springs.cam_place[k, disc, 1]
+    for disc in range(springs.cam_position.shape[1]):
+        x = z[3 * disc] - springs.cam_position[k, disc, 0]
+        y = z[3 * disc + 1] - springs.cam_position[k, disc, 1]
         if x * x + y * y > max_deflection * max_deflection:
             return True
     return False

@@ -127,9 +127,9 @@ class _Cam(NamedTuple):
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
-    """Compute energy, residual and stiffness at crank angle `k`, load (u,) [N] and displacements z (u,) [m].
+    """Return energy [J], residual forces [N] and stiffness [N/m] of the springs, without friction.
 
-    Without friction.
+    They are evaluated at the crank angle of index `k`, under a load (u,) [N], at displacements z (u,) [m].
     """
     system = new_system(springs)
     energy = assemble(springs, k, load, z, 1.0, 0.0, FALSE, TRUE, system)
@@ -138,7 +138,7 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
 
 def allocate_system(springs: KernelSprings) -> System:
     """Allocate residual, tangent and workspace of a crank angle; `new_system` is the compiled version."""
-    unknowns, discs = springs.slope.shape[2], springs.cam_place.shape[1]
+    unknowns, discs = springs.slope.shape[2], springs.cam_position.shape[1]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
         for j in (3 * springs.disc[i] + 2, unknowns - 1):
@@ -146,12 +146,12 @@ def allocate_system(springs: KernelSprings) -> System:
     return System(
         np.zeros(unknowns),
         np.zeros((unknowns, unknowns)),
-        np.zeros(springs.disc.size + springs.cam_place.shape[1]),
+        np.zeros(springs.disc.size + springs.cam_position.shape[1]),
         np.zeros(unknowns),
         np.zeros(unknowns),
         np.zeros(unknowns),
         np.zeros((springs.disc.size, 5)),
-        np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
+        np.zeros(springs.disc.size + springs.cam_position.shape[1], np.bool_),
         np.zeros(1, np.int64),
         np.zeros(unknowns),
         np.zeros(springs.disc.size),
@@ -220,7 +220,7 @@ def assemble(
         list_origin[j] = z[j] if rebuild_list else list_origin[j]
         for column in range(unknown_count):
             tangent[j, column] = 0.0
-    for disc in range(springs.cam_place.shape[1]):
+    for disc in range(springs.cam_position.shape[1]):
         sums, energy = _sum_contacts(
             springs, k, disc, z, stiffness_factor, use_foot_points, has_friction, rebuild_list, energy, system
         )
@@ -246,13 +246,20 @@ def _sum_contacts(
     energy: float,
     system: System,
 ) -> tuple[_DiscSums, float]:
-    """Sum forces and stiffness of the independent contacts of a disc, and add their energy; arguments as `assemble`.
+    """Sum forces and stiffness of the contacts of a disc, except those with output pins that bend.
 
-    Only contacts that may have closed by the neighbour list are evaluated. Their forces are written to
-    `system.pressed`, and gradients to `system.row` where friction or continuation needs them.
+    Their energy is added to `energy` [J]. Only contacts that may have closed by the neighbour list are evaluated. Their
+    forces are written to `system.pressed`, and gradients to `system.row` where friction or continuation needs them. The
+    arguments are those of `assemble`: crank angle `k`, displacements `z` (u,) [m], `stiffness_factor`,
+    `use_foot_points` and `rebuild_list`; `has_friction` is whether friction acts.
+
+    Returns
+    -------
+    tuple
+        The sums, and the new energy [J].
     """
     pressed, row, warm, margin = system.pressed, system.row, system.warm, system.margin
-    rotates, disc_of, radius = springs.turning, springs.disc, springs.radius
+    rotates, disc_of, radius = springs.rotates, springs.disc, springs.radius
     # sums are local variables: the compiler would write array elements at every contact
     sums = _DiscSums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     pose = disc_pose(springs, disc, z)
@@ -287,10 +294,21 @@ def _sum_contacts(
 def _add_contact(
     sums: _DiscSums, gap: Gap, force: float, stiffness: float, rotation_stiffness: float, rotates: bool
 ) -> _DiscSums:
-    """Add force and tangent stiffness of a contact to the sums of its disc.
+    """Return the sums of a disc with those of one more contact: its force, and its tangent stiffness.
 
-    The tangent includes the geometric stiffness of the rotation of the normal and of the parts, `rotation_stiffness`
-    [N/m], which acts on the disc if the profile `rotates` with it, else also on the output.
+    The tangent includes the geometric stiffness of the rotation of the normal and of the parts.
+
+    Parameters
+    ----------
+    sums
+        Sums of the disc so far.
+    gap
+        Gap of the contact, with its gradients.
+    force, stiffness
+        Normal force [N] and stiffness [N/m] of the contact.
+    rotation_stiffness
+        Geometric stiffness of the rotation of the parts [N/m]. It acts on the disc if the profile `rotates` with it,
+        else also on the output.
     """
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     normal_rotation, disc_coupling = -force * gap.rate, rotation_stiffness if rotates else 0.0
@@ -326,7 +344,16 @@ def _add_cam(
     energy: float,
     system: System,
 ) -> tuple[_DiscSums, float]:
-    """Add the contact of a disc and its cam to the sums of the disc and the energy [J], its friction to the system."""
+    """Add the contact of a disc and its cam to the sums of the disc and to the energy [J], its friction to the system.
+
+    The arguments are those of `assemble`: crank angle `k`, displacements `z` (u,) [m], factors on stiffness and
+    friction.
+
+    Returns
+    -------
+    tuple
+        The new sums, and the new energy [J].
+    """
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     residual, tangent, x, y, t = system.residual, system.tangent, 3 * disc, 3 * disc + 1, 3 * disc + 2
     cam, i, cam_stiffness = (
@@ -382,8 +409,8 @@ def _write_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> 
 def _displacement_bound(z: Array, list_origin: Array, index: int, arm: float) -> float:
     """Return an upper bound of the displacement of a disc's contacts since the neighbour list was built [m].
 
-    `list_origin` are the displacements at which it was built, `index` the disc's first unknown, `arm` the largest
-    lever.
+    `z` and `list_origin` are the displacements (u,) [m] now and when it was built, `index` is that of the disc's first
+    unknown, and `arm` is the largest lever over the radius of the circle of output pins [1].
     """
     rotation = abs(z[index + 2] - list_origin[index + 2]) + abs(z[z.size - 1] - list_origin[z.size - 1])
     return abs(z[index] - list_origin[index]) + abs(z[index + 1] - list_origin[index + 1]) + arm * rotation
@@ -392,7 +419,7 @@ def _displacement_bound(z: Array, list_origin: Array, index: int, arm: float) ->
 @njit(nogil=True, error_model="numpy", inline="always")
 def _independent_contacts(springs: KernelSprings) -> int:
     """Return the number of independent contacts: all but those of output pins that bend under several discs."""
-    return springs.disc.size - springs.pins * springs.cam_place.shape[1]
+    return springs.disc.size - springs.pins * springs.cam_position.shape[1]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
@@ -405,12 +432,13 @@ def _add_bent_pins(
     rebuild_list: bool,
     system: System,
 ) -> float:
-    """Add output pins that bend to residual and tangent at displacements z; return the energy of contacts and pins [J].
+    """Add output pins that bend to residual and tangent; return the energy of their contacts and of the pins [J].
 
     Forces f on a pin with contacts of stiffness K and gaps w of the straight pin solve the linear complementarity
-    problem K^-1 f + B f + w >= 0, f >= 0, with the `bending` B. The arguments are those of `assemble`.
+    problem K^-1 f + B f + w >= 0, f >= 0, with the `bending` B. The arguments are those of `assemble`: crank angle `k`,
+    displacements `z` (u,) [m], factors `stiffness_factor` and `friction`, and `rebuild_list` of the neighbours.
     """
-    discs, energy, first_contact = springs.cam_place.shape[1], 0.0, _independent_contacts(springs)
+    discs, energy, first_contact = springs.cam_position.shape[1], 0.0, _independent_contacts(springs)
     width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
     for pin in range(springs.pins):
         if not _may_touch_pin(springs, k, pin, z, rebuild_list, system):
@@ -435,9 +463,12 @@ def _add_bent_pins(
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_list: bool, system: System) -> bool:
-    """Return whether any disc may touch a pin at crank angle `k`, by the neighbour list; reset the forces on it."""
+    """Return whether any disc may touch a pin at crank angle `k`, by the neighbour list; set the forces on it to 0.
+
+    `z` (u,) [m] are the displacements; with `rebuild_list` the list is written anew for them.
+    """
     may_touch, first_contact = False, _independent_contacts(springs)
-    for disc in range(springs.cam_place.shape[1]):
+    for disc in range(springs.cam_position.shape[1]):
         i = first_contact + disc * springs.pins + pin
         if rebuild_list:
             offset = curve_offset(springs, k, i, disc_pose(springs, disc, z))
@@ -450,9 +481,12 @@ def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_l
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, system: System) -> None:
-    """Add the solved forces on a pin, from `system.pin`, with their tangent stiffness and friction, to the system."""
+    """Add the solved forces on a pin, from `system.pin`, with their tangent stiffness and friction, to the system.
+
+    `k` is the index of the crank angle, `pin` that of the pin; `friction` is a factor on the friction coefficients.
+    """
     discs, first_contact, output_dof = (
-        springs.cam_place.shape[1],
+        springs.cam_position.shape[1],
         _independent_contacts(springs),
         system.residual.size - 1,
     )
@@ -494,10 +528,19 @@ def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, s
 def _solve_pin(
     flexibility: Array, width: Array, kept_closed: Mask, is_active: Mask, forces: Array, stiffness: Array
 ) -> None:
-    """Solve for the contact forces on a pin [N] and its active contacts, from gaps [m] and flexibility [m/N].
+    """Solve for the contact forces on a pin that bends, a linear complementarity problem, by principal pivoting.
 
-    A linear complementarity problem, solved by principal pivoting: the most violated condition is exchanged first
-    (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992, 4.2). `stiffness` (D, D) [N/m] is filled in.
+    The most violated condition is exchanged first (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992,
+    4.2).
+
+    Parameters
+    ----------
+    flexibility, width
+        Flexibility of pin and contacts (D, D) [m/N], and gaps of the straight pin (D,) [m].
+    kept_closed
+        Contacts that stay closed, even if they pull, (D,).
+    is_active, forces, stiffness
+        Arrays for the closed contacts (D,), their forces (D,) [N], and their stiffness (D, D) [N/m].
     """
     discs = width.size
     for disc in range(discs):
@@ -524,7 +567,10 @@ def _solve_pin(
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _invert_flexibility(flexibility: Array, is_active: Mask, stiffness: Array) -> None:
-    """Invert the flexibility of a pin's active contacts to `stiffness` [N/m], 0 for the others, by Gauss-Jordan."""
+    """Write the inverse of the flexibility (D, D) [m/N] of a pin's active contacts to `stiffness` (D, D) [N/m].
+
+    Rows and columns of other contacts, for which `is_active` (D,) is false, are 0. Gauss-Jordan elimination.
+    """
     discs = is_active.size
     for disc in range(discs):
         for other_disc in range(discs):
@@ -550,15 +596,16 @@ def _invert_flexibility(flexibility: Array, is_active: Mask, stiffness: Array) -
 @njit(nogil=True, error_model="numpy", inline="always")
 def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
     """Compute the contact of a disc and its cam at displacements z."""
-    x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
+    x, y = z[3 * disc] - springs.cam_position[k, disc, 0], z[3 * disc + 1] - springs.cam_position[k, disc, 1]
     return cam_contact(x, y, springs.cam_clearance)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def cam_contact(x: float, y: float, clearance: float) -> _Cam:
-    """Compute the contact of a disc's bore with its cam, whose centres are x and y [m] apart: a circle in a circle.
+    """Compute deflection, direction and energy of the contact of a bore and its cam: a circle in a circle.
 
-    With negative clearance, both sides are in contact.
+    `x` and `y` [m] are the position of the bore's centre relative to the cam's. With negative `clearance` [m], both
+    sides are in contact.
     """
     distance = math.sqrt(x * x + y * y)
     depth, inverse = distance - clearance, 1.0 / distance if distance > 0.0 else 0.0
@@ -570,7 +617,10 @@ def cam_contact(x: float, y: float, clearance: float) -> _Cam:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _add_friction(springs: KernelSprings, k: int, friction: float, system: System) -> None:
-    """Add the Coulomb friction of sliding contacts at crank angle `k`, times a factor, to residual and tangent."""
+    """Add the Coulomb friction of sliding contacts at crank angle `k` to residual and tangent of the system.
+
+    `friction` is a factor on the friction coefficients.
+    """
     output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_independent_contacts(springs)):
         force, x = system.pressed[i], 3 * springs.disc[i]
