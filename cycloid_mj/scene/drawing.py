@@ -119,9 +119,9 @@ class Drawing:
 
 
 def largest_magnification(reducer: Reducer) -> float:
-    """Compute the magnification [1] at which a part is drawn with `DRAWING.min_radius_share` of its radius.
+    """Compute the largest magnification of the clearances [1] with which parts can be drawn.
 
-    Clearances that are drawn larger make the parts smaller.
+    Magnified clearances reduce the parts; each keeps at least `DRAWING.min_radius_share` of its radius.
     """
     design = reducer.design
     slack = 1.0 - DRAWING.min_radius_share

@@ -50,10 +50,11 @@ class PairIndex:
 
 
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
-    """Return the index of a model's mating pairs: surface of each geom, pair of two surfaces, and body of each pair.
+    """Return tables with which compiled code finds the mating pair of two geoms in contact, for a model with `pairs`.
 
-    A geom named ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1, 0 stands for none;
-    a pair is negative if the first of the two surfaces is the one that feels the logged force, `Pair.on`.
+    They are the surface of each geom, the pair of each two surfaces, and the body of each pair. A geom named
+    ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1, 0 stands for none; a pair is
+    negative if the first of the two surfaces is the one that feels the logged force, `Pair.on`.
     """
     surface_names = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
     number_of = {name: count for count, name in enumerate(surface_names, start=1)}
