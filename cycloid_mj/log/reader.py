@@ -97,8 +97,9 @@ class _GroupSamples:
         self.count, self._kept = end, end_kept
 
     def finish(self, samples: int) -> list[Array]:
-        """Return times [s] and columns, shape (k,) each, of the first `samples` samples, or of those of them in `rows`.
+        """Return times [s] and columns of this group, shape (k,) each, of the first `samples` samples of the log.
 
+        If only some `rows` of the log are read, the arrays hold these rows as far as they lie among those samples.
         The arrays are read-only, so that a `Run` need not copy them.
         """
         count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
