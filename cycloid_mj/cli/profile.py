@@ -51,11 +51,11 @@ def profile(
     part: PartFlag = "gear",
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Write the outline of the disc as CSV, for CAD or for a check.
+    """Write the outline of the cycloid or internal gear, or all lines of contact, as CSV, for CAD or for a check.
 
-    Columns: x_mm, y_mm, nx, ny (outward unit normal), curvature_per_mm (positive where convex). One closed outline,
-    clockwise from the valley on +y in the disc's frame, equally spaced by arc length; the first point is not repeated
-    at the end. Numbers are written with all digits.
+    With --part gear: one closed outline, clockwise from the valley on +y in the disc's frame, equally spaced by arc
+    length; the first point is not repeated at the end. Columns: x_mm, y_mm, nx, ny (outward unit normal) and
+    curvature_per_mm (positive where convex). Numbers are written with all digits.
 
     The outline is the nominal profile, at the distance of the pin radius from the path of the pins. The clearance
     with which the parts are cut (clearance.pin_gear_um or clearance.tooth_um) is NOT included.
