@@ -102,10 +102,8 @@ def _outcome(
 
     Parameters
     ----------
-    static
-        Static figures of the design.
-    figures
-        Figures of the catalogue by key.
+    static, figures
+        Static figures of the design, and figures of the catalogue by key.
     inheritance
         What a design file takes from its preset; None without a file.
     points

@@ -592,16 +592,11 @@ class _Recorder:
         return tables | {FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
-        """Yield every check of the `rows` of n samples.
+        """Yield for each check the samples (n,) of `rows` that fail it, and a function that describes one by its index.
 
         Checked are values that are not finite, warnings of MuJoCo, friction power, penetration, iterations of the
         solver, moving pins outside their sockets, and discs more than a quarter of a tooth pitch from their kinematic
-        angle.
-
-        Yields
-        ------
-        tuple
-            The samples (n,) that fail the check, and a function that describes the problem of sample i.
+        angle. The problem of a failed sample is described by its index among the `rows`, which have shape (n, values).
         """
         sensor_values = rows[:, self.steps.copied]
         _, penetration, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T
@@ -611,10 +606,8 @@ class _Recorder:
         if warning := self._warning:
             yield warnings > 0.0, lambda sample: warning()
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
-        friction_power, normal_power = (
-            pairs[:, :, sample_layout.FRICTION_POWER].sum(axis=1),
-            pairs[:, :, sample_layout.NORMAL_POWER].sum(axis=1),
-        )
+        friction_power = pairs[:, :, sample_layout.FRICTION_POWER].sum(axis=1)
+        normal_power = pairs[:, :, sample_layout.NORMAL_POWER].sum(axis=1)
         mean_friction = moving_means(friction_power, self._friction_history)
         self._friction_history = np.concatenate([self._friction_history, friction_power])[len(friction_power) :]
         yield mean_friction > self._jamming_power, partial(self._describe_jam, "friction dissipates", mean_friction)

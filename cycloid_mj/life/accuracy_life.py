@@ -272,10 +272,8 @@ def wear(
     ----------
     design
         A design, or the name of a preset or a file.
-    hours
-        Hours of running [h].
-    growth
-        Relative growth of the lost motion at which the accuracy life ends [1].
+    hours, growth
+        Hours of running [h], and relative growth of the lost motion at which the accuracy life ends [1].
     duty
         Torques and speeds with their shares of the time; by default the nominal torque at the design's speed.
     settings

@@ -63,10 +63,8 @@ def rate(
 
     Raises
     ------
-    DesignError
-        The crank does not turn.
-    RunError
-        No static equilibrium was found at a torque of the duty.
+    DesignError, RunError
+        The crank does not turn; no static equilibrium was found at a torque of the duty.
     UsageError
         The parts are to be toleranced, but the design has no tolerances.
     """

@@ -73,6 +73,17 @@ class ThermalSettings:
 SETTINGS = ThermalSettings()
 
 
+def _running_points(design: Design, duty: Duty) -> list[DutyPoint]:
+    """Return the points of a duty at which the crank turns; raise a `DesignError` if there are none."""
+    points = [point for point in duty.points if point.speed]
+    if not points:
+        raise DesignError(
+            f"{design.name}: drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a speed "
+            "other than 0, such as 1640 rpm"
+        )
+    return points
+
+
 def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings = SETTINGS) -> ThermalState:
     """Compute the steady temperatures of a drive, its warm-up and its thermal limits.
 
@@ -97,12 +108,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     """
     reducer = state_seals(Reducer(resolve(design).at_reference))
     duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
-    points = [point for point in duty.points if point.speed]
-    if not points:
-        raise DesignError(
-            f"{reducer.design.name}: drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a "
-            "speed other than 0, such as 1640 rpm"
-        )
+    points = _running_points(reducer.design, duty)
     steady_state = _solve_steady_state(reducer, points, settings)
     temperatures, heat = steady_state.temperatures, heat_by_node(reducer, steady_state.losses)
     warm = at_temperatures(reducer.design, temperatures)

@@ -15,7 +15,7 @@ from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
-from cycloid_mj.design import Named, resolve
+from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.settling import penetration_limit
@@ -74,6 +74,16 @@ _CRANK, _FORCE = "crank angle [deg]", "force [N]"
 Kinds = Mapping[str, ContactPressures]
 
 
+def _require_torque(design: Design, torque: float) -> float:
+    """Return the output `torque` [N m] of a measurement; raise a `UsageError` if it is not positive."""
+    if not torque > 0.0:
+        raise UsageError(
+            f"the output torque of {design.name} is {torque:g} N m, which is out of range: choose a torque greater "
+            "than 0 N m (--load-nm)"
+        )
+    return torque
+
+
 @shows_progress
 def loads(
     design: Named,
@@ -110,12 +120,7 @@ def loads(
         A run failed.
     """
     reducer = Reducer(resolve(design))
-    torque = reducer.design.rated_torque if load is None else load
-    if not torque > 0.0:
-        raise UsageError(
-            f"the output torque of {reducer.design.name} is {torque:g} N m, which is out of range: choose a torque "
-            "greater than 0 N m (--load-nm)"
-        )
+    torque = _require_torque(reducer.design, reducer.design.rated_torque if load is None else load)
     loaded = steady_design(reducer).but(load={"torque": torque})
     last = 3  # two runs and the capacities
     periods = LOADS.periods if quick else reducer.mesh_periods

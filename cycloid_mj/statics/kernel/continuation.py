@@ -94,23 +94,16 @@ def solve_by_arclength(
     over. Where a contact opens or closes it has a corner, beyond which it continues in the direction that preserves the
     sign of its determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12).
 
+    Returns the residual norm [N]: infinity if the path is lost, or wedges the parts.
+
     Parameters
     ----------
-    springs, k, load
-        Springs, index of the crank angle, and generalised load (u,) [N].
-    z
-        Array for the displacements.
-    order
-        Relation of friction and clearance along the path, see `search._PARAMETER_ORDERS`.
-    tolerance
-        Residual norm of a solution [N].
+    springs, k, load, z
+        Springs, index of the crank angle, generalised load (u,) [N], and array for the displacements.
+    order, tolerance
+        Relation of friction and clearance along the path, see `search._PARAMETER_ORDERS`; residual of a solution [N].
     system
         Residual, tangent and workspace, which are overwritten.
-
-    Returns
-    -------
-    float
-        Residual norm [N]; infinity if the path is lost, or wedges the parts.
     """
     unknown_count, end_parameter, path = z.size, 1.0 + abs(order), allocate_path(springs, z.size, order)
     point, next_point, path_tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * tolerance
