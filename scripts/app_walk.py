@@ -169,7 +169,7 @@ def looks(page: Tab, on_step: Shown) -> None:
     page.click("[role=tab]", "Loads")
     page.wait("document.querySelectorAll('.chart').length === 3", "forces over the turn")
     on_step("6-loads")
-    page.click("[role=tab]", "Error")
+    page.click("[role=tab]", "Accuracy")
     page.wait("document.querySelectorAll('.chart').length === 2", "transmission error and orders")
     on_step("7-error")
     page.click("[role=tab]", "3-D")

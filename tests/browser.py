@@ -4,7 +4,7 @@ from pathlib import Path
 
 from chromium import CHROMIUM, Tab, tab
 
-__all__ = ["CHROMIUM", "MISSING", "OVERHANG", "UNDRAWN", "Tab", "show", "tab"]
+__all__ = ["AXE", "CHROMIUM", "MISSING", "OVERHANG", "UNDRAWN", "Tab", "show", "tab", "violations"]
 
 MISSING = "needs Chromium (Debian: chromium)"
 
@@ -20,6 +20,20 @@ return [...document.body.querySelectorAll("*")].filter(e => {
 """What hangs over the right edge of the screen, but for what scrolls inside itself."""
 
 UNDRAWN = '[...document.images].filter(e => e.loading !== "lazy" && !e.naturalWidth).map(e => e.src)'
+
+
+AXE = Path(__file__).parent.parent / "node_modules" / "axe-core" / "axe.min.js"
+"""The rules of axe (Deque, MPL-2.0), once ``npm install --no-save axe-core`` has been run."""
+
+VIOLATIONS = """axe.run().then(({ violations }) => violations.map(rule =>
+    `${rule.id}: ${rule.nodes.slice(0, 3).map(node => `${node.target} (${node.failureSummary})`).join("; ")}`))"""
+
+
+def violations(page: Tab) -> list[str]:
+    """Return the rules of axe that the open page violates, with elements and reasons."""
+    if not page.run("!!window.axe"):
+        page.run(f"{AXE.read_text()};true")
+    return list(page.run(VIOLATIONS))
 
 
 def show(page: Tab, file: Path, width: int = 390, scheme: str = "dark") -> None:

@@ -132,7 +132,7 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
             if key in computed
         ],
         "losses": {**powers, "parts": [{"name": LOSSES[key], "watts": watts} for key, watts in losses.items()]},
-        "assumptions": list(sheet.assumptions),
+        "assumptions": [sentence_in_words(assumption) for assumption in sheet.assumptions],
     }
 
 
@@ -190,8 +190,9 @@ def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str]:
 
 def rated_items(rating: Rating) -> list[dict[str, Any]]:
     """Return the items of a rating that have a safety or a life, as rows with bars."""
-    items = rating.items.values()
-    return [rated_item(item, rating.life) for item in items if item.safety is not None or item.life is not None]
+    items = [item for item in rating.items.values() if item.safety is not None or item.life is not None]
+    rows = [rated_item(item, rating.life) for item in items]
+    return [row | {"title": sentence_in_words(row["title"])} for row in rows]
 
 
 def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str, float] | None, str]:
@@ -302,7 +303,8 @@ def sentence_in_words(text: str) -> str:
     """Replace keys of the design file and units in a sentence by the words and symbols of the page."""
     text = re.sub(r"\b[a-z]+(?:_[a-z]+)*\.[a-z][a-z0-9_]*", lambda match: key_in_words(match[0]), text)
     text = re.sub(r"\b(?:pin_gear|tooth|pin_socket|pin_sleeve|cam|output)(?: \+ \w+)+", _name_pairs, text)
-    return with_symbols(text)
+    text = re.sub(r"\b(?:pin_gear|pin_socket|pin_sleeve)\b", _name_pairs, text)
+    return with_symbols(re.sub(r"(?<=[a-z]{2})_(?=[a-z]{2})", " ", text))  # names of parts, not indices of formulas
 
 
 def _name_pairs(listed: re.Match[str]) -> str:

@@ -50,8 +50,8 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
         Lists with a row for each of the crank angles, which include both ends of the turn, and a column for each disc:
 
         ``teeth`` and ``output`` : dict
-            ``force`` [N], shape (angles, discs, contacts), ``position`` [mm] and unit ``direction`` of the contacts, shape
-            (angles, discs, contacts, 2).
+            ``force`` [N], shape (angles, discs, contacts), ``position`` [mm] and unit ``direction`` of the contacts,
+            shape (angles, discs, contacts, 2).
         ``cam``
             Force of the cam on each disc [N], shape (angles, discs, 2).
         ``discs``

@@ -178,12 +178,13 @@ def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iter
         weakest = min(items_of_kind, key=lambda item: item.margin(rating.life))
         margin = weakest.margin(rating.life)
         by_life = weakest.safety is None
+        limit = f" against a limit of {weakest.limit_text}" if weakest.limit_text else ""
         yield Check(
             name=kind,
             passed=margin >= 1.0,
             got=f"{weakest.verdict} ({weakest.name})",
             limit=f"at least {rating.life:g} h" if by_life else "at least 1",
-            why=f"{explanation}; {weakest.load_text}, limit {weakest.limit_text}, at {rating.duty}"
+            why=f"{explanation}; {weakest.load_text}{limit}, for {rating.duty}"
             f"{', toleranced parts' if rating.parts == 'toleranced' else ''}",
             remedy="" if margin >= 1.0 else REMEDY,
             severity="warning",

@@ -128,6 +128,12 @@ class Datasheet(Presented):
         """Return the value of a quantity."""
         return next(item.value for group in self.groups.values() for item in group if item.key == key)
 
+    @property
+    def diameter(self) -> float:
+        """Overall diameter [mm], with the covers if the drive has any."""
+        sizes = {item.key: item.value for item in self.groups.get("Mass and size", ())}
+        return sizes.get("drive_diameter_mm", 2e3 * self.design.housing.outer_radius)
+
     def as_json(self) -> dict[str, Any]:
         """Convert the sheet to JSON values."""
         items = [item for group in self.groups.values() for item in group]

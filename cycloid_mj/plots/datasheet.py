@@ -113,7 +113,7 @@ def _empty_page(sheet: Datasheet, number: int) -> Figure:
     figure.text(
         LAYOUT.left, 0.966, design.name, fontsize=_name_size(design.name), weight="bold", color="white", va="center"
     )
-    size = f"Ø{2e3 * design.housing.outer_radius:.4g} mm"
+    size = f"Ø{sheet.diameter:.4g} mm"
     kind = "ring pins" if design.ring.kind == "pin" else "an internal gear"
     discs = "" if design.gear.discs == 1 else f", {design.gear.discs} discs"
     figure.text(
@@ -145,7 +145,7 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
         figure.text(
             x + 0.012, bottom + 0.002, format_value(quantity), fontsize=13, weight="bold", color=NAVY, va="center"
         )
-        figure.text(x + 0.012, bottom - 0.016, quantity.unit, fontsize=6.5, color=SOFT, va="center")
+        figure.text(x + 0.012, bottom - 0.016, format_unit(quantity.unit), fontsize=6.5, color=SOFT, va="center")
 
 
 def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
@@ -160,7 +160,7 @@ def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], to
         text_style: dict[str, Any] = {"fontsize": 7.6, "va": "center", "color": INK}
         figure.text(name, line, quantity.name, **text_style)
         figure.text(unit - 0.012, line, format_value(quantity), weight="bold", ha="right", **text_style)
-        figure.text(unit, line, "" if quantity.unit == "1" else quantity.unit, **text_style)
+        figure.text(unit, line, format_unit(quantity.unit), **text_style)
         figure.text(condition, line, _shorten(quantity.note), **{**text_style, "fontsize": 6.2, "color": SOFT})
         line -= LAYOUT.row
         _draw_rule(figure, line + 0.5 * LAYOUT.row, RULE, 0.4)
@@ -179,6 +179,11 @@ def format_value(quantity: Quantity) -> str:
     if quantity.key == "ratio":
         return f"{quantity.value:.0f} : 1"
     return f"{quantity.value:.3g}" if abs(quantity.value) < 999.5 else f"{float(f'{quantity.value:.4g}'):.0f}"
+
+
+def format_unit(unit: str) -> str:
+    """Return a unit with its symbols, such as µm and cm²; empty for a number without a unit."""
+    return "" if unit == "1" else unit.replace("um", "µm").translate(str.maketrans("23", "²³"))
 
 
 def _draw_heading(figure: Figure, text: str, level: float) -> None:

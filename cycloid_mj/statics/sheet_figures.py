@@ -57,7 +57,7 @@ RV: tuple[Layout, ...] = ("rv",)
 BOTH: tuple[Layout, ...] = ("central", "rv")
 
 _IDEAL = "without friction and weight, at a locked crank: mean over a turn"
-_TURN = "over a turn of the crank; of an RV reducer: of the carrier"
+_TURN = "over a turn of the crank (RV reducer: of the carrier)"
 _LOADED = f"under the load, with friction, {_TURN}"
 _AT_SPEED = "under the load at the design's speed"
 

@@ -283,6 +283,8 @@ def test_items_of_the_life_tab_are_judged_as_by_rate(torque: float) -> None:
     for name, item in judged.items():
         assert rows[name]["judgement"] == item.judgement(rating.life)
         assert item.verdict in rows[name]["text"]
+    for text in (*(row["title"] for row in rows.values()), *summary.statics(reducer)["assumptions"]):
+        assert not re.search(r"[a-z]{2}_[a-z]{2}|[0-9] um\b", text), text
 
 
 def test_an_item_with_unlimited_life_passes_with_a_full_bar() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, MISSING, Tab, tab
+from browser import AXE, CHROMIUM, MISSING, Tab, show, tab, violations
 from made_run import made_run
 from pdf_text import pdf_text
 
@@ -51,7 +51,9 @@ def datasheet_of_one_value() -> str:
     quantity = Quantity("rated_torque", "Rated torque", 43.21, "N m", "for 6000 h")
     points = np.array([1.0, 2.0])
     curve = Curve("Life", "life", points, points, "torque [N m]", "life [h]")
-    sheet = Datasheet(PRESETS["pin"], 6000.0, {"Torque": (quantity,)}, (curve,) * 3, ("a note",), {}, ITEM)
+    sizes = Quantity("drive_diameter_mm", "Overall diameter", 108.4, "mm"), Quantity("run_out", "Run-out", 15.0, "um")
+    groups = {"Torque": (quantity,), "Mass and size": sizes}
+    sheet = Datasheet(PRESETS["pin"], 6000.0, groups, (curve,) * 3, ("a note",), {}, ITEM)
     return datasheet_page(sheet)
 
 
@@ -69,7 +71,7 @@ def outcome_with_a_table() -> str:
 
 
 PAGES = {
-    "datasheet": (datasheet_of_one_value, ["43.2", "N m", "Rated torque"]),
+    "datasheet": (datasheet_of_one_value, ["43.2", "N m", "Rated torque", "Ø108.4 mm", "15µm"]),
     "report": (report_of_a_run, ["4.13 arcsec", "1100 N"]),
     "rating": (rating_of_one_item, ["812.5", "1.23", "ISO6336-2"]),
     "outcome": (outcome_with_a_table, ["1.2345", "6.789 arcmin"]),
@@ -94,6 +96,19 @@ def test_figures_of_a_page_are_in_its_pdf(name: str, browser: Tab, tmp_path: Pat
     text = re.sub(r"\s+", "", pdf_text(pdf))
     for figure in figures:
         assert re.sub(r"\s+", "", figure) in text, text
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not AXE.exists(), reason="needs axe-core (npm install --no-save axe-core)")
+@pytest.mark.parametrize("name", PAGES)
+def test_axe_finds_nothing_on_a_page(name: str, browser: Tab, tmp_path: Path) -> None:
+    write, _ = PAGES[name]
+    file = tmp_path / "page.html"
+    file.write_text(write(), encoding="utf-8")
+    for width in (360, 768, 1280):
+        for scheme in ("light", "dark"):
+            show(browser, file, width, scheme)
+            assert not violations(browser), f"{width} px, {scheme}"
 
 
 def test_pictures_of_a_page_have_a_text_and_large_ones_are_pixels() -> None:

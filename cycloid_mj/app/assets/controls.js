@@ -2,6 +2,8 @@
 
 import { el, number, fill } from "./dom.js";
 
+const MAX_NARROW = 13; // characters of an option that are seen next to its label
+
 const layouts = new Map(); // container -> keys and options of its controls
 
 export function showControls(container, controls, apply) {
@@ -72,6 +74,7 @@ function update(row, control) {
   row.querySelector(".meaning").textContent = meaning(control);
   const select = row.querySelector("select");
   if (select) {
+    row.classList.toggle("long", control.options.some(([, words]) => words.length > MAX_NARROW));
     fill(select, ...control.options.map(([value, words]) => el("option", { value: JSON.stringify(value) }, words)));
     select.value = JSON.stringify(control.value);
     return;

@@ -58,7 +58,7 @@ export class Start {
       el("div", { class: "fields" }, FIELDS.map(field)),
       el("fieldset", {}, el("legend", {}, "Manufacturing process"), choice("process", PROCESS, values.process)),
       el("fieldset", {}, el("legend", {}, "Layout"), choice("discs", LAYOUT, values.discs)),
-      el("details", { open: MORE.some(([key, , , usual]) => (values[key] ?? "") !== (this.offers.processes[values.process][key] ?? usual)) || Boolean(values.material) }, el("summary", {}, "More: motor, speed, duty, length, backlash, material"),
+      el("details", { open: MORE.some(([key, , , usual]) => (values[key] ?? "") !== (this.offers.processes[values.process][key] ?? usual)) || Boolean(values.material) || (values.motor ?? "auto") !== "auto" }, el("summary", {}, "More: motor, speed, duty, length, backlash, material"),
         el("div", { class: "fields" }, select("motor", "Motor", Object.entries(this.offers.motors), "Its flange and shaft are part of the covers"), MORE.map(field), select("cooling", "Cooling", this.offers.cooling.map(name => [name, COOLING[name] ?? name]), "Of the housing"), el("label", { class: "field" }, el("span", {}, "Material"), this.material, el("small", {}, "Material of disc and housing")))),
       el("div", { class: "go" }, el("button", { class: "strong", type: "submit" }, "Find drives"), el("span", { class: "soft" }, "Search by static load and life calculation, with standard pins and bearings")));
     fill(this.dialog,

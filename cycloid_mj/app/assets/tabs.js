@@ -5,17 +5,17 @@ import { el, number, toast, refill, announce, JUDGED } from "./dom.js";
 import { lines, spikes, histogram, bars, judgedBars } from "./charts.js";
 import { Solid } from "./solid.js";
 
-const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Export" };
+const TABS = { figures: "Figures", turn: "Loads", error: "Accuracy", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Export" };
 const STUDIES = ["scatter", "stress"]; // tabs whose results stay until they are computed again
 
 export class Tabs {
   constructor(container, state, apply) {
-    Object.assign(this, { container, state, apply, open: "figures", last: {}, jobs: {}, other: null, printer: {} });
+    Object.assign(this, { container, state, apply, open: "figures", last: {}, jobs: {}, other: null, printer: {}, printed: true });
     this.choseMotor = () => {};
     this.solved = {
       error: newest("error", data => this.receive("error", data), words => this.receiveError("error", words)),
       solid: newest("solid", data => this.receive("solid", data), words => this.receiveError("solid", words)),
-      make: newest("build", data => this.receive("make", data), words => this.receiveError("make", words)),
+      make: newest("build", data => { this.printed = data.printed; this.receive("make", data); }, words => this.receiveError("make", words)),
     };
     this.list = el("div", { role: "tablist", "aria-label": "Results", onkeydown: event => this.#keys(event) }, Object.entries(TABS).map(([key, word]) =>
       el("button", { role: "tab", id: `tab-${key}`, "aria-controls": "panel", "aria-selected": String(key === this.open), tabindex: key === this.open ? "0" : "-1", onclick: () => this.choose(key) }, word)));
@@ -194,11 +194,12 @@ export class Tabs {
   }
 
   #scatter() {
-    const usual = this.spread ?? Math.max(1, Math.round((this.state().shown?.controls.find(one => one.key.startsWith("clearance."))?.value || 4) / 4));
-    const typed = el("input", { type: "number", min: "0.1", step: "any", value: String(usual), id: "spread", oninput: event => { this.spread = event.target.valueAsNumber; } });
+    const { shown, design } = this.state(), own = Object.keys(design).some(key => key.startsWith("tolerance."));
+    const usual = this.spread ?? (own ? "" : Math.max(1, Math.round((shown?.controls.find(one => one.key.startsWith("clearance."))?.value || 4) / 4)));
+    const typed = el("input", { type: "number", min: "0.1", step: "any", value: String(usual), placeholder: own ? "own" : "", id: "spread", oninput: event => { this.spread = event.target.value; } });
     const before = el("label", {}, "Tolerance of each size ± ", typed, " µm ");
-    return [el("p", { class: "soft" }, "Monte Carlo study: clearances, pin positions and eccentricity vary within this tolerance (uniform distribution, seed 0). Each sample is solved over all crank angles; the charts are updated as samples arrive."),
-      ...this.#study("scatter", "Run Monte Carlo", () => ({ spread_um: Number(typed.value) }), data => [
+    return [el("p", { class: "soft" }, `Monte Carlo study: clearances, pin positions and eccentricity vary within this tolerance (uniform distribution, seed 0).${own ? " If the field is empty, the tolerances of the design are used." : ""} Each sample is solved over all crank angles; the charts are updated as samples arrive.`),
+      ...this.#study("scatter", "Run Monte Carlo", () => ({ spread_um: typed.value === "" ? null : Number(typed.value) }), data => [
         el("p", {}, el("b", {}, `${data.samples} samples`), `, ${data.jam ? `of which ${number(100 * data.jam, 3)} % jam` : "none of which jams"}.`, el("span", { class: "sentence soft" }, `${data.condition}.`)),
         data.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "50 %"], [one.p95, "95 %"]])),
         data.budget?.length ? [el("h3", {}, `Share of each tolerance in the variance of: ${data.budget_of}`), bars(data.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : data.no_budget ? el("p", { class: "soft" }, `No error budget: ${data.no_budget}.`) : null], before)];
@@ -268,13 +269,14 @@ export class Tabs {
     const { motors = {}, beds = [], files = {} } = this.offers || {}, running = this.jobs.make, blocked = Boolean(this.errors || running);
     const button = (kind, words, look = "") => el("button", { class: look, disabled: blocked && kind !== "toml", onclick: () => this.#begin(kind, words) }, words);
     const choice = (words, options, value, change) => el("label", { class: "choose" }, el("span", {}, words), el("select", { onchange: event => change(event.target.value) }, options.map(([key, word]) => el("option", { value: key, selected: key === value }, word))));
+    const { printed } = this; // without parts of plastic there is no printer to choose
     const printer = change => { Object.assign(this.printer, change); };
     return [
       el("h3", {}, "Drive"),
       el("div", { class: "go" }, choice("Motor", Object.entries(motors), this.options().motor, motor => { delete this.last.make; delete this.last.solid; this.choseMotor(motor); this.#want(); this.#draw(); }),
-        choice("Printer bed", beds.map(bed => [bed, bed ? `${bed.split("x").join(" × ")} mm` : "one plate"]), this.printer.bed ?? "", bed => printer({ bed })),
-        el("label", { class: "choose" }, el("span", {}, "Printer offset [µm]"), el("input", { type: "number", min: "0", max: "500", step: "10", value: String(this.printer.offset_um ?? 0), onchange: event => printer({ offset_um: event.target.valueAsNumber || 0 }) }))),
-      el("div", { class: "go" }, button("drive", "All files to build it (ZIP)", "strong"), el("span", { class: "soft" }, "Plates with covers, test coupon, bill of materials, drawings, order of assembly, STEP")),
+        printed ? choice("Printer bed", beds.map(bed => [bed, bed ? `${bed.split("x").join(" × ")} mm` : "one plate"]), this.printer.bed ?? "", bed => printer({ bed })) : null,
+        printed ? el("label", { class: "choose" }, el("span", {}, "Printer offset [µm]"), el("input", { type: "number", min: "0", max: "500", step: "10", value: String(this.printer.offset_um ?? 0), onchange: event => printer({ offset_um: event.target.valueAsNumber || 0 }) })) : null),
+      el("div", { class: "go" }, button("drive", "All files to build it (ZIP)", "strong"), el("span", { class: "soft" }, `${printed ? "Print plates with covers, test coupon" : "Shapes of all parts (3MF)"}, bill of materials, drawings, order of assembly, STEP`)),
       running ? this.#progress(running) : null,
       this.wrong ? el("p", { class: "fails" }, this.wrong) : null,
       this.errors ? el("p", { class: "fails" }, "This design cannot be built. Resolve its errors first: the buttons above the tabs do so.") : null,

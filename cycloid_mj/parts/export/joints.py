@@ -320,7 +320,7 @@ def _dowel_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
             (above, (centres, radius, face, face + depth)),
         )
         yield Joint(
-            f"dowels of {below} and {above}",
+            f"dowels of {below} and {above}".replace("_", " "),
             JointKind.DOWELLED,
             (below, above),
             holes,
