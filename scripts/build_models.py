@@ -39,8 +39,8 @@ def at_step(name: str) -> Design:
 
 
 def two_discs() -> Design:
-    """Return the design of models/twodisc."""
-    return at_step("twodisc")
+    """Return the design of models/twodisc, with fixed friction coefficients: MuJoCo alone has no film friction."""
+    return override(at_step("twodisc"), ["friction.law=coulomb"])
 
 
 def two_disc_files() -> dict[str, bytes]:

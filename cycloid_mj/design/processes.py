@@ -43,6 +43,7 @@ class ProcessLimits:
 
 
 _BOUGHT = {"pin_material": {"name": "bearing steel"}}
+_GREASED = {"friction": {"law": "film"}}
 _HARD_CRANK = {"shaft_material": {"name": "case-hardened 16MnCr5"}}
 """At least 58 HRC under needles, as their load ratings require (SKF, Rolling bearings, 2018; NTN CAT. 2300)."""
 
@@ -54,10 +55,11 @@ PROCESSES: dict[Process, ProcessLimits] = {
         material="case-hardened 16MnCr5",
         others=("bearing steel",),
         stronger=(),
-        changes=_BOUGHT,
+        changes={**_BOUGHT, **_GREASED},
         reasons={
             "material.name": "turned, case-hardened and ground",
             "pin_material.name": "pins are bought: needle rollers",
+            "friction.law": "a greased drive of steel",
             "clearance.pin_gear": "ground parts leave a few micrometres",
         },
     ),
@@ -68,12 +70,13 @@ PROCESSES: dict[Process, ProcessLimits] = {
         material="tempered steel",
         others=("nitrided 42CrMo4", "case-hardened 16MnCr5"),
         stronger=("steel",),
-        changes={**_BOUGHT, **_HARD_CRANK, "ring": {"pins": "fixed"}},
+        changes={**_BOUGHT, **_GREASED, **_HARD_CRANK, "ring": {"pins": "fixed"}},
         reasons={
             "ring.pins": "pressed in: no sockets to mill",
             "shaft_material.name": "needles run on the crank: it is hardened and ground",
             "material.name": "milled or wire-cut from the tempered bar",
             "pin_material.name": "pins are bought: dowels, pressed in",
+            "friction.law": "a greased drive of steel",
             "clearance.pin_gear": "milled parts keep a hundredth of a millimetre or two",
         },
     ),

@@ -252,7 +252,8 @@ def _heat(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads)
     cylinder of the housing.
     """
     discs = requirement.discs or 1
-    plain = design.friction.output * sizes.core / np.maximum(sizes.stud, 1e-6)
+    sliding = design.friction.boundary if design.has_film else design.friction.output
+    plain = sliding * sizes.core / np.maximum(sizes.stud, 1e-6)
     rolls = np.where(sizes.needle_dynamic > 0.0, design.friction.output_rolling, plain)
     lost = design.mesh_friction * loads.tooth_loss
     lost = lost + rolls * loads.pin_sum * sizes.eccentricity * requirement.speed * discs

@@ -68,6 +68,12 @@ CASE_K = [
 """Its ring, discs and output (29:1, 58 N m a disc) on a crank of our own, with pressed-in pins, which cost little."""
 
 
+FRICTIONLESS = [
+    "friction.law=coulomb",
+    *(f"friction.{kind}=0" for kind in ("pin_gear", "cam", "cam_rolling", "output", "output_rolling")),
+]
+
+
 def case_k(*changes: str) -> Design:
     return override(PRESETS["pin"], [*CASE_K, *changes])
 
@@ -122,10 +128,9 @@ def test_meshes_of_two_discs_touch_their_mates_with_the_forces_of_profiles(
 @pytest.fixture(scope="module")
 def run() -> Run:
     """A little more than a turn of the crank, without friction."""
-    frictionless = [f"friction.{kind}=0" for kind in ("pin_gear", "cam", "cam_rolling", "output", "output_rolling")]
     stiff = [f"clearance.{kind}_um=0.1" for kind in ("pin_gear", "cam", "output")]
     turn = ["drive.speed_rpm=600", "drive.hold_s=0.12", "load.rise_s=0.01", "settings.timestep_us=10"]
-    return simulate(case_k(*frictionless, *stiff, *turn, "settings.log_rate_hz=4000"))
+    return simulate(case_k(*FRICTIONLESS, *stiff, *turn, "settings.log_rate_hz=4000"))
 
 
 def test_a_log_has_columns_of_each_disc_and_figures_of_each(run: Run) -> None:
@@ -250,10 +255,9 @@ def shares(run: Run) -> Array:
 @pytest.mark.parametrize("changes", [("output.support=cantilever",), ("errors.disc_dr_um={2=1.0}",)])
 def test_a_slow_run_shares_the_load_as_statics_does(changes: tuple[str, ...]) -> None:
     """Pins that bend, or a disc that is larger, put unequal loads on two discs: statics has them by another way."""
-    frictionless = [f"friction.{kind}=0" for kind in ("pin_gear", "cam", "cam_rolling", "output", "output_rolling")]
     slow = ["drive.speed_rpm=300", "drive.ramp_s=0", "drive.hold_s=0.05", "load.rise_s=0.01", "load.torque_nm=116"]
     logged = ["settings.timestep_us=10", "settings.log_rate_hz=2000"]
-    design = override(PRESETS["twodisc"], [*frictionless, *slow, *logged, *changes])
+    design = override(PRESETS["twodisc"], [*FRICTIONLESS, *slow, *logged, *changes])
     run = simulate(design)
     assert not run.warnings
     settled = run.select(run.time > 0.034)
@@ -375,9 +379,6 @@ def test_a_ring_of_a_second_output_disc_is_cut_in_wedges() -> None:
     pieces = decompose(wedge, ConvexSettings())
     assert pieces.quality.max_overfill < wedge.bound
     assert wedge.region.z1 < -15e-3
-
-
-FRICTIONLESS = [f"friction.{kind}=0" for kind in ("pin_gear", "cam", "cam_rolling", "output", "output_rolling")]
 
 
 def mesh_orders(teeth: int, discs: int) -> dict[int, float]:

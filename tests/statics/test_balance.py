@@ -31,7 +31,8 @@ def odd(name: str) -> Design:
 
 def wide(play: float) -> Design:
     """Return the preset of two discs with wide clearances [um]."""
-    return override(PRESETS["twodisc"], [f"clearance.{kind}_um={play}" for kind in ("pin_gear", "cam", "output")])
+    plays = [f"clearance.{kind}_um={play}" for kind in ("pin_gear", "cam", "output")]
+    return override(PRESETS["twodisc"], ["friction.law=coulomb", *plays])
 
 
 @pytest.mark.parametrize("path", ZOO, ids=lambda path: path.stem)

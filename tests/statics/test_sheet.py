@@ -140,7 +140,8 @@ def test_losses_are_input_power_minus_output_power() -> None:
 @pytest.mark.parametrize("share", [pytest.param(1e-4, marks=pytest.mark.slow), 1e-3])
 def test_under_a_light_ring_load_the_carrier_supports_the_losses(share: float) -> None:
     """Discs flung outwards at four times the speed rub more than the load: the carrier is held against its sense."""
-    fast = override(PRESETS["twodisc"], ["gear.bearing=plain", "friction.cam=0.25", "friction.output=0.25"])
+    friction = ["friction.law=coulomb", "friction.cam=0.25", "friction.output=0.25"]
+    fast = override(PRESETS["twodisc"], ["gear.bearing=plain", *friction])
     design = fast.but(output={"member": "ring"}, drive={"speed": 4.0 * fast.drive.speed})
     springs = springs_of(Reducer(design), np.linspace(0.0, 2.0 * np.pi, 90, endpoint=False))
     torque = share * design.rated_torque
