@@ -86,6 +86,7 @@ def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple
             definition=definition.format(words),
             need=Need.STRESS,
             function=_part_function(kind, key),
+            layouts=("central", "rv") if kind in ("gear", "ring", "pin") else ("central",),
         )
         for kind, words in PARTS.items()
     )

@@ -33,7 +33,7 @@ from cycloid_mj.cli.stressfiles import FIGURES, FILES, STEM, Drawn, outcome_of
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.papers import stress_references
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.base.record import Run
@@ -184,6 +184,9 @@ def stress(
     with other supports is listed below. For the designs of Hsieh 2014 without load, a further table compares the
     stresses with Figs 10-16 of this paper.
 
+    An RV reducer is not simulated: the forces on its discs, ring and pins are those of its static balance with
+    friction. A further table lists cranks (beams with notch factors) and tooth roots (ISO 6336-3).
+
     The bulk begins at a distance d from narrow contacts and sharp inner corners, where the largest stress reaches a
     plateau. The tables list d and the effect of its choice: the decrease of the stress to 2d, or its change with half
     or twice the distance from corners. If the nominal stress times the notch factor of a fillet is larger, the safety
@@ -241,8 +244,8 @@ def _require_springs(springs: bool, has_selection: bool) -> None:
         )
 
 
-Logged = tuple[Design, "Run", Path]
-"""A design, its run, and the log of the run."""
+Logged = tuple[Design, "Run | None", Path | None]
+"""A design, its run, and the log of the run; without run: an RV reducer, whose forces are those of statics."""
 Grids = dict[str, "Grid"]
 """Part -> its finite-element grid."""
 
@@ -282,7 +285,7 @@ def _simulate(
 ) -> _Job:
     """Mesh the requested parts, claim the files of the results, and simulate one turn of each design under a load.
 
-    `load` is the load torque [N m]; None: that of the design, or its nominal torque.
+    `load` is the load torque [N m]; None: that of the design, or its nominal torque. RV reducers are not simulated.
     """
     from cycloid_mj.cli.batch import run_all
     from cycloid_mj.log import read
@@ -291,12 +294,15 @@ def _simulate(
     designs = [for_one_turn(design, load) for design in designs]
     _require_runnable(designs)
     grids = _plan_cost(designs, parts, settings, delivery.quiet)
-    files = (*(f"{design.name}.mcap" for design in designs), *FILES)
+    simulated = [design for design in designs if design.layout == Reducer.LAYOUT]
+    files = (*(f"{design.name}.mcap" for design in simulated), *FILES)
     directory = logs_folder(RUNS, delivery.out, files, delivery.force)
     destination = _claim(directory, delivery)
-    logs = {design: directory / f"{design.name}.mcap" for design in designs}
-    run_all(logs, delivery.force, delivery.quiet)
-    return _Job([(design, read(path), path) for design, path in logs.items()], grids, destination)
+    logs = {design: directory / f"{design.name}.mcap" for design in simulated}
+    if logs:
+        run_all(logs, delivery.force, delivery.quiet)
+    runs = ((design, logs.get(design)) for design in designs)
+    return _Job([(design, read(path) if path else None, path) for design, path in runs], grids, destination)
 
 
 def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | None, delivery: StressDelivery) -> int:
@@ -308,6 +314,9 @@ def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | 
     from cycloid_mj.stress.mounts import read_mounts
     from cycloid_mj.stress.springs import part_springs
 
+    for design in designs:
+        if design.layout != Reducer.LAYOUT:
+            raise UsageError(f'--springs does not support layout = "{design.layout}" ({design.name}): remove it')
     mounting = None if mounts is None else read_mounts(Path(mounts))
     _require_runnable(designs)
     names = [f"{design.name}-springs.toml" for design in designs]
@@ -360,7 +369,7 @@ def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "Study
 
     parts_by_design = _parts_by_design(designs, parts)
     grids = [
-        study_grids(Reducer(design), names, settings) for design, names in zip(designs, parts_by_design, strict=True)
+        study_grids(reducer_of(design), names, settings) for design, names in zip(designs, parts_by_design, strict=True)
     ]
     cost_of_study = add_costs(
         estimate_cost(grid, settings) for grids_of_design in grids for grid in grids_of_design.values()
@@ -410,13 +419,13 @@ def _study_parts(
     return [
         stress_study(
             run,
-            Reducer(design),
+            reducer_of(design),
             tuple(grids),
             settings,
-            str(path),
+            str(path) if path else None,
             partial(reporter.report_part, design.name),
             grids,
-            stress_references(Reducer(design)),
+            stress_references(reducer_of(design)),
         )
         for (design, run, path), grids in zip(runs, grids_by_run, strict=True)
         if grids
@@ -434,9 +443,9 @@ def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[li
     from cycloid_mj.stress.loads import part_names, require_part
 
     for part in parts:
-        if not any(part in part_names(Reducer(design)) for design in designs):
-            require_part(Reducer(designs[0]), part)
-    return [[part for part in part_names(Reducer(design)) if part in parts or not parts] for design in designs]
+        if not any(part in part_names(reducer_of(design)) for design in designs):
+            require_part(reducer_of(designs[0]), part)
+    return [[part for part in part_names(reducer_of(design)) if part in parts or not parts] for design in designs]
 
 
 class _TimeReporter:

@@ -53,6 +53,13 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
             for item in findings
             for part in item.parts
             if part.safety < 1.0
+        ]
+        + [
+            f"{item.design} {part}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
+            for item in findings
+            if item.strength
+            for part, stress in item.strength.largest.items()
+            if stress > item.strength.yield_strength
         ],
         warnings=[
             (
@@ -75,7 +82,7 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
         ],
         tables=[*_tables(findings), *_claim_tables(verdicts)],
         notes=[*_notes(findings), *_claim_notes(verdicts, any(item.references for item in findings))],
-        summary=["logs: " + " ".join(str(item.log) for item in findings)],
+        summary=["logs: " + " ".join(logs)] if (logs := [item.log for item in findings if item.log]) else [],
         frame=make_frame(list(_rows(findings)), COLUMNS, {}),
         pictures=pictures,
         files=maps,
@@ -123,10 +130,16 @@ def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:
 
 def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
     """Choose the parts that are nearest to yielding."""
-    parts = [(f"{item.design} {part.part}", part) for item in findings for part in item.parts]
+    parts = [(part.safety, f"{item.design} {part.part}", part.governing) for item in findings for part in item.parts]
+    parts += [
+        (item.strength.yield_strength / stress, f"{item.design} {part}", stress)
+        for item in findings
+        if item.strength
+        for part, stress in item.strength.largest.items()
+    ]
     return {
-        name: f"{part.governing / MEGAPASCAL:.3g} MPa, safety {part.safety:.3g}"
-        for name, part in nsmallest(MOST_FIGURES, parts, key=lambda each: each[1].safety)
+        name: f"{stress / MEGAPASCAL:.3g} MPa, safety {safety:.3g}"
+        for safety, name, stress in nsmallest(MOST_FIGURES, parts)
     }
 
 
@@ -148,18 +161,29 @@ def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | s
 
 
 def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
-    """Yield two tables for each design: the stress of its parts away from contacts, and below contacts."""
-    from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
+    """Yield the tables of each design: the stress of its parts away from contacts, and below contacts.
+
+    An RV reducer has a table of its cranks and gears, too.
+    """
+    from cycloid_mj.stress.table import (
+        BULK_HEADER,
+        CONTACT_HEADER,
+        STRENGTH_HEADER,
+        bulk_table,
+        contact_table,
+        strength_table,
+    )
 
     for item in findings:
         title = f"{item.design}, {item.load:g} N m"
         yield Table(f"{title}, away from contacts", BULK_HEADER, tuple(map(tuple, bulk_table(item))))
         yield Table(f"{title}, below contacts", CONTACT_HEADER, tuple(map(tuple, contact_table(item))))
+        if item.strength:
+            yield Table(f"{title}, cranks and gears", STRENGTH_HEADER, tuple(strength_table(item.strength)))
 
 
 def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
     """Yield notes on the tables of a stress study: definitions, remarks on parts, force balance and assumptions."""
-    from cycloid_mj.stress.findings import ASSUMPTIONS
     from cycloid_mj.stress.table import part_notes
 
     yield (
@@ -170,7 +194,7 @@ def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
             yield from part_notes(part)
         balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in item.parts)
         yield f"{item.design}, force imbalance relative to the largest force: {balance}"
-    yield from (f"assumed: {text}" for text in ASSUMPTIONS)
+    yield from (f"assumed: {text}" for text in dict.fromkeys(text for item in findings for text in item.assumptions))
 
 
 def _claim_tables(verdicts: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:

@@ -7,6 +7,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design
 from cycloid_mj.design.layouts import Layout, unsupported_layout
+from cycloid_mj.design.model import BEARING_CORNER, SHARES
 from cycloid_mj.design.rv import CrankErrors, Cranks, CrankTolerance, Planet
 from cycloid_mj.reducer.reducer import Reducer
 
@@ -128,6 +129,11 @@ class RvReducer(Reducer):
     def journal_radius(self) -> float:
         """Radius of a crank's journals [m]: the largest over which the needle cages reach the eccentrics."""
         return self.cranks.eccentric_radius - self.design.gear.eccentricity
+
+    @property
+    def journal_fillet(self) -> float:
+        """Radius of the fillets between journals and eccentrics [m], by the rule for the shoulders of a shaft."""
+        return min(SHARES.fillet * self.journal_radius, BEARING_CORNER)
 
     @property
     def flange_wall(self) -> float:

@@ -157,6 +157,8 @@ class RvLoads:
         Rotation of the carrier from its ideal angle [rad], shape (m,).
     compliance
         Its derivative by the torque on the carrier [rad/(N m)], shape (m,).
+    displacements
+        Displacements z [m], shape (m, u).
     """
 
     pins: Array
@@ -164,6 +166,7 @@ class RvLoads:
     flanks: Array
     carrier_turn: Array
     compliance: Array
+    displacements: Array
 
     @property
     def bearings(self) -> Array:
@@ -375,6 +378,7 @@ def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
         flanks=force[:, springs.pins :].reshape(len(displacements), 2, -1),
         carrier_turn=displacements[:, springs.carrier] / springs.lever,
         compliance=np.asarray(compliance / springs.lever),
+        displacements=displacements,
     )
 
 
@@ -434,6 +438,15 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     return gaps, rise - turn, along - by_turn
 
 
+def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
+    """Return the gradients of the gaps of pins and planet flanks at displacements (m, u) [m], shape (m, c, u) [1]."""
+    _, rise, arm = _contact_gaps(springs, displacements)
+    gradients = springs.slope.copy()
+    gradients[:, : springs.pins] += rise[..., np.newaxis] * springs.shift_slope
+    gradients[:, np.arange(springs.pins), 3 * springs.disc + 2] -= arm / springs.lever
+    return gradients
+
+
 def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
     """Return the forces of cranks on discs (m, D, n, 2) [N], their energy (m, D, n) [J], and the tangent [N/m].
 
@@ -477,10 +490,8 @@ def _times(slope: Array, force: Array) -> Array:
 
 def _tangent(springs: RvSprings, displacements: Array) -> Array:
     """Return the tangent stiffness without the curvature of flanks (m, u, u) [N/m]."""
-    gaps, rise, arm = _contact_gaps(springs, displacements)
-    slopes, turning = springs.slope.copy(), 3 * springs.disc + 2
-    slopes[:, : springs.pins] += rise[..., np.newaxis] * springs.shift_slope
-    slopes[:, np.arange(springs.pins), turning] -= arm / springs.lever
+    gaps, _, _ = _contact_gaps(springs, displacements)
+    slopes = contact_gradients(springs, displacements)
     slopes *= np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]
     tangent = np.swapaxes(slopes, 1, 2) @ slopes
     count = displacements.shape[1]

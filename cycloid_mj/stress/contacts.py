@@ -13,8 +13,10 @@ from scipy.special import j1
 from cycloid_mj.base.array import Array, Mask, cross
 from cycloid_mj.base.names import (
     CAM,
+    CRANK,
     FORCE_X,
     FORCE_Y,
+    GEAR,
     LOBE,
     MOMENT,
     OUTPUT_PIN,
@@ -26,10 +28,11 @@ from cycloid_mj.base.names import (
     planar_joints,
 )
 from cycloid_mj.geometry import profile
-from cycloid_mj.geometry.ideal_loads import hertz_line_contact
+from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
 from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.parts import output_centres
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
+from cycloid_mj.reducer.contact import CONTACT, STRIBECK
 from cycloid_mj.reducer.sockets import wall_radius
 from cycloid_mj.stress.flank import lobe_contact_point, lobe_lines
 from cycloid_mj.stress.turn import Turn
@@ -219,12 +222,16 @@ def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | f
 def pin_centre(turn: Turn, pin: int) -> Array:
     """Compute the centre of a ring pin (index from 0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
     ring = turn.reducer.design.ring
-    nominal = (
-        ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_displacement[pin]
-    )
+    nominal = nominal_pin_centre(turn.reducer, pin)
     if not ring.has_pin_bodies:
         return np.broadcast_to(nominal, (turn.angle.size, 2))
     return nominal + turn.vectors(*planar_joints(numbered_name(PIN, pin + 1))[:2])
+
+
+def nominal_pin_centre(reducer: Reducer, pin: int) -> Array:
+    """Compute the centre of a ring pin in the middle of its socket [m], shape (2,); indices as in `pin_centre`."""
+    ring = reducer.design.ring
+    return ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + reducer.deviations.pin_displacement[pin]
 
 
 def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
@@ -272,7 +279,12 @@ def _in(seat: PartFrame, action: Action) -> Action:
 
 
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
-    """List the contacts of the disc of an index, in its frame: teeth, the cam in its bore, output pins in its holes."""
+    """List the contacts of the disc of an index, in its frame: teeth, and the cam and the output pins in their holes.
+
+    In an RV reducer, cranks are in the holes.
+    """
+    if isinstance(turn.reducer, RvReducer):
+        return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), *_crank_contacts(turn, turn.reducer, disc)]
     frame = _disc(turn, disc)
     cam = _hole_contact(turn, _pair_name(turn, CAM, disc), "cam", _in(frame, _on_gear(turn, CAM, disc)), np.zeros(2))
     centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_displacement[disc]
@@ -282,6 +294,35 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
         for name, centre in zip(names, centres, strict=True)
     ]
     return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), cam, *holes]
+
+
+def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartContact]:
+    """List the contacts of the cranks with the bores of a disc, in its frame, with the most loaded needle of each."""
+    frame, contacts = _disc(turn, disc), []
+    bores = reducer.stage.crank_places([0.0])[0]
+    for number, centre in enumerate(bores, start=1):
+        name = _pair_name(turn, numbered_name(CRANK, number), disc)
+        action = _in(frame, _on_gear(turn, numbered_name(CRANK, number), disc))
+        width = np.full_like(action.size, MAX_HALF_ANGLE * reducer.bore_radius)
+        position = action.on_hole(centre, reducer.bore_radius, width)
+        line = needle_contact(reducer, action.size, -1.0 / reducer.bore_radius)
+        contacts.append(PartContact(name, action, position, width, line))
+    return contacts
+
+
+def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -> HertzStrip:
+    """Compute the line contact of the most loaded needle of a crank under forces on a disc [N], shape (k,).
+
+    `raceway_curvature` [1/m] is that of the eccentric, or of the bore, which is negative.
+    """
+    cranks, material = reducer.cranks, reducer.design.material_of(GEAR)
+    load = force * STRIBECK / cranks.needles
+    modulus = contact_modulus(material.youngs_modulus, material.poisson)
+    curvature = 1.0 / cranks.needle_radius + raceway_curvature
+    strip = hertz_line_contact(load, reducer.design.gear.face_width, curvature, modulus)
+    return HertzStrip(
+        strip.peak_pressure, strip.half_width, strip.half_width < CONTACT.hertz_reach * cranks.needle_radius
+    )
 
 
 def _ring_contacts(turn: Turn) -> list[PartContact]:

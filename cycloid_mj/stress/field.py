@@ -10,7 +10,7 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.stress.bulk import (
     DISTANCES_PER_OCTAVE,
     Distances,
@@ -132,7 +132,7 @@ def solve(
 
     Raises as `part_case`.
     """
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     case = part_case(reducer, grid, loads)
     responses = list(_responses(case))
     distances = measure_distances(grid, case)
@@ -283,7 +283,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     CycloidError
         As for ``solve``.
     """
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     if not 0 <= index < len(loads.angle):
         raise UsageError(
             f"index = {index} (of the crank angle of the loads) is out of range: choose an index from 0 to "

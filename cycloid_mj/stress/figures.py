@@ -11,10 +11,10 @@ from cycloid_mj.comparison import settling_time
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.figures import figure
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.stress.findings import PartFindings, StressFindings
-from cycloid_mj.stress.loads import part_names
+from cycloid_mj.stress.loads import part_names, turn_of
 from cycloid_mj.stress.mounts import Mounts
 from cycloid_mj.stress.part_compliance import compute_part_compliance
 from cycloid_mj.stress.study import QUICK, part_study
@@ -24,16 +24,20 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     """Return a design that runs at full speed from the start, for one settled crank turn in the frame of the ring.
 
     The log has at least 720 samples per turn. `load` is the torque [N m]; by default the design's own, or its nominal
-    torque if that is 0. Without speed, the duration stays as it is.
+    torque if that is 0. Without speed, the duration stays as it is. An RV reducer does not run, and only its load
+    changes.
 
     Raises
     ------
     DesignError
         The ring is in two halves.
     """
-    require_one_ring(Reducer(design), "stress by finite elements")
     load = load if load is not None else design.load.torque or round(design.rated_torque, 9)
-    design = design.but(drive={"ramp": 0.0}, load={"torque": load})
+    design = design.but(load={"torque": load})
+    if design.layout == RvReducer.LAYOUT:
+        return design
+    require_one_ring(Reducer(design), "stress by finite elements")
+    design = design.but(drive={"ramp": 0.0})
     if design.drive.speed == 0.0:
         return design
     rate = max(design.settings.log_rate, 720 * abs(design.drive.speed) / (2.0 * math.pi))
@@ -41,23 +45,23 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     return design.steady(settling_time(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": rate})
 
 
-def run_for_one_turn(design: Design, load: float | None = None) -> tuple[Reducer, Run]:
-    """Simulate a design as of `for_one_turn`; return the reducer that ran, and its run."""
+def run_for_one_turn(design: Design, load: float | None = None) -> tuple[Reducer, Run | None]:
+    """Simulate a design as of `for_one_turn`; return the reducer that ran, and its run, None for an RV reducer."""
     from cycloid_mj.dynamics.run import simulate
 
-    design = for_one_turn(design, load)
-    return Reducer(design), simulate(design)
+    reducer = reducer_of(for_one_turn(design, load))
+    return reducer, None if isinstance(reducer, RvReducer) else simulate(reducer.design)
 
 
 @once
-def _run_of(reducer: Reducer) -> tuple[Reducer, Run]:
+def _run_of(reducer: Reducer) -> tuple[Reducer, Run | None]:
     return run_for_one_turn(reducer.design)
 
 
 @once
 def _study_part(reducer: Reducer, part: str) -> PartFindings:
     ran, run = _run_of(reducer)
-    return part_study(run, ran, part, QUICK).findings
+    return part_study(turn_of(run, ran, QUICK.turn), ran, part, QUICK).findings
 
 
 def _largest(values: Iterable[float]) -> float:

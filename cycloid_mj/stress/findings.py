@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,8 +13,22 @@ from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.notch import Notch
 from cycloid_mj.stress.stress_range import StressRange
 
+if TYPE_CHECKING:
+    from cycloid_mj.stress.rv_strength import RvStrength
+
 MAX_CHANGE = 0.03
 """Largest relative change of a maximum with a finer grid for which it counts as converged."""
+
+_LOBES = "the force of one lobe of the internal gear, a sum of up to three contact lines, acts as a single force"
+
+_FREE_PARTS = "the free parts (disc and pin 1) accelerate under their forces (d'Alembert)"
+
+_BULK = (
+    "bulk stress is the largest von Mises stress beyond a distance d from all narrow contacts and sharp inner "
+    "corners, where it is on a plateau: the smallest d from which it falls by less than 5 % to the next distance, "
+    "1.41 d. Contact stress is the largest stress below a narrow contact by Hertz theory of a long strip; conformal "
+    "contacts belong to the bulk"
+)
 
 ASSUMPTIONS = (
     "the crank turn is the last of the run; between its beginning and end, disc and output turn on by one lobe, so "
@@ -27,17 +41,33 @@ ASSUMPTIONS = (
     "each force acts on an elliptical patch of the Hertz half-width, at most 60 deg of the thinner cylinder; the "
     "force of the cam acts on 60 deg of its bore (as in the loaded half of a roller bearing), with the contact "
     "stress of the most loaded roller",
-    "the force of one lobe of the internal gear, a sum of up to three contact lines, acts as a single force",
-    "the free parts (disc and pin 1) accelerate under their forces (d'Alembert)",
+    _LOBES,
+    _FREE_PARTS,
     "the housing is fixed at the circles that its bolts clamp, or all around its outside (housing.support); the "
     "output disc at a hub with the radius of the shaft; the shaft in two bearings that transmit pressure only "
     "(shaft.mounting)",
     "fillets are not meshed: their stress is the nominal stress of beam theory times the notch factor of a shoulder "
     "by DIN 743-2; output rollers distribute their force on the core pins over 60 deg to each side",
-    "bulk stress is the largest von Mises stress beyond a distance d from all narrow contacts and sharp inner "
-    "corners, where it is on a plateau: the smallest d from which it falls by less than 5 % to the next distance, "
-    "1.41 d. Contact stress is the largest stress below a narrow contact by Hertz theory of a long strip; conformal "
-    "contacts belong to the bulk",
+    _BULK,
+)
+
+RV_ASSUMPTIONS = (
+    "the forces are those of the static balance with friction over a turn of the cranks relative to the carrier, after "
+    "which all loads repeat; weight and inertia are left out",
+    "linear elasticity; discs, ring and pin 1 in plane stress over the face width, or in 3-D if requested, with forces "
+    "uniform over the width; ring and pin 1 are as wide as all discs",
+    "each force acts on an elliptical patch of the Hertz half-width, at most 60 deg of the thinner cylinder; the "
+    "force of a crank acts on 60 deg of its bore (as in the loaded half of a roller bearing), with the contact "
+    "stress of the most loaded needle",
+    "the housing is fixed at the circles that its bolts clamp, or all around its outside (housing.support)",
+    "cranks are beams on two bearings in the middles of the flanges, under the forces of each disc, uniform over its "
+    "width, and of the planet; their stress is the nominal one at the ends of the eccentrics times the notch factor of "
+    "a shoulder by DIN 743-2",
+    "teeth of sun and planets: nominal stress by ISO 6336-3, method B, under the largest force on a planet, without "
+    "factors for application, dynamics and uneven load",
+    _LOBES,
+    _FREE_PARTS,
+    _BULK,
 )
 
 
@@ -287,6 +317,7 @@ class StressFindings:
 
     `design` is its name, `ring` the kind of its ring, `load` the torque [N m], `log` the run's file, `yield_strength`
     in [Pa], `parts` their findings, `wall` the wall time [s], and `references` published stresses by part, at any load.
+    `strength` is the stress of cranks and gears of an RV reducer, which has no log.
     """
 
     design: str
@@ -297,6 +328,12 @@ class StressFindings:
     parts: tuple[PartFindings, ...]
     wall: float
     references: Mapping[str, Reference] = field(default_factory=dict)
+    strength: "RvStrength | None" = None
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Assumptions of the study, a sentence each."""
+        return RV_ASSUMPTIONS if self.strength else ASSUMPTIONS
 
     def __getitem__(self, part: str) -> PartFindings:
         """Return the findings of a part."""
@@ -321,6 +358,7 @@ class StressFindings:
             "log": self.log,
             "yield_strength_mpa": self.yield_strength / MEGAPASCAL,
             "parts": [findings.as_json() | {"reference": references.get(findings.part)} for findings in self.parts],
-            "assumptions": list(ASSUMPTIONS),
+            "cranks_and_gears": self.strength and self.strength.as_json(),
+            "assumptions": list(self.assumptions),
             "wall_s": self.wall,
         }

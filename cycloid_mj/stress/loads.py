@@ -12,7 +12,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts import MassProperties, body_solids, mass_properties
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.stress.contacts import Action, list_contacts, part_frame, rotate_vectors, total
 from cycloid_mj.stress.turn import DEGREES, Turn, select_turn
 
@@ -61,13 +61,15 @@ class PartLoads:
 
 
 def part_names(reducer: Reducer) -> tuple[str, ...]:
-    """Return the names of the parts of a design whose stress can be computed.
+    """Return the names of the parts of a design whose stress can be computed by finite elements.
 
     With sleeves these are without ring and pins: the housing supports such pins next to the disc, out of the plane.
     """
     design = reducer.design
     left_out = {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
     discs = gears(design.gear.discs)
+    if isinstance(reducer, RvReducer):
+        left_out |= {"shaft", "output"}
     return tuple(name for part in PARTS if part not in left_out for name in (discs if part == GEAR else (part,)))
 
 
@@ -96,7 +98,11 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
         The run contains no design or no forces, or its hold is too short or too coarse.
     """
     require_part(reducer, part)
-    sampled = select_turn(run, reducer, angles)
+    return loads_in_turn(select_turn(run, reducer, angles), part)
+
+
+def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
+    """Compute the loads on a part at the crank angles of a turn, as `part_loads`."""
     touching = list_contacts(sampled, part)
     return PartLoads(
         part=part,
@@ -110,6 +116,25 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
         labels=tuple(contact.name for contact in touching),
         **_motion_loads(sampled, part, total(touching)),
     )
+
+
+def turn_of(run: Run | None, reducer: Reducer, angles: npt.ArrayLike) -> Turn:
+    """Return a turn of a run at crank angles [rad], shape (k,), or without a run that of the static balance.
+
+    Raises
+    ------
+    UsageError
+        Only an RV reducer has a static balance here; or the run is not that of the reducer.
+    LogError
+        The run contains no design or no forces, or its hold is too short or too coarse.
+    """
+    if run is not None:
+        return select_turn(run, reducer, angles)
+    if not isinstance(reducer, RvReducer):
+        raise UsageError(f"the stress of {reducer.design.name!r} is computed from a run: simulate the design first")
+    from cycloid_mj.stress.static_turn import static_turn
+
+    return static_turn(reducer, angles)
 
 
 def of_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:

@@ -3,7 +3,7 @@
 import numpy.typing as npt
 
 from cycloid_mj.design import Design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 from cycloid_mj.stress.case import LoadCase, patch_case
 from cycloid_mj.stress.extrude import solid_grid
 from cycloid_mj.stress.grid import Grid, GridSettings, planar_grid
@@ -36,7 +36,7 @@ def part_grid(
     CycloidError
         The part does not mesh, or a package of the extra ``fem`` is missing.
     """
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     settings = GridSettings() if settings is None else settings
     if part == "shaft":
         return shaft_grid(reducer, settings)

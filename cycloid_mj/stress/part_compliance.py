@@ -12,14 +12,14 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.parts.parts import crank_stretches
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.loads import PartLoads, part_loads, part_names
+from cycloid_mj.stress.loads import PartLoads, loads_in_turn, part_names, turn_of
 from cycloid_mj.stress.mounts import Mounts, crank_compliance, studs_compliance
 from cycloid_mj.stress.part import part_case, part_grid
 from cycloid_mj.stress.study import QUICK, StudySettings
 
 
 def compute_part_compliance(
-    run: Run, reducer: Reducer, settings: StudySettings = QUICK, mounts: Mounts | None = None
+    run: Run | None, reducer: Reducer, settings: StudySettings = QUICK, mounts: Mounts | None = None
 ) -> dict[str, float]:
     """Compute the compliance of each part at the output [rad/(N m)], as the mean over a turn of the crank.
 
@@ -48,9 +48,10 @@ def compute_part_compliance(
     mounts = mounts or Mounts()
     torque = reducer.design.load.torque
     crank = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    turn = turn_of(run, reducer, crank)
     compliance = {}
     for part in part_names(reducer):
-        loads = part_loads(run, reducer, part, crank)
+        loads = loads_in_turn(turn, part)
         if part == "shaft" and mounts.crank:
             mean_square_force = np.mean(np.sum(np.sum(loads.force, axis=1) ** 2, axis=1))
             compliance["crank"] = crank_compliance(reducer, mounts.crank) * float(mean_square_force) / torque**2

@@ -1,6 +1,8 @@
 """Regions of planar parts for meshing: outlines, their contacts, and their supports."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import repeat
 from typing import Literal
 
 import numpy as np
@@ -10,7 +12,8 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.design import Material
 from cycloid_mj.parts import circle, output_centres, parts
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.parts import rv_solids
+from cycloid_mj.reducer import Reducer, RvReducer
 
 CHORD_ERROR = 1e-9
 """Distance of the polygons from the exact outlines [m]."""
@@ -20,6 +23,10 @@ MATERIAL_PART = {"ring": "housing", "pin_1": "pin"}
 
 PLANAR_PARTS = ("gear", "ring", "output", "pin_1")
 """Parts with a planar grid; gear is any of several discs."""
+
+
+Touched = Literal["", "line", "wide"]
+"""Kind of contacts of a boundary with other parts."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +39,7 @@ class Boundary:
 
     polygon: Array
     role: str
-    touched: Literal["", "line", "wide"] = ""
+    touched: Touched = ""
     is_fixed: bool = False
 
 
@@ -65,14 +72,14 @@ def part_region(reducer: Reducer, part: str) -> Region:
     """
     design = reducer.design
     width = design.gear.stack_width
-    solids = parts(reducer, CHORD_ERROR)
+    solids = rv_solids(reducer, CHORD_ERROR) if isinstance(reducer, RvReducer) else parts(reducer, CHORD_ERROR)
     match family(part) if part in gears(design.gear.discs) else part:
         case "gear":
             prism = solids[part].prisms[0]
-            bore = Boundary(prism.holes[0], "hole", touched="wide")
-            holes = tuple(Boundary(hole, "hole", touched="line") for hole in prism.holes[1:])
             outline = Boundary(prism.outline, "outline", touched="line")
-            return Region(part, (outline, bore, *holes), design.gear.face_width)
+            touched = _touched_holes(reducer, len(prism.holes))
+            holes = (Boundary(hole, "hole", kind) for hole, kind in zip(prism.holes, touched, strict=True))
+            return Region(part, (outline, *holes), design.gear.face_width)
         case "ring":
             prism = solids["housing"].prisms[0]
             rim = Boundary(prism.outline, "outline", is_fixed=design.housing.support == "rim")
@@ -83,6 +90,21 @@ def part_region(reducer: Reducer, part: str) -> Region:
             return _output_region(reducer, solids["output"].prisms[0].outline)
     available = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
     raise UsageError(f"the design {design.name!r} has no planar part {part!r}: choose one of {', '.join(available)}")
+
+
+def _touched_holes(reducer: Reducer, holes: int) -> Iterator[Touched]:
+    """Yield the contacts of the holes of a disc: bore and holes of output pins; of an RV reducer bores of cranks.
+
+    The other holes of the disc of an RV reducer are its middle hole, if any, and the windows for the posts.
+    """
+    if not isinstance(reducer, RvReducer):
+        yield "wide"
+        yield from repeat("line", holes - 1)
+        return
+    cranks = reducer.cranks.count
+    yield from repeat("", holes - 2 * cranks)
+    yield from repeat("wide", cranks)
+    yield from repeat("", cranks)
 
 
 def _bolt_circles(reducer: Reducer) -> tuple[Boundary, ...]:

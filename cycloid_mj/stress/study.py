@@ -4,7 +4,7 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,7 @@ from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE
 from cycloid_mj.parts.crank import shaft_dimensions
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.stress.bulk import DISTANCES_PER_OCTAVE, find_plateau, relative_drop
 from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import (
@@ -32,11 +32,15 @@ from cycloid_mj.stress.field import (
 )
 from cycloid_mj.stress.findings import PartFindings, Peak, Reference, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
-from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
+from cycloid_mj.stress.loads import PartLoads, loads_in_turn, part_names, require_part, turn_of
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.stress.stress_range import RANGE_PARTS, StressRange, critical_stress_range, sample_angles
+from cycloid_mj.stress.turn import Turn
+
+if TYPE_CHECKING:
+    from cycloid_mj.stress.rv_strength import RvStrength
 
 OnProgress = Callable[[str, int, int], None]
 
@@ -156,7 +160,7 @@ class StressStudy(Presented):
 
 
 def stress_study(
-    run: Run,
+    run: Run | None,
     reducer: Reducer,
     parts: Sequence[str] = (),
     settings: StudySettings | None = None,
@@ -170,7 +174,7 @@ def stress_study(
     Parameters
     ----------
     run, reducer
-        The run, and the reducer that ran.
+        The run, and the reducer that ran; None for an RV reducer, whose forces are those of its static balance.
     parts
         Names of parts; by default every part of the design.
     settings
@@ -198,23 +202,33 @@ def stress_study(
     names = tuple(dict.fromkeys(parts)) or part_names(reducer)
     for part in names:
         require_part(reducer, part)
-    start, results = time.perf_counter(), []
+    start, results, turn = time.perf_counter(), [], turn_of(run, reducer, settings.turn)
     for index, part in enumerate(in_order(names)):
         on_part(part, index, len(names))
-        results.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
+        results.append(part_study(turn, reducer, part, settings, (grids or {}).get(part)))
     order = part_names(reducer)
     studies = tuple(sorted(results, key=lambda study: order.index(study.findings.part)))
     findings = StressFindings(
         design=design.name,
         ring=design.ring.kind,
-        load=float(np.mean(run["load_torque"][-1:])),
+        load=float(turn["load_torque"][-1]),
         log=log,
         yield_strength=design.material.yield_strength,
         parts=tuple(study.findings for study in studies),
         wall=time.perf_counter() - start,
         references=references or {},
+        strength=_strength_of(reducer, settings),
     )
     return StressStudy(design, studies, findings)
+
+
+def _strength_of(reducer: Reducer, settings: StudySettings) -> "RvStrength | None":
+    """Return the stress of cranks and gears of an RV reducer; None for other reducers."""
+    if not isinstance(reducer, RvReducer):
+        return None
+    from cycloid_mj.stress.rv_strength import compute_rv_strength
+
+    return compute_rv_strength(reducer, settings.turn)
 
 
 def study_grids(reducer: Reducer, parts: Sequence[str], settings: StudySettings) -> dict[str, Grid]:
@@ -227,13 +241,13 @@ def in_order(parts: Sequence[str]) -> list[str]:
     return sorted(parts, key=lambda part: part != "output")
 
 
-def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
-    """Compute the stress of one part over the turn: grid, loads, maxima, map and findings; raises as `stress_study`.
+def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
+    """Compute the stress of one part over a turn: grid, loads, maxima, map and findings; raises as `stress_study`.
 
     An existing `grid` is used if it is given.
     """
     start = time.perf_counter()
-    loads = part_loads(run, reducer, part, settings.turn)
+    loads = loads_in_turn(turn, part)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
     (stress, stress_map, stress_range, corners), lines = (
         _solve_part(reducer, grid, loads, settings.map_angle),

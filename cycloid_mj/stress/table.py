@@ -1,9 +1,16 @@
 """Findings of stress as rows of text."""
 
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.findings import PartFindings, Peak, StressFindings
+
+if TYPE_CHECKING:
+    from cycloid_mj.stress.rv_strength import RvStrength
 
 BULK_HEADER = (
     "part",
@@ -16,6 +23,7 @@ BULK_HEADER = (
     "refined",
 )
 CONTACT_HEADER = ("part", "contact [MPa]", "at [deg]", "below", "safety", "shakedown")
+STRENGTH_HEADER = ("section", "nominal [MPa]", "factor", "stress [MPa]", "safety")
 
 
 def bulk_table(findings: StressFindings) -> list[list[str]]:
@@ -31,6 +39,18 @@ def bulk_table(findings: StressFindings) -> list[list[str]]:
 def contact_table(findings: StressFindings) -> list[list[str]]:
     """Return a row for each part; columns as in `CONTACT_HEADER`; `shakedown` is the safety of the contact pressure."""
     return [[part.part, *_contact_row(part)] for part in findings.parts]
+
+
+def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
+    """Yield a row for each section of cranks and gears; columns as in `STRENGTH_HEADER`."""
+    sections = [(item.name, item.nominal, item.stress) for item in strength.shoulders]
+    sections += [(f"tooth root of {item.part}", item.nominal, item.stress) for item in strength.roots]
+    for name, nominal, stress in sections:
+        factor = stress / nominal if nominal else math.nan
+        values = (
+            f"{value:.3g}" for value in (factor, stress / MEGAPASCAL, strength.yield_strength / max(stress, 1e-9))
+        )
+        yield (name, f"{nominal / MEGAPASCAL:.3g}", *values)
 
 
 def part_notes(part: PartFindings) -> list[str]:

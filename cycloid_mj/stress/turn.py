@@ -1,5 +1,6 @@
 """A crank turn of a run: the samples nearest to requested crank angles, in the settled hold."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -43,16 +44,17 @@ class Turn:
     design
         The design that ran.
     angle
-        Crank angle relative to the ring of each sample [rad], within half a sampling step of the requested angle, (k,).
+        Crank angle relative to the ring of each sample [rad], within half a sampling step of the requested angle, (k,);
+        of an RV reducer relative to the carrier.
     run, rows
-        The run in the frame of its ring, and the indices of the samples in it, shape (k,).
+        The columns in the frame of the ring, of a run or a static balance, and the indices of the samples, shape (k,).
     ring_angle, ring_speed
         Angle and speed of the ring [rad], [rad/s], shape (k,): 0 for a fixed ring.
     """
 
     reducer: Reducer
     angle: Array
-    run: Run
+    run: Run | Mapping[str, Array]
     rows: npt.NDArray[np.intp]
     ring_angle: Array
     ring_speed: Array
@@ -79,6 +81,11 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
         The design is not the one that ran.
     """
     logged_design = design_of(run)
+    if logged_design.layout != Reducer.LAYOUT:
+        raise LogError(
+            f"{run.label} is that of an RV reducer, whose stress is computed from its static balance: name the design "
+            "instead, without the log"
+        )
     if reducer is not None:
         require_same(reducer, Reducer(logged_design))
     column = cam_force(Reducer(logged_design))

@@ -4,7 +4,7 @@ import math
 from typing import TYPE_CHECKING
 
 from cycloid_mj.design import PRESETS, Design
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.measure.published import Published
@@ -61,7 +61,7 @@ def is_ours(design: Design) -> bool:
     """Return whether a design is one of the paper's two, apart from load, speed, environment and settings."""
     from cycloid_mj.stress.turn import list_differences
 
-    return not all(list_differences(Reducer(design), Reducer(PRESETS[kind])) for kind in OURS)
+    return not all(list_differences(reducer_of(design), Reducer(PRESETS[kind])) for kind in OURS)
 
 
 def stress_references(design: Design) -> "dict[str, Reference]":

@@ -66,7 +66,7 @@ def test_a_design_fails_its_check_and_each_remedy_resolves_it(changes, name):
 def test_presets_fail_only_the_yield_checks_and_run():
     assert set(failed(PIN)) == {"tooth_yield"}
     assert set(failed(PRESETS["nonpin"])) == {"tooth_yield", "ring_tool"}
-    for design in presets_for("stress").values():
+    for design in presets_for("measure").values():
         require_sound(Reducer(design))
 
 

@@ -104,7 +104,7 @@ def test_the_printed_drives_figures_hold_at_half_the_step(at_speed) -> None:
     assert own["efficiency"] == pytest.approx(powers(Reducer(PRINTED), PRINTED.load.torque).efficiency, abs=0.01)
 
 
-@pytest.mark.parametrize("name", presets_for("stress"))
+@pytest.mark.parametrize("name", presets_for("measure"))
 def test_the_input_energy_of_a_preset_is_output_lost_or_stored(name: str, at_speed) -> None:
     design = PRESETS[name]
     loaded = design.but(drive={"ramp": 0.01, "hold": 0.01}, load={"torque": design.rated_torque})

@@ -29,7 +29,7 @@ def test_a_key_ends_in_its_unit_and_denotes_one_figure() -> None:
         assert row.definition.count(". ") == 0, row.key
 
 
-@pytest.mark.parametrize("name", cases([*presets_for("stress"), *UNLIKE[:1], *UNLIKE[2:]], "pin", "twodisc"))
+@pytest.mark.parametrize("name", cases([*presets_for("measure"), *UNLIKE[:1], *UNLIKE[2:]], "pin", "twodisc"))
 def test_the_rows_of_statics_are_the_numbers_of_the_sheet(name: str) -> None:
     reducer = Reducer(unlike(name) if name not in PRESETS else PRESETS[name])
     there = sheet(reducer).quantities

@@ -347,7 +347,7 @@ def test_model_parts_are_at_their_manufactured_positions() -> None:
 
 
 def test_the_free_room_of_an_ideal_reducer_is_its_smallest_clearance() -> None:
-    for preset in presets_for("stress").values():
+    for preset in presets_for("measure").values():
         least = min(getattr(preset.clearance, kind) for kind in preset.pair_kinds if kind != preset.seat_pair)
         assert limits.best_fit(Reducer(preset), 0.7).min_gap == pytest.approx(least, rel=1e-6)
 

@@ -21,7 +21,7 @@ def warm(name: str, *changes: str) -> Design:
     return override(PRESETS[name], [*changes])
 
 
-@pytest.mark.parametrize("name", presets_for("thermal"))
+@pytest.mark.parametrize("name", presets_for("measure"))
 def test_at_20_degrees_the_design_itself_is_used(name: str) -> None:
     assert expand(PRESETS[name]) is PRESETS[name]
     assert Reducer(PRESETS[name]).design is PRESETS[name]

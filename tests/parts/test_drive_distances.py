@@ -33,7 +33,7 @@ def test_distances_of_rings_match_closed_forms():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", presets_for("stress"))
+@pytest.mark.parametrize("name", presets_for("measure"))
 def test_moving_parts_of_the_presets_never_touch(name):
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)

@@ -10,7 +10,7 @@ from cycloid_mj.parts.export import assembly_order, casing, insertion, place_par
 from cycloid_mj.parts.export.insertion import DOWN, Blockage, Move, assembly_moves, blockages
 from cycloid_mj.reducer import Reducer
 
-NAMES = (*presets_for("stress"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
+NAMES = (*presets_for("measure"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
 def drive(name):

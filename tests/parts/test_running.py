@@ -15,7 +15,7 @@ from cycloid_mj.parts.export.joints import JointKind, drive_joints
 from cycloid_mj.parts.export.running import running_gaps, swept_annuli
 from cycloid_mj.reducer import Reducer
 
-NAMES = (*presets_for("stress"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
+NAMES = (*presets_for("measure"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
 def reducer_of(name: str) -> Reducer:

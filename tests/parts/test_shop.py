@@ -114,7 +114,7 @@ def test_the_bill_states_exact_sizes_threads_and_what_is_out_of_stock():
     assert not list(out_of_stock(line for line in lines.values() if line.item != "output_roller"))
 
 
-@pytest.mark.parametrize("name", presets_for("stress"))
+@pytest.mark.parametrize("name", presets_for("measure"))
 def test_counts_of_the_bill_are_those_of_the_solids(name):
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)

@@ -595,7 +595,7 @@ def test_without_a_core_pin_and_roller_are_one_solid(name: str) -> None:
     assert radii == pytest.approx([design.output.pin_radius] * len(pins))
 
 
-@pytest.mark.parametrize("design", presets_for("stress").values(), ids=presets_for("stress"))
+@pytest.mark.parametrize("design", presets_for("measure").values(), ids=presets_for("measure"))
 def test_the_crank_alone_is_that_of_all_bodies(design: Design) -> None:
     alone, among_all = (
         mass_properties(one) for one in (crank_solid(Reducer(design)), body_solids(Reducer(design))[names.SHAFT])

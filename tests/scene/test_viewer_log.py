@@ -142,7 +142,7 @@ def test_scene_has_every_part_once_in_its_own_frame(logged):
     assert len(make_frame) == (4 + 36 if design.ring.kind == "pin" else 4)
 
 
-@pytest.mark.parametrize("kind", presets_for("stress"))
+@pytest.mark.parametrize("kind", presets_for("measure"))
 def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
     """Foxglove turns glTF's y to its z; what it then shows has the volume and the place of the solid."""
     design = PRESETS[kind]

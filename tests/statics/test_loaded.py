@@ -16,7 +16,7 @@ from cycloid_mj.statics.kernel import gap
 from cycloid_mj.statics.springs import turn_evenly
 from cycloid_mj.validate import equilibrium, rig
 
-DESIGNS = {**presets_for("stress"), **{name: unlike(name) for name in UNLIKE}}
+DESIGNS = {**presets_for("measure"), **{name: unlike(name) for name in UNLIKE}}
 
 STILL = ["environment.gravity_y_m_s2=0", "drive.speed_rpm=0"]
 SMOOTH = rig.without_friction()

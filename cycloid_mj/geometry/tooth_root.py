@@ -1,0 +1,93 @@
+"""Stress at the roots of spur gear teeth by ISO 6336-3:2019, method B: form factor and stress correction factor."""
+
+import math
+from dataclasses import dataclass
+
+from cycloid_mj.geometry.involute import CORNER_RADIUS, DEDENDUM, InvoluteGear, involute
+
+TANGENT_ANGLE = math.pi / 3.0
+"""Constant T of the standard for external gears, for tangents at 30 deg."""
+
+
+@dataclass(frozen=True)
+class ToothRoot:
+    """Critical section of a tooth, where the tangents of the fillets are at 30 deg to its axis.
+
+    Attributes
+    ----------
+    chord
+        Thickness of the tooth there, over the module: s_Fn.
+    arm
+        Bending arm of the force at the outer point of single contact, over the module: h_Fe.
+    radius
+        Radius of curvature of the fillet there, over the module: rho_F.
+    force_angle
+        Angle of that force to the perpendicular of the tooth's axis [rad]: alpha_Fen.
+    pressure_angle
+        At the reference circle [rad].
+    """
+
+    chord: float
+    arm: float
+    radius: float
+    force_angle: float
+    pressure_angle: float
+
+    @property
+    def form_factor(self) -> float:
+        """Form factor Y_F."""
+        return 6.0 * self.arm * math.cos(self.force_angle) / (self.chord**2 * math.cos(self.pressure_angle))
+
+    @property
+    def correction_factor(self) -> float:
+        """Stress correction factor Y_S, which the standard states for a notch parameter q_s of 1 to 8."""
+        slenderness = self.chord / self.arm
+        notch = self.chord / (2.0 * self.radius)
+        return float((1.2 + 0.13 * slenderness) * notch ** (1.0 / (1.21 + 2.3 / slenderness)))
+
+
+def contact_ratio(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -> float:
+    """Compute the transverse contact ratio of two gears at a distance of their axes [m]."""
+    base_radii = gear.base_radius + mate.base_radius
+    along = sum(math.sqrt(item.tip_radius**2 - item.base_radius**2) for item in (gear, mate))
+    path = along - math.sqrt(centre_distance**2 - base_radii**2)
+    return path / (2.0 * math.pi * gear.base_radius / gear.teeth)
+
+
+def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -> ToothRoot:
+    """Compute the critical section of a tooth, loaded at the outer point of single contact with its mate.
+
+    The rack is profile A of ISO 53. A tooth that is thinner for backlash has the profile shift of its thickness.
+    """
+    teeth, angle = gear.teeth, gear.pressure_angle
+    shift = gear.shift - gear.thinning / (2.0 * gear.module * math.tan(angle))
+    rack = math.pi / 4.0 - DEDENDUM * math.tan(angle) - (1.0 - math.sin(angle)) * CORNER_RADIUS / math.cos(angle)
+    depth = CORNER_RADIUS - DEDENDUM + shift
+    offset = 2.0 / teeth * (math.pi / 2.0 - rack) - TANGENT_ANGLE
+    tangent = _solve_tangent(2.0 * depth / teeth, offset)
+    chord = teeth * math.sin(TANGENT_ANGLE - tangent) + math.sqrt(3.0) * (depth / math.cos(tangent) - CORNER_RADIUS)
+    radius = CORNER_RADIUS + 2.0 * depth**2 / (math.cos(tangent) * (teeth * math.cos(tangent) ** 2 - 2.0 * depth))
+    base_pitch = 2.0 * math.pi * gear.base_radius / teeth
+    overlap = (contact_ratio(gear, mate, centre_distance) - 1.0) * base_pitch
+    along = math.sqrt(gear.tip_radius**2 - gear.base_radius**2) - overlap
+    outer = math.hypot(along, gear.base_radius)
+    outer_angle = math.atan2(along, gear.base_radius)
+    half_thickness = (math.pi / 2.0 + 2.0 * math.tan(angle) * shift) / teeth
+    gamma = half_thickness + involute(angle) - involute(outer_angle)
+    force_angle = outer_angle - gamma
+    arm = 0.5 * (
+        (math.cos(gamma) - math.sin(gamma) * math.tan(force_angle)) * 2.0 * outer / gear.module
+        - teeth * math.cos(TANGENT_ANGLE - tangent)
+        - depth / math.cos(tangent)
+        + CORNER_RADIUS
+    )
+    return ToothRoot(chord, arm, radius, force_angle, angle)
+
+
+def _solve_tangent(factor: float, offset: float) -> float:
+    """Solve theta = factor tan(theta) - offset by Newton's method [rad]."""
+    theta = math.pi / 6.0
+    for _ in range(20):
+        slope = 1.0 - factor / math.cos(theta) ** 2
+        theta -= (theta - factor * math.tan(theta) + offset) / slope
+    return theta

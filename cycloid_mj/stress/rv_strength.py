@@ -1,0 +1,171 @@
+"""Stress of cranks, sun and planets of an RV reducer in closed form: beam theory with notch factors, and ISO 6336-3."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.array import Array, cross, quarter_turned
+from cycloid_mj.base.names import CRANK, PLANET, SUN
+from cycloid_mj.base.units import MEGAPASCAL
+from cycloid_mj.geometry.tooth_root import tooth_root
+from cycloid_mj.parts.rv import axial_layout
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics.rv import RvLoads, RvSprings
+from cycloid_mj.statics.shoulder import BENDING, TORSION, shoulder_factor
+from cycloid_mj.stress.contacts import needle_contact
+from cycloid_mj.stress.notch import Notch
+from cycloid_mj.stress.static_turn import balance_turn
+
+
+@dataclass(frozen=True)
+class ToothRootStress:
+    """Nominal stress at the root of a gear tooth by ISO 6336-3.
+
+    Attributes
+    ----------
+    part
+        "sun" or "planet".
+    force
+        Largest tangential force at the reference circle [N].
+    nominal
+        F_t/(b m) [Pa].
+    form_factor, correction_factor
+        Y_F and Y_S.
+    """
+
+    part: str
+    force: float
+    nominal: float
+    form_factor: float
+    correction_factor: float
+
+    @property
+    def stress(self) -> float:
+        """F_t/(b m) Y_F Y_S [Pa]."""
+        return self.nominal * self.form_factor * self.correction_factor
+
+    def as_json(self, yield_strength: float) -> dict[str, Any]:
+        """Convert the stress to JSON values in N and MPa."""
+        return {
+            "part": self.part,
+            "force_n": self.force,
+            "form_factor": self.form_factor,
+            "correction_factor": self.correction_factor,
+            "stress_mpa": self.stress / MEGAPASCAL,
+            "safety_against_yield": yield_strength / self.stress if self.stress else None,
+        }
+
+
+@dataclass(frozen=True)
+class RvStrength:
+    """Stress of cranks and gears over a turn.
+
+    Attributes
+    ----------
+    shoulders
+        Sections of the most loaded crank at the ends of its eccentrics, from the planet on.
+    needle_pressure
+        Largest Hertz pressure of a needle on an eccentric [Pa].
+    roots
+        Stress at the roots of the teeth of sun and planet.
+    yield_strength
+        Yield strength of cranks and gears, which have the material of the shaft [Pa].
+    """
+
+    shoulders: tuple[Notch, ...]
+    needle_pressure: float
+    roots: tuple[ToothRootStress, ...]
+    yield_strength: float
+
+    @property
+    def largest(self) -> dict[str, float]:
+        """Largest stress by part: crank, sun and planet [Pa]."""
+        crank = max(item.stress for item in self.shoulders)
+        return {CRANK: crank} | {item.part: item.stress for item in self.roots}
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the stresses to JSON values in MPa, mm and degrees."""
+        return {
+            "crank": [item.as_json(self.yield_strength) for item in self.shoulders],
+            "needle_pressure_mpa": self.needle_pressure / MEGAPASCAL,
+            "tooth_roots": [item.as_json(self.yield_strength) for item in self.roots],
+        }
+
+
+def compute_rv_strength(reducer: RvReducer, angles: Array) -> RvStrength:
+    """Compute the stress of cranks and gears under the load of the design at crank angles [rad], shape (k,).
+
+    The angles are those against the carrier, as of `static_turn`; raises as `balance_turn`.
+    """
+    springs, loads = balance_turn(reducer, angles)
+    needles = needle_contact(reducer, loads.bearings, 1.0 / reducer.cranks.eccentric_radius)
+    return RvStrength(
+        shoulders=tuple(_crank_shoulders(reducer, springs, loads, np.ravel(angles))),
+        needle_pressure=float(needles.pressure.max()),
+        roots=tuple(_tooth_roots(reducer, float(loads.flanks.max()))),
+        yield_strength=reducer.design.material_of("shaft").yield_strength,
+    )
+
+
+def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, angles: Array) -> Iterator[Notch]:
+    """Yield the sections at the ends of the eccentrics of the most loaded crank."""
+    gear, radius, fillet = reducer.design.gear, reducer.journal_radius, reducer.journal_fillet
+    outer = reducer.cranks.eccentric_radius + gear.eccentricity
+    factors = [shoulder_factor(radius, fillet, outer, terms) for terms in (BENDING, TORSION)]
+    stations = np.sort([plane + side * gear.face_width / 2.0 for plane in gear.disc_planes for side in (-1.0, 1.0)])
+    bending, torsion = crank_moments(reducer, springs, loads, stations)
+    for number, station in enumerate(stations):
+        stresses = 4.0 * bending[..., number], 2.0 * torsion[..., number]
+        size = np.hypot(factors[0] * stresses[0], math.sqrt(3.0) * factors[1] * stresses[1])
+        row, crank = np.unravel_index(int(np.argmax(size)), size.shape)
+        nominal = (float(item[row, crank]) / (math.pi * radius**3) for item in stresses)
+        name = f"crank {crank + 1} at z = {1e3 * station:.1f} mm"
+        yield Notch(name, radius, fillet, float(angles[row]), *nominal, *factors)
+
+
+def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
+    """Compute bending and torsional moments of the cranks [N m] at stations along z [m] (s,), shape (k, n, s) each.
+
+    The shaft is a beam on supports in the middles of the flanges. From its planet on, each eccentric takes its part of
+    the torque.
+    """
+    gear, along = reducer.design.gear, axial_layout(reducer)
+    planes = np.array(gear.disc_planes)
+    first, last = (sum(ends) / 2.0 for ends in along.flanges)
+    on_discs = -np.moveaxis(loads.cranks, 1, 2)
+    on_planets = planet_forces(reducer, springs, loads)[:, :, np.newaxis]
+    forces, places = np.concatenate([on_planets, on_discs], axis=2), np.append(along.planet_middle, planes)
+    widths = np.append(reducer.planet.face_width, np.full(planes.size, gear.face_width))
+    far_support = np.einsum("kncj,c->knj", forces, (places - first) / (first - last))
+    near_support = -forces.sum(axis=2) - far_support
+    loaded = np.clip(stations[:, np.newaxis] - places + widths / 2.0, 0.0, widths)
+    arms = loaded / widths * (stations[:, np.newaxis] - places + (widths - loaded) / 2.0)
+    bending = np.einsum("kncj,sc->knsj", forces, arms)
+    for support, place in ((near_support, first), (far_support, last)):
+        bending += support[:, :, np.newaxis] * np.maximum(stations - place, 0.0)[:, np.newaxis]
+    eccentrics = gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, np.newaxis]
+    torques = cross(eccentrics, on_discs)
+    torsion = np.einsum("knc,sc->kns", torques, 1.0 - loaded[:, 1:] / widths[1:])
+    return np.linalg.norm(bending, axis=-1), np.abs(torsion)
+
+
+def planet_forces(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Array:
+    """Return the normal forces of the sun on the planets [N], shape (k, n, 2)."""
+    outward = reducer.stage.crank_places(springs.crank) / reducer.lever
+    forward, angle = quarter_turned(outward), reducer.planet.pressure_angle
+    signed = loads.flanks[:, 1] - loads.flanks[:, 0]
+    along = math.cos(angle) * signed[..., np.newaxis] * forward
+    return np.asarray(along + math.sin(angle) * loads.meshes[..., np.newaxis] * outward)
+
+
+def _tooth_roots(reducer: RvReducer, force: float) -> Iterator[ToothRootStress]:
+    """Yield the stress at the roots of sun and planet under a normal force [N]."""
+    planet, gears = reducer.planet, reducer.stage_gears
+    tangential = force * math.cos(planet.pressure_angle)
+    for part, gear, mate in zip((SUN, PLANET), gears, reversed(gears), strict=True):
+        root = tooth_root(gear, mate, reducer.crank_radius)
+        nominal = tangential / (planet.face_width * planet.module)
+        yield ToothRootStress(part, tangential, nominal, root.form_factor, root.correction_factor)

@@ -1,0 +1,126 @@
+"""A turn of the cranks of an RV reducer by its static balance with friction: forces as those that a run logs."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array, cross
+from cycloid_mj.base.names import (
+    CRANK,
+    FORCE_X,
+    FORCE_Y,
+    LOBE,
+    MOMENT,
+    PIN,
+    SOCKET,
+    all_numbered,
+    column,
+    of_disc,
+    planar_joints,
+    planar_speeds,
+)
+from cycloid_mj.reducer import RvReducer, once
+from cycloid_mj.reducer.gaps import mesh_gaps
+from cycloid_mj.statics.rv import (
+    RvFriction,
+    RvLoads,
+    RvSprings,
+    compute_rv_friction,
+    compute_rv_springs,
+    contact_gradients,
+    solve_rv_loads,
+)
+from cycloid_mj.statics.rv_sheet import torque_on_carrier
+from cycloid_mj.stress.contacts import nominal_pin_centre
+from cycloid_mj.stress.turn import DEGREES, Turn
+
+
+def balance_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[RvSprings, RvLoads]:
+    """Balance the running drive under its load at crank angles against the carrier [rad], shape (k,).
+
+    Raises
+    ------
+    RunError
+        No static equilibrium was found.
+    """
+    return _balance_turn(reducer, tuple(np.ravel(angles).tolist()))
+
+
+@once
+def _balance_turn(reducer: RvReducer, angles: tuple[float, ...]) -> tuple[RvSprings, RvLoads]:
+    """Balance a drive as `balance_turn`."""
+    design = reducer.design
+    springs = compute_rv_springs(reducer, np.array(angles) * design.lobes / design.ring.teeth)
+    torque = torque_on_carrier(reducer, design.load.torque)
+    return springs, solve_rv_loads(springs, torque, _friction(reducer, springs))
+
+
+def _friction(reducer: RvReducer, springs: RvSprings) -> RvFriction:
+    """Return the friction of the running drive under its load."""
+    sense = np.sign(torque_on_carrier(reducer, reducer.design.load.torque))
+    return compute_rv_friction(reducer, springs.crank, float(sense))
+
+
+def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
+    """Compute a turn of the cranks at angles against the carrier [rad], shape (k,), after which all loads repeat.
+
+    Weight and inertia are left out. Raises as `balance_turn`.
+    """
+    crank = np.ravel(np.asarray(angles, dtype=np.float64))
+    springs, loads = balance_turn(reducer, crank)
+    zeros = np.zeros_like(crank)
+    columns = {"crank_angle": springs.crank, "load_torque": np.full_like(crank, reducer.design.load.torque)}
+    columns |= dict(_disc_columns(reducer, springs)) | dict(_force_columns(reducer, springs, loads))
+    if reducer.design.ring.has_pin_bodies:
+        for pin in all_numbered(PIN, reducer.design.ring.teeth):
+            columns |= dict.fromkeys((*planar_joints(pin), *planar_speeds(pin)), zeros)
+    return Turn(reducer, crank, columns, np.arange(crank.size), zeros, zeros)
+
+
+def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str, Array]]:
+    """Yield name and values of the positions and speeds of the discs, shape (k,)."""
+    eccentrics = reducer.design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)
+    for disc, name in enumerate(reducer.gears):
+        x, y, angle = planar_joints(name)
+        yield from ((x, eccentrics[:, disc, 0]), (y, eccentrics[:, disc, 1]))
+        yield angle, -springs.crank / reducer.design.lobes
+        yield from ((speed, np.zeros_like(springs.crank)) for speed in planar_speeds(name))
+
+
+def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Iterator[tuple[str, Array]]:
+    """Yield name and values of forces and moments on the discs, about their centres, and of sockets on pins, (k,)."""
+    design, friction = reducer.design, _friction(reducer, springs)
+    directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + friction.teeth
+    owners = mesh_gaps(reducer.at_rated_load, springs.crank).owner
+    stem = PIN if design.ring.kind == "pin" else LOBE
+    on_pins = np.zeros((design.ring.teeth, springs.crank.size, 3))
+    for disc in range(springs.discs):
+        wrenches = np.zeros_like(on_pins)
+        for line in np.flatnonzero(springs.disc == disc):
+            own = directions[:, line, 3 * disc : 3 * disc + 3] * [1.0, 1.0, springs.lever]
+            wrenches[owners[line]] += loads.pins[:, line, np.newaxis] * own
+        centre = design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)[:, disc]
+        on_pins += [_moved(wrench, centre) for wrench in wrenches]
+        for name, wrench in zip(all_numbered(stem, design.ring.teeth), wrenches, strict=True):
+            yield from _wrench_columns(of_disc(name, disc, springs.discs), wrench)
+        for number, name in enumerate(all_numbered(CRANK, reducer.cranks.count)):
+            force = loads.cranks[:, disc, number]
+            moment = cross(reducer.stage.crank_places(springs.crank)[:, number], force)
+            moment += springs.lever * friction.bearings[disc, number, 3 * disc + 2] * loads.bearings[:, disc, number]
+            yield from _wrench_columns(of_disc(name, disc, springs.discs), np.column_stack([force, moment]))
+    if design.ring.has_pin_bodies:
+        for pin, name in enumerate(all_numbered(SOCKET, design.ring.teeth)):
+            yield from _wrench_columns(name, _moved(on_pins[pin], -nominal_pin_centre(reducer, pin)))
+
+
+def _moved(wrench: Array, origin: Array) -> Array:
+    """Return force and moment (k, 3) [N], [N m] about the point from which the present one is at `origin` [m]."""
+    moment = wrench[:, 2] + cross(np.broadcast_to(origin, wrench[:, :2].shape), wrench[:, :2])
+    return np.column_stack([wrench[:, :2], moment])
+
+
+def _wrench_columns(pair: str, wrench: Array) -> Iterator[tuple[str, Array]]:
+    """Yield name and values of the columns of the force and moment (k, 3) of a pair."""
+    for quantity, values in zip((FORCE_X, FORCE_Y, MOMENT), wrench.T, strict=True):
+        yield column(pair, quantity), values
