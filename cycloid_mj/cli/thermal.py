@@ -53,7 +53,8 @@ def thermal(
     selects convection and radiation by ISO/TR 14179-2. The table [thermal] sets grease, gaps and joints.
 
     A disc that is warmer than its ring closes the clearance of the teeth. The command prints the temperature difference
-    and the difference at which the teeth jam; the exit code is 0 even if they jam.
+    and the difference at which the teeth jam; the exit code is 0 even if they jam. Those of an RV reducer are preloaded
+    instead.
 
     The warm-up starts at the temperature of the air. With --duty, the points of the file repeat in cycles. Torque
     limits by duty are for a drive that rests for the remaining time of a cycle. The JSON has temperatures_c,
@@ -101,6 +102,12 @@ def _outcome(state: "ThermalState", destination: Destination) -> Outcome:
             "slowest time constant": f"{state.network.time_constant / 60.0:.3g} min",
         },
         failures=failures,
+        warnings=[
+            f"{state.design}: warm discs expand by {-1e6 * state.play:.3g} um more than the ring and their clearance "
+            "allow: the teeth are preloaded, and lose more power"
+        ]
+        if state.can_preload and state.play < 0.0
+        else [],
         tables=[quantity_table("Figures", list(state.quantities.values())), *state.tables()],
         notes=[f"assumed: {sentence}" for sentence in state.assumptions],
         pictures={name: partial(encode_figure, curves_figure(state.curves))}

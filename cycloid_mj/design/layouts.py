@@ -19,6 +19,8 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
         "report",
         "simulate",
         "statics",
+        "stress",
+        "thermal",
         "tolerance",
         "view",
         "wear",

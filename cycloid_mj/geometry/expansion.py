@@ -9,11 +9,15 @@ no clearance of the planar mechanism. Moduli and strengths are those of the temp
 
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design, Material
 from cycloid_mj.design.materials import warm_curve
-from cycloid_mj.design.model import PARTNERS, PARTS, REFERENCE_TEMPERATURE
+from cycloid_mj.design.model import HEATED, PARTNERS, PARTS, REFERENCE_TEMPERATURE
+
+if TYPE_CHECKING:
+    from cycloid_mj.base.array import Array
 
 BODY_OF = {"gear": "disc", "pin": "ring", "housing": "ring", "output": "output", "shaft": "crank"}
 """Part of a material -> key of its temperature in ``[thermal]``."""
@@ -41,23 +45,24 @@ def warm_clearances(design: Design) -> dict[str, float]:
     With thermal strains s relative to the ring, pin radius rho, hole radius r, radius b of cam or output pin,
     eccentricity c, offset q of the flanks beyond rho and clearances c_s of the socket, c_c of the cam and c_o of the
     output: mesh q + (rho + q) s_disc - rho s_pin, socket c_s - rho s_pin, cam c_c + (b + c_c) s_disc - b s_shaft,
-    output c_o + (r + c_o - c) s_disc - b s_output.
+    output c_o + (r + c_o - c) s_disc - b s_output. An RV reducer has mesh and socket only.
     """
     ring, gear, output, clearance = design.ring, design.gear, design.output, design.clearance
     pin_strain = strain(design, "pin") if ring.kind == "pin" else 0.0
     disc_strain, crank_strain, carrier_strain = (strain(design, part) for part in ("gear", "shaft", "output"))
     mesh_clearance = getattr(clearance, design.tooth_pair)
     flank_radius = ring.pin_radius + mesh_clearance + design.modification.equidistant
-    warm = {
-        design.tooth_pair: mesh_clearance + flank_radius * disc_strain - ring.pin_radius * pin_strain,
+    warm = {design.tooth_pair: mesh_clearance + flank_radius * disc_strain - ring.pin_radius * pin_strain}
+    if ring.has_sockets:
+        warm["pin_socket"] = clearance.pin_socket - ring.pin_radius * pin_strain
+    if design.cranks is not None:
+        return warm
+    return warm | {
         "cam": clearance.cam + (gear.bore_radius + clearance.cam) * disc_strain - gear.bore_radius * crank_strain,
         "output": clearance.output
         + (output.hole_radius + clearance.output - gear.eccentricity) * disc_strain
         - output.pin_radius * carrier_strain,
     }
-    if ring.has_sockets:
-        warm["pin_socket"] = clearance.pin_socket - ring.pin_radius * pin_strain
-    return warm
 
 
 def expand(design: Design) -> Design:
@@ -72,6 +77,8 @@ def expand(design: Design) -> Design:
     """
     if design.thermal.is_reference:
         return design
+    if design.cranks is not None:
+        return _expand_rv(design)
     warm = warm_clearances(design)
     tightest_pair = min(warm, key=warm.__getitem__)
     if warm[tightest_pair] <= 0.0:
@@ -87,6 +94,57 @@ def expand(design: Design) -> Design:
         errors={
             "eccentricity": design.errors.eccentricity + gear.eccentricity * (crank_strain - disc_strain),
             **_shift_holes(design, output.pin_circle_radius * (disc_strain - strain(design, "output"))),
+        },
+        thermal={"applied": True},
+        **{f"{part}_material": warm_material(design, part).model_dump() for part in PARTS},
+    )
+
+
+def _expand_rv(design: Design) -> Design:
+    """Return an RV reducer as it is at the temperatures of ``[thermal]``; clearances that are lost become preloads.
+
+    Teeth and sockets close by a modification of the flanks, as the discs are pressed against springs. Bores and carrier
+    expand away from each other, and eccentrics in their bores.
+    """
+    import numpy as np
+
+    from cycloid_mj.geometry.profile import unit
+
+    assert design.cranks is not None
+    assert design.planet is not None
+    assert design.crank_errors is not None
+    ring, cranks, errors = design.ring, design.cranks, design.crank_errors
+    disc_strain, crank_strain = strain(design, "gear"), strain(design, "shaft")
+    eccentricity, shape = design.gear.eccentricity, (design.gear.discs, cranks.count)
+    warm, cold = warm_clearances(design), design.clearance
+    closing = sum(getattr(cold, pair) - clearance for pair, clearance in warm.items())
+    generating_radius = (ring.pin_circle_radius + design.modification.pin_circle) * (1.0 + disc_strain)
+    inner_radius = cranks.eccentric_radius + 2.0 * cranks.needle_radius
+    bore_radius = inner_radius + cranks.needle_clearance
+    circle = cranks.radius or 0.5 * design.planet.module * (design.planet.sun_teeth + design.planet.planet_teeth)
+    places = circle * unit(2.0 * np.pi * np.arange(cranks.count) / cranks.count)
+    outward = np.broadcast_to((disc_strain - strain(design, "output")) * places, (*shape, 2)).reshape(-1, 2)
+
+    def plus(values: tuple[float, ...], change: "Array | float") -> tuple[float, ...]:
+        """Add a change [m] to a list of errors [m] of the eccentrics; an empty list has zeros."""
+        size = shape[0] * shape[1]
+        return tuple((np.array(values or (0.0,) * size) + change).tolist())
+
+    at_reference = at_temperatures(design, dict.fromkeys(HEATED, REFERENCE_TEMPERATURE))
+    return at_reference.but(
+        modification={
+            "pin_circle": generating_radius - ring.pin_circle_radius,
+            "equidistant": design.modification.equidistant - closing,
+        },
+        gear={"eccentricity": eccentricity * (1.0 + disc_strain)},
+        cranks={
+            "radius": circle,
+            "needle_clearance": cranks.needle_clearance + bore_radius * disc_strain - inner_radius * crank_strain,
+        },
+        crank_errors={
+            "eccentric_radial": plus(errors.eccentric_radial, eccentricity * (crank_strain - disc_strain)),
+            "bore_x": plus(errors.bore_x, outward[:, 0]),
+            "bore_y": plus(errors.bore_y, outward[:, 1]),
         },
         thermal={"applied": True},
         **{f"{part}_material": warm_material(design, part).model_dump() for part in PARTS},

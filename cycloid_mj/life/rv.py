@@ -88,7 +88,7 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     tapers = RollerRow(TAPERS.rollers, TAPERS.diameter * outer, TAPERS.length * outer, TAPERS.pitch * outer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
     disc_bearing_forces = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
-    flange_bearing_forces = tuple(_flange_forces(reducer, force) for force in forces)
+    flange_bearing_forces = tuple(flange_forces(reducer, force) for force in forces)
     source_text = "of the design file (bearing.*_capacity_n)"
     yield _Row(
         "crank_needles",
@@ -117,7 +117,7 @@ def _crank_forces(reducer: RvReducer, torque: float) -> Array:
     return (shared if means[0] >= means[1] else solved).cranks
 
 
-def _flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
+def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
     """Return the radial forces on the crank bearings in the two flanges [N], shape (m, 2 n), flange by flange.
 
     A crank is a beam on two supports, in the middles of the flanges, under the forces of the discs [N], (m, D, n, 2).
@@ -272,5 +272,8 @@ def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
     )
     yield f"reliability of bearings: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
-    yield "not rated: strength of cranks, discs, carrier and tooth roots, main bearings, wear and heat"
+    yield (
+        "not rated: strength of cranks, discs and tooth roots (`cycloid-mj stress`), heat (`cycloid-mj thermal`), "
+        "strength of the carrier, main bearings and wear"
+    )
     yield from describe_plastic_limits(reducer.design)

@@ -15,10 +15,11 @@ from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty
 from cycloid_mj.life.heat import heat_limits, mean_losses
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, solve_loading
+from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, solve_rv_losses
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
 from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node, heat_capacities
 from cycloid_mj.life.thermal_state import ThermalState, TightestTime
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.statics.film import state_seals
 from cycloid_mj.statics.springs import POSES
 
@@ -106,7 +107,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     RunError
         No static equilibrium at 20 °C under a torque of the duty.
     """
-    reducer = state_seals(Reducer(resolve(design).at_reference))
+    reducer = state_seals(reducer_of(resolve(design).at_reference))
     duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
     points = _running_points(reducer.design, duty)
     steady_state = _solve_steady_state(reducer, points, settings)
@@ -141,6 +142,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
         tightest=tightest,
         converged=steady_state.converged,
         assumptions=tuple(_assumptions(reducer, steady_state)),
+        can_preload=isinstance(reducer, RvReducer),
     )
 
 
@@ -202,8 +204,8 @@ def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings:
 
 def _is_inadmissible(design: Design, temperatures: Mapping[str, float], settings: ThermalSettings) -> bool:
     """Return whether the parts jam at temperatures [°C], or are hotter than the rounds allow."""
-    if max(temperatures.values()) > settings.hottest:
-        return True
+    if max(temperatures.values()) > settings.hottest or design.layout == RvReducer.LAYOUT:
+        return max(temperatures.values()) > settings.hottest
     hot_design = at_temperatures(design, temperatures)
     return tooth_play(hot_design) <= 0.0 or min(warm_clearances(hot_design).values()) <= 0.0
 
@@ -228,6 +230,8 @@ def _solve_losses(
     settings
         Number of crank angles.
     """
+    if isinstance(reducer, RvReducer):
+        return solve_rv_losses(reducer, points, temperatures, capacities, settings.crank_angles)
     loadings = [
         solve_loading(reducer, replace(point, share=1.0), settings.crank_angles, False, temperatures)
         for point in points
@@ -352,6 +356,8 @@ def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Ite
     hottest = max(temperatures.values())
     for limit in heat_limits(reducer):
         yield f"{limit.temperature:g} °C, {limit.name}", (limit.temperature - hottest) / max(limit.temperature, 1.0)
+    if isinstance(reducer, RvReducer):
+        return
     warm = at_temperatures(design, temperatures)
     yield "thermal expansion closes the teeth", tooth_play(warm) / max(tooth_play(design), 1e-12)
     for pair, clearance in warm_clearances(warm).items():
@@ -456,12 +462,17 @@ def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalS
 
 def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
     """Yield the assumptions of a steady state, a sentence each."""
-    yield _friction_text(reducer)
-    yield "half of each loss heats each of the two parts that meet; motor and driven machine take no heat"
-    yield "conductances of bearings assume 14 rollers, a third of them loaded; conductivities by the kind of material"
+    if isinstance(reducer, RvReducer):
+        yield from RV_THERMAL_ASSUMPTIONS
+    else:
+        yield _friction_text(reducer)
+        yield "half of each loss heats each of the two parts that meet; motor and driven machine take no heat"
+        yield "conductances of bearings assume 14 rollers, a third of them loaded"
+        yield "conductivities by the kind of material"
     yield "losses change linearly with the temperature of the disc during the warm-up, and with the torque by duty"
     if not steady_state.converged:
-        yield "the parts jam at these temperatures: the losses are those before the clearance is lost"
+        reason = "losses and temperatures do not agree" if isinstance(reducer, RvReducer) else "the parts jam"
+        yield f"{reason} at these temperatures: the losses are those before the clearance is lost"
 
 
 def _friction_text(reducer: Reducer) -> str:

@@ -27,14 +27,20 @@ from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import drive_mass, has_casing
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.export.rv_assembly import rv_masses
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.balance import Loads
 
 NODE_OF_BODY = {"shaft": "crank", "disc": "disc", "output": "output", "housing": "housing"}
 """Body that a bearing joins -> node."""
 
-HEAT_SOURCES = {"teeth": ("disc", "ring"), "cam": ("crank", "disc"), "output": ("disc", "output")}
-"""Loss of the contacts -> nodes that get half of it each; seals heat the housing."""
+HEAT_SOURCES: Mapping[str, tuple[str, ...]] = {
+    **{"teeth": ("disc", "ring"), "cam": ("crank", "disc"), "output": ("disc", "output")},
+    **{"crank bearings": ("crank", "crank", "disc", "output"), "planets": ("crank",)},
+}
+"""Loss of the contacts -> nodes that get equal shares of it; seals heat the housing.
+
+Half of the loss of the crank bearings of an RV reducer is that of the tapered bearings in its carrier, the output."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +77,7 @@ STEEL, ALUMINIUM, PLASTIC = HeatProperties(45.0, 470.0), HeatProperties(160.0, 9
 
 PART_OF_STEM = {
     **{"gear": "gear", "pin": "pin", "sleeve": "pin", "housing": "housing", "ring": "housing"},
-    **{"output": "output", "roller": "output", "": "shaft"},
+    **{"output": "output", "roller": "output", "carrier": "output", "": "shaft"},
 }
 """First letters of a part's name -> part of its material; all else turns with the crank."""
 
@@ -156,12 +162,13 @@ class Network:
 
 def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, float]:
     """Distribute losses by source to the nodes of the network [W]: half to each of the two parts that meet."""
-    joins = {bearing.key: [NODE_OF_BODY[body] for body in bearing.joins] for bearing in bearings_of(reducer)}
+    bearings = () if isinstance(reducer, RvReducer) else bearings_of(reducer)
+    joins = {bearing.key: tuple(NODE_OF_BODY[body] for body in bearing.joins) for bearing in bearings}
     heat = dict.fromkeys(HEATED, 0.0)
     for source, power in losses.items():
-        nodes = HEAT_SOURCES.get(source) or joins.get(source) or ("housing", "housing")
+        nodes = HEAT_SOURCES.get(source) or joins.get(source) or ("housing",)
         for node in nodes:
-            heat[node] += 0.5 * power
+            heat[node] += power / len(nodes)
     return heat
 
 
@@ -206,16 +213,14 @@ def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductan
         yield Conductance("crank", "disc", value, "lubricant in the gap of the plain cam, k A/clearance")
         return
     rollers = design.contact.cam_rollers
-    cam_conductance = _roller_conductance(
+    cam_conductance = roller_conductance(
         rollers, reducer.contacts.roller_radius, design.gear.face_width, force, design.partners("cam")
     )
     source = f"{rollers} rollers of each cam, a third of them loaded"
     yield Conductance("crank", "disc", design.gear.discs * cam_conductance, source)
 
 
-def _roller_conductance(
-    rollers: int, radius: float, length: float, force: float, partners: Sequence[Material]
-) -> float:
+def roller_conductance(rollers: int, radius: float, length: float, force: float, partners: Sequence[Material]) -> float:
     """Compute the heat conductance of a roller bearing under a force [N] [W/K].
 
     Each loaded roller of a radius and length [m] conducts through its inner and outer contact in series; `partners` are
@@ -236,7 +241,7 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
         width = casing(reducer).hub.width if bearing.key.startswith("output") else high - low
         force = float(bearing_forces(reducer, bearing.key, loading).mean())
         roller_radius = 0.5 * ASSUMED_ROLLERS.shaft_roller_share * 0.5 * bearing.bore
-        value = _roller_conductance(ASSUMED_ROLLERS.shaft_rollers, roller_radius, width, force, (steel, steel))
+        value = roller_conductance(ASSUMED_ROLLERS.shaft_rollers, roller_radius, width, force, (steel, steel))
         first_node, second_node = (NODE_OF_BODY[body] for body in bearing.joins)
         yield Conductance(
             first_node,
@@ -288,7 +293,8 @@ def heat_capacities(reducer: Reducer) -> dict[str, float]:
 
     Without covers the housing is a thin shell with a hundredth of the capacity of the others.
     """
-    bodies, mechanism = dict.fromkeys(HEATED, 0.0), masses(reducer)
+    bodies = dict.fromkeys(HEATED, 0.0)
+    mechanism = rv_masses(reducer) if isinstance(reducer, RvReducer) else masses(reducer)
     for name, mass in mechanism.items():
         part = next(part for stem, part in PART_OF_STEM.items() if name.startswith(stem))
         bodies[BODY_OF[part]] += mass * heat_properties(reducer.design.material_of(part)).specific_heat

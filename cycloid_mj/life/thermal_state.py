@@ -71,6 +71,8 @@ class ThermalState(Presented):
         Whether losses and temperatures agree; false if the parts jam on the way.
     assumptions
         Assumptions, a sentence each.
+    can_preload
+        Whether parts that lose their clearance are preloaded against springs instead of jamming.
     """
 
     design: str
@@ -94,16 +96,17 @@ class ThermalState(Presented):
     tightest: TightestTime
     converged: bool
     assumptions: tuple[str, ...]
+    can_preload: bool = False
 
     @property
     def jams_when_steady(self) -> bool:
         """True if a clearance is lost at the steady temperatures, those of the mean losses."""
-        return self.play <= 0.0 or min(self.clearances.values()) <= 0.0
+        return not self.can_preload and (self.play <= 0.0 or min(self.clearances.values()) <= 0.0)
 
     @property
     def jams(self) -> bool:
         """True if a clearance is lost in the steady state, or at any time of the warm-up and its cycles."""
-        return self.jams_when_steady or self.tightest.jams
+        return self.jams_when_steady or (not self.can_preload and self.tightest.jams)
 
     @property
     def quantities(self) -> dict[str, Quantity]:

@@ -204,14 +204,14 @@ def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
 
 
 @once
-def friction_powers(reducer: RvReducer, load: float) -> dict[str, float]:
-    """Compute the mean powers lost to friction under a torque on the output [W], by part.
+def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force_angles) -> dict[str, float]:
+    """Compute the mean powers lost to friction under a torque on the output [W], by part, at `count` crank angles.
 
     Needles and tapered bearings of a crank carry the force of the disc; their coefficient acts at the radius of the
     eccentric.
     """
     design, planet = reducer.design, reducer.planet
-    springs, balanced_loads = springs_over_turn(reducer), balance_running(reducer, load)
+    springs, balanced_loads = springs_over_turn(reducer, count), balance_running(reducer, load, count)
     output, kinematics = abs(reducer.output_speed), reducer.kinematics
     crank_speed = output * reducer.share * float(abs(kinematics.crank_per_carrier))
     sliding = np.sum(balanced_loads.pins * np.abs(springs.slip), axis=1).mean() * crank_speed

@@ -11,9 +11,7 @@ from cycloid_mj.design import PRESETS, load
 from cycloid_mj.design.layouts import SUPPORTED
 
 REFUSED = (
-    ("thermal", "rv80e"),
     ("reduce", "rv80e", "--out", "joint"),
-    ("stress", "rv80e", "--out", "stress"),
     ("compare", "pin", "rv80e"),
     ("measure", "te", "rv80e"),
     ("protocol", "rv80e"),

@@ -6,7 +6,7 @@ from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
 from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, casing, casing_or_none
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once
 
 BEARING_FILL = 0.67
 """Mass of a rolling bearing relative to a solid ring: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
@@ -16,8 +16,8 @@ TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, 
 
 
 def has_casing(reducer: Reducer) -> bool:
-    """Return whether covers, bearings and screws fit a mechanism."""
-    return casing_or_none(reducer)[0] is not None
+    """Return whether covers, bearings and screws fit a mechanism; never that of an RV reducer."""
+    return not isinstance(reducer, RvReducer) and casing_or_none(reducer)[0] is not None
 
 
 @once

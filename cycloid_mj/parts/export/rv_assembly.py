@@ -44,9 +44,14 @@ def rv_assembly_parts(reducer: RvReducer) -> dict[str, Part]:
 
 def rv_mass(reducer: RvReducer) -> float:
     """Compute the mass of all parts of `rv_assembly_parts` in their numbers [kg]; raises the same errors."""
+    return sum(rv_masses(reducer).values())
+
+
+def rv_masses(reducer: RvReducer) -> dict[str, float]:
+    """Compute the mass of each part of `rv_assembly_parts` in its number [kg], by name; raises the same errors."""
     counts = Counter(place.part for place in place_rv_parts(reducer))
     parts = rv_assembly_parts(reducer)
-    return sum(count * mass_properties(parts[name].solid(EXPORT_CHORD_ERROR)).mass for name, count in counts.items())
+    return {name: count * mass_properties(parts[name].solid(EXPORT_CHORD_ERROR)).mass for name, count in counts.items()}
 
 
 def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPart]:

@@ -1,0 +1,152 @@
+"""Losses and heat conductances of an RV reducer for its thermal network."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.design.model import Material
+from cycloid_mj.geometry.expansion import at_temperatures, tooth_play
+from cycloid_mj.life.duty import DutyPoint
+from cycloid_mj.life.heat import heat_transfer_coefficient
+from cycloid_mj.life.rv import TAPERS, flange_forces
+from cycloid_mj.life.thermal_network import Conductance, Network, line_contact_conductance, roller_conductance
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics.rv import RvLoads
+from cycloid_mj.statics.rv_sheet import balance_running, friction_powers
+from cycloid_mj.statics.springs import tooth_stiffness
+
+RV_THERMAL_ASSUMPTIONS = (
+    "friction: the coefficients of the design at any temperature; sun and planets have the temperature of the cranks",
+    "half of each loss heats each of the two parts that meet; motor and driven machine take no heat",
+    "a third of the rollers of each crank bearing is loaded; between flanges and housing there is grease, without the "
+    "main bearings; conductivities by the kind of material",
+    "discs that expand more than the ring are preloaded: the springs of the pins, the housing as a thin ring and the "
+    "discs as full plates yield in series; cranks are preloaded in their bores",
+)
+
+
+def solve_rv_losses(
+    reducer: RvReducer,
+    points: Sequence[DutyPoint],
+    temperatures: Mapping[str, float],
+    capacities: Mapping[str, float],
+    crank_angles: int,
+) -> tuple[tuple[dict[str, float], ...], Network]:
+    """Return the losses by source at each point of a duty [W], and the network under its largest torque.
+
+    Both are those at temperatures of the parts [°C], at a number of crank angles; the network has the heat `capacities`
+    of the parts at 20 °C.
+
+    Raises
+    ------
+    RunError
+        No static equilibrium was found.
+    """
+    losses = []
+    for point in points:
+        turning = reducer.but(drive={"speed": math.copysign(point.speed, reducer.design.drive.speed)})
+        warm = warm_reducer(turning, temperatures)
+        losses.append(dict(friction_powers(warm, abs(point.torque), crank_angles)))
+    largest = max(abs(point.torque) for point in points)
+    warm = warm_reducer(reducer, temperatures)
+    loads = balance_running(warm, largest, crank_angles)
+    links = (*_contact_links(warm, loads), *_grease_links(reducer), *_air_links(reducer, temperatures["housing"]))
+    return tuple(losses), Network(links, capacities)
+
+
+def warm_reducer(reducer: RvReducer, temperatures: Mapping[str, float]) -> RvReducer:
+    """Return the reducer at temperatures of its parts [°C], whose ring and discs yield to an interference of the teeth.
+
+    The springs of the pins carry `preload_share` of the interference.
+    """
+    hot_design = at_temperatures(reducer.design, temperatures)
+    warm, interference = RvReducer(hot_design), max(0.0, -tooth_play(hot_design))
+    if not interference:
+        return warm
+    relief = (1.0 - preload_share(warm)) * interference
+    return warm.but(modification={"equidistant": warm.design.modification.equidistant + relief})
+
+
+def preload_share(reducer: RvReducer) -> float:
+    """Compute the share of a radial interference of discs and ring that the springs of the pins take [1].
+
+    In series with them, the housing expands as a thin ring, f N D r/(2 pi E A) under the force f of each of N pins on
+    each of D discs, and a disc shrinks as a full plate, (1 - nu) f N/(2 pi b E) with the width b.
+    """
+    design, ring = reducer.design, reducer.design.ring
+    housing, disc = design.material_of("housing"), design.material_of("gear")
+    section = (design.housing.outer_radius - design.ring_root_radius) * design.gear.stack_width
+    middle = 0.5 * (design.housing.outer_radius + design.ring_root_radius)
+    expansion = ring.teeth * design.gear.discs * middle / (2.0 * math.pi * housing.youngs_modulus * section)
+    shrinkage = (1.0 - disc.poisson) * ring.teeth
+    shrinkage /= 2.0 * math.pi * design.gear.face_width * disc.youngs_modulus
+    pin = 1.0 / float(np.mean(tooth_stiffness(reducer, np.array([1.0 / ring.pin_radius]))))
+    return pin / (pin + expansion + shrinkage)
+
+
+def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:
+    """Yield the conductances of teeth and crank bearings, means over the crank angles of the loads."""
+    design, cranks = reducer.design, reducer.cranks
+    pair, steel, disc = design.tooth_pair, design.material_of("shaft"), design.material_of("gear")
+    teeth = line_contact_conductance(
+        loads.pins, design.line_length(pair), design.ring.pin_radius, design.partners(pair)
+    )
+    source = f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn"
+    yield Conductance("disc", "ring", float(teeth.sum(axis=1).mean()), source)
+    needles = _row_conductance(
+        loads.bearings,
+        cranks.needles,
+        cranks.needle_radius,
+        design.gear.face_width,
+        (steel, disc),
+    )
+    yield Conductance("crank", "disc", needles, "needles of the cranks, a third of them loaded")
+    outer = 2.0 * cranks.taper_radius
+    tapers = _row_conductance(
+        flange_forces(reducer, loads.cranks),
+        TAPERS.rollers,
+        0.5 * TAPERS.diameter * outer,
+        TAPERS.length * outer,
+        (steel, steel),
+    )
+    source = f"tapered bearings of the cranks, {TAPERS.rollers} rollers assumed, a third of them loaded"
+    yield Conductance("crank", "output", tapers, source)
+
+
+def _row_conductance(
+    forces: Array, rollers: int, radius: float, length: float, partners: tuple[Material, Material]
+) -> float:
+    """Sum the conductances of bearings under their mean forces, from forces (m, ...) [N] [W/K]."""
+    means = np.mean(forces.reshape(len(forces), -1), axis=0)
+    return sum(roller_conductance(rollers, radius, length, float(force), partners) for force in means)
+
+
+def _grease_links(reducer: RvReducer) -> Iterator[Conductance]:
+    """Yield the conductances through grease: discs on the flanges, and flanges in the housing."""
+    design, cranks = reducer.design, reducer.cranks
+    holes = cranks.count * (reducer.bore_radius**2 + reducer.window_radius**2)
+    face = math.pi * (min(design.ring_root_radius, reducer.flange_radius) ** 2 - cranks.middle_hole_radius**2 - holes)
+    rim = 2.0 * math.pi * reducer.flange_radius * cranks.flange_thickness
+    per_area = design.thermal.grease_conductivity / design.thermal.face_gap
+    yield Conductance("disc", "output", 2.0 * per_area * face, "grease between discs and flanges, k A/gap")
+    yield Conductance("output", "housing", 2.0 * per_area * rim, "grease between flanges and housing, k A/gap")
+
+
+def _air_links(reducer: RvReducer, wall_temperature: float) -> Iterator[Conductance]:
+    """Yield the conductances from the ring to the rest of the housing, and from housing and flanges to the air.
+
+    `wall_temperature` is that of the housing [°C].
+    """
+    design = reducer.design
+    outer, ends = design.housing.outer_radius, math.pi * reducer.flange_radius**2
+    length = design.gear.stack_width + 2.0 * reducer.cranks.flange_thickness
+    faces = 2.0 * math.pi * (outer**2 - design.ring.pin_circle_radius**2)
+    yield Conductance("ring", "housing", design.thermal.joint_conductance * faces, "clamped faces of the ring, h A")
+    coefficient = heat_transfer_coefficient(reducer, wall_temperature)
+    by = "service.film_coefficient_w_m2_k" if design.service.film_coefficient else "ISO/TR 14179-2"
+    area = 2.0 * math.pi * outer * (outer + length) - 2.0 * ends
+    source = f"h A, h = {coefficient:.3g} W/(m2 K) by {by}"
+    yield Conductance("housing", "ambient", coefficient * area, source)
+    yield Conductance("output", "ambient", coefficient * 2.0 * ends, f"ends of the carrier, {source}")

@@ -1,0 +1,102 @@
+"""Heat of an RV reducer: expansion, preload of the teeth, and the thermal network."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS
+from cycloid_mj.design.model import HEATED
+from cycloid_mj.geometry.expansion import at_temperatures, expand, jam_difference, tooth_play
+from cycloid_mj.life.duty import DutyPoint, constant_duty
+from cycloid_mj.life.rv_thermal import preload_share, solve_rv_losses, warm_reducer
+from cycloid_mj.life.thermal import thermal
+from cycloid_mj.life.thermal_network import heat_by_node, heat_capacities
+from cycloid_mj.parts.export.rv_assembly import rv_mass
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics.rv_sheet import friction_powers
+
+RV80E = PRESETS["rv80e"]
+FEW_ANGLES = 31
+
+
+def _at(**temperatures: float) -> dict[str, float]:
+    return dict.fromkeys(HEATED, 20.0) | temperatures
+
+
+def test_equal_temperatures_of_equal_materials_change_no_clearance() -> None:
+    warm = expand(at_temperatures(RV80E, dict.fromkeys(HEATED, 70.0)))
+    assert warm.clearance == RV80E.clearance
+    assert warm.modification.pin_circle == pytest.approx(0.0, abs=1e-15)
+    assert warm.modification.equidistant == pytest.approx(0.0, abs=1e-15)
+    assert warm.cranks is not None
+    assert warm.cranks.needle_clearance == pytest.approx(0.0, abs=1e-15)
+
+
+def test_a_warm_disc_grows_towards_the_pins_and_moves_its_bores() -> None:
+    hot = at_temperatures(RV80E, _at(disc=30.0))
+    growth = RV80E.material.expansion * 10.0
+    warm, ring = expand(hot), RV80E.ring
+    assert tooth_play(hot) == pytest.approx(0.2e-6 - growth * (ring.pin_circle_radius - ring.pin_radius), abs=1e-9)
+    assert jam_difference(RV80E) == pytest.approx(10.0 * 0.2e-6 / (growth * 73.5e-3), rel=1e-9)
+    assert warm.modification.pin_circle == pytest.approx(growth * ring.pin_circle_radius)
+    assert warm.modification.equidistant == pytest.approx(growth * ring.pin_radius, rel=1e-3)
+    assert warm.crank_errors is not None
+    assert warm.cranks is not None
+    bores = np.stack([warm.crank_errors.bore_x, warm.crank_errors.bore_y], axis=-1)
+    assert np.linalg.norm(bores, axis=-1) == pytest.approx(np.full(6, growth * 42e-3))
+    assert bores[0] == pytest.approx([0.0, growth * 42e-3], abs=1e-12)
+    assert warm.crank_errors.eccentric_radial == pytest.approx((-growth * 1.5e-3,) * 6)
+    assert warm.cranks.needle_clearance == pytest.approx(growth * 17e-3)
+
+
+def test_the_housing_takes_most_of_an_interference() -> None:
+    """Thick-walled ring by Lame: 17 % stiffer than the thin one, which takes 64 % of the interference of `rv80e`."""
+    reducer = RvReducer(RV80E)
+    share = preload_share(reducer)
+    assert share == pytest.approx(0.19, abs=0.01)
+    modulus, poisson = RV80E.material.youngs_modulus, RV80E.material.poisson
+    inner, outer, width = RV80E.ring_root_radius, RV80E.housing.outer_radius, RV80E.gear.stack_width
+    pressure = 80.0 / (2.0 * math.pi * inner * width)
+    squares = (outer**2 + inner**2) / (outer**2 - inner**2)
+    lame = pressure * inner / modulus * (squares + poisson)
+    disc = 0.7 * 40.0 / (2.0 * math.pi * 15e-3 * modulus)
+    assert share == pytest.approx(1.0 / (1.0 + 3e8 * (lame + disc)), rel=0.25)
+    hot = _at(disc=30.0)
+    relief = warm_reducer(reducer, hot).design.modification.equidistant
+    relief -= RvReducer(at_temperatures(RV80E, hot)).design.modification.equidistant
+    assert relief == pytest.approx((1.0 - share) * -tooth_play(at_temperatures(RV80E, hot)), rel=1e-2)
+
+
+def test_losses_at_20_degrees_are_those_of_statics_and_a_hot_disc_adds_friction_of_its_teeth() -> None:
+    reducer, point = RvReducer(RV80E), DutyPoint(784.0, RV80E.drive.speed, 1.0)
+    capacities = heat_capacities(reducer)
+    (cold,), network = solve_rv_losses(reducer, [point], _at(), capacities, FEW_ANGLES)
+    assert cold == friction_powers(reducer, 784.0, FEW_ANGLES)
+    (warm,), _ = solve_rv_losses(reducer, [point], _at(disc=30.0), capacities, FEW_ANGLES)
+    assert warm["teeth"] > 1.3 * cold["teeth"]
+    heat = heat_by_node(reducer, cold)
+    assert sum(heat.values()) == pytest.approx(sum(cold.values()))
+    assert network.heat_to_air(network.rises(heat)) == pytest.approx(sum(cold.values()))
+    assert sum(capacities.values()) == pytest.approx(1.01 * 470.0 * rv_mass(reducer), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_the_case_stays_below_60_degrees_at_the_rated_torque_on_a_robot() -> None:
+    """60 W/(m2 K) stand for the arm that cools the case; the makers' manuals limit it to 60 °C."""
+    cooled = RV80E.but(service={"film_coefficient": 60.0})
+    state = thermal(cooled, constant_duty(784.0, RV80E.drive.speed))
+    assert state.converged
+    assert 40.0 < state.temperatures["housing"] < 60.0
+    assert state.play < 0.0
+    assert not state.jams
+    assert state.torque > 784.0
+    alone = thermal(RV80E, constant_duty(100.0, RV80E.drive.speed))
+    assert set(alone.as_json()) == set(thermal(PRESETS["pin"]).as_json())
+
+
+@pytest.mark.slow
+def test_the_command_warns_of_the_preload(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["thermal", "rv80e", "--load-nm", "100"]) == 0
+    assert "expand by" in capsys.readouterr().err
