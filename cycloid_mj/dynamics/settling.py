@@ -55,7 +55,7 @@ def closed_stiffness(reducer: Reducer) -> float:
         tooth = reducer.contacts.mesh_stiffness
         return closed_form_stiffness(reducer.stage, reducer.bearing_stiffness, tooth) / reducer.share**2
     stiffness = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
-    stiffness |= {"output": design.gear.discs * reducer.contacts["output"].series[0]}
+    stiffness |= {"output": design.gear.discs * reducer.contacts["output"].stiffness_by_disc[0]}
     gear, output = reducer.tooth_profile, design.output
     arms = profile.moment_arm(gear, profile.pin_angles(gear))
     mesh_compliance = sum(1.0 / stiffness[kind] for kind in stiffness if kind not in ("cam", "output"))
@@ -120,7 +120,7 @@ def penetration_limit(reducer: Reducer) -> float:
     if design.contact.max_penetration:
         return design.contact.max_penetration
     contacts = [reducer.contacts[kind] for kind in reducer.mechanism.kinds]
-    deflection = max(contact.force / contact.series[0] for contact in contacts)
+    deflection = max(contact.force / contact.stiffness_by_disc[0] for contact in contacts)
     preload_depth = 0.5 * design.ring.preload * design.ring.pin_circle_radius
     if isinstance(reducer, RvReducer):
         preload_depth += max(-reducer.bearing_clearance, 0.0)

@@ -138,7 +138,7 @@ def step_limits(reducer: Reducer, must_follow: bool = False) -> dict[str, float]
     """
     limits = {
         f"stiffness of {kind}": math.sqrt(
-            max_stiffness_ratio(reducer, kind, must_follow) * mass / max(reducer.contacts[kind].series)
+            max_stiffness_ratio(reducer, kind, must_follow) * mass / max(reducer.contacts[kind].stiffness_by_disc)
         )
         for kind, mass in effective_masses(reducer).items()
     }
@@ -195,7 +195,7 @@ def rolling_limits(reducer: Reducer) -> dict[str, float]:
 
 def _rolling_limit(reducer: Reducer, kind: str, mass: float, clearance: float) -> float:
     contact = reducer.contacts[kind]
-    stiffness = contact.force / (max(clearance, 0.0) + contact.force / contact.series[0])
+    stiffness = contact.force / (max(clearance, 0.0) + contact.force / contact.stiffness_by_disc[0])
     return SETTINGS.max_rolling_share * 2.0 * math.sqrt(mass / stiffness)
 
 
@@ -209,7 +209,7 @@ def circling_limit(reducer: Reducer) -> float:
     """Return the longest step [s] in which discs stay close to their orbit (`MujocoStepSettings.max_sagitta`)."""
     design = reducer.design
     contact, play = reducer.contacts[design.tooth_pair], getattr(design.clearance, design.tooth_pair) + design.pin_play
-    room = play + contact.force / contact.series[0]
+    room = play + contact.force / contact.stiffness_by_disc[0]
     return math.sqrt(12.0 * SETTINGS.max_sagitta * room / (design.gear.eccentricity * reducer.orbit_speed**2))
 
 

@@ -328,9 +328,9 @@ def _circle_lengths(radius: float, count: int) -> Array:
 
 
 def _flank_lengths(reducer: Reducer) -> Array:
-    """Compute the arc of all discs' outlines [m] in each of `SECTORS` of the phase of a pin, shape (SECTORS,).
+    """Compute the arc length [m] of all discs' outlines on which pins roll in each sector of their phase, (SECTORS,).
 
-    A pin passes a lobe while its phase B = zeta + crank makes a turn: t = -B/(N - 1) on the outline.
+    The phase of a pin, B = zeta + crank, makes a turn while the pin passes a lobe: t = -B/(N - 1) on the outline.
     """
     gear, lobes = reducer.gear_profile, reducer.design.lobes
     ends = -np.linspace(0.0, 2.0 * math.pi, SECTORS + 1) / lobes

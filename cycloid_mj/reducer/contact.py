@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.deprecated import deprecated_attribute
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.base.units import MILLIMETRE
 from cycloid_mj.geometry import ideal_loads
@@ -193,11 +194,11 @@ class Contact:
         return self._kept(Contact.stiffness, self._compute_stiffness)
 
     @property
-    def series(self) -> tuple[float, ...]:
-        """Stiffness of a contact on each disc in the simulation [N/m], shape (D,).
+    def stiffness_by_disc(self) -> tuple[float, ...]:
+        """Stiffness of a contact on each disc in the simulation, with the parts in series with it [N/m], shape (D,).
 
-        In series with the contact itself are the seat of a massless pin, and, with ``structure = "springs"``, the
-        bending of an output pin. Raises the errors of `curvature_law`.
+        These are the seat of a massless pin and, with ``structure = "springs"``, the bending of an output pin. Raises
+        the errors of `curvature_law`.
         """
         contacts = self._reducer.contacts
         stiffness = contacts.mesh_stiffness if self._is_through_pin else self.stiffness
@@ -208,6 +209,8 @@ class Contact:
             1.0 / (1.0 / stiffness + flexibility) if flexibility else stiffness
             for flexibility in bending_compliance.tolist()
         )
+
+    series = deprecated_attribute("Contact", "series", "stiffness_by_disc")
 
     @property
     def relative_curvature(self) -> float:

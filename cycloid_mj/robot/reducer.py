@@ -169,7 +169,7 @@ class ReducedJoint(Presented):
         return 1 + zlib.crc32(json.dumps(values, sort_keys=True).encode()) % 999_999
 
     def stiffness(self, torque: float) -> float:
-        """Compute the slope of the torque over L at a torque of this size [N m/rad]."""
+        """Compute the slope of the springs' torque over the output's deviation at a torque of this size [N m/rad]."""
         wind_up = self.wind_up(torque)
         return sum(spring.stiffness for spring in self.springs if spring.start <= wind_up)
 
@@ -196,16 +196,17 @@ class ReducedJoint(Presented):
     def stops_at(self, angle: float, deviation: float) -> tuple[float, float]:
         """Compute the deviations at both stops [rad] at a crank angle [rad], with the transmission error under load.
 
-        The load is that of the springs at the output's deviation L [rad].
+        The load is that of the springs at the output's `deviation` L [rad].
         """
         return self.moving_stops(angle)(deviation)
 
     def moving_stops(self, angle: float) -> Callable[[float], tuple[float, float]]:
-        """Return the function from deviation L [rad] to the deviations at both stops [rad], at one crank angle [rad].
+        """Return a function that computes both stops from the output's deviation, at one crank angle [rad].
 
-        L is piecewise linear in the torque between the loads of the errors and the starts of the springs, and is
-        inverted. If the error falls faster with the load than the springs wind up, several torques have the same L, and
-        the largest is used.
+        Its argument is the deviation L of the output and its results are the deviations at the lower and the upper stop
+        [rad], which the transmission error moves under load. It is faster than `stops_at` for several deviations at one
+        crank angle. The load at L is found by interpolation, since L is piecewise linear in the torque. If the error
+        falls faster with the load than the springs wind up, several torques have the same L, and the largest is used.
         """
         shares, _ = self._bend_points
         (low, lower_deviation), (high, upper_deviation) = self._stop_deviations(angle)
@@ -224,9 +225,10 @@ class ReducedJoint(Presented):
         return stops
 
     def bends(self, angle: float) -> Array:
-        """Return the deviations L [rad], increasing, between which the torque is linear at a crank angle [rad], (n,).
+        """Return the deviations L [rad], shape (n,), at which the slope of the torque changes at a crank angle [rad].
 
-        At the level `full`, the transmission error moves them.
+        They increase: the stops, and the wind-ups at which further springs start. At the level `full`, the transmission
+        error moves them.
         """
         if self.level == "full":
             (_, lower), (_, upper) = self._stop_deviations(angle)

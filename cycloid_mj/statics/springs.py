@@ -164,7 +164,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
     `cam_positions` are those of the cams [m], shape (m, D, 2).
     """
     design, bending = reducer.design, _cross_compliances(reducer)
-    pin_stiffness = np.repeat(np.array(reducer.contacts["output"].series), design.output.pins)
+    pin_stiffness = np.repeat(np.array(reducer.contacts["output"].stiffness_by_disc), design.output.pins)
     output = np.broadcast_to(pin_stiffness, (len(cam_positions), pin_stiffness.size))
     stiffness = tooth_stiffness(reducer, mesh_gaps.relative_curvature[:, :teeth])
     shared = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}

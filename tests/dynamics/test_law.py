@@ -314,11 +314,11 @@ def test_a_working_force_beyond_a_line_contact_is_reported_by_its_key() -> None:
         assert (
             Reducer(with_pair("output", "working_force.output_n=1e6", "gear.face_width_mm=0.1"))
             .contacts["output"]
-            .series
+            .stiffness_by_disc
         )
     with pytest.raises(ContactError, match=r"^contact\.working_force_n "):
         assert (
             Reducer(with_pair("output", "contact.working_force_n=1e6", "gear.face_width_mm=0.1"))
             .contacts["output"]
-            .series
+            .stiffness_by_disc
         )

@@ -92,7 +92,8 @@ def test_a_drive_settles_once_the_load_has_crossed_its_play() -> None:
 def test_the_depth_allowed_follows_the_load_and_stays_below_the_teeth() -> None:
     heavy = PRINTED.but(load={"torque": 20.0})
     pressed = [
-        Reducer(heavy).contacts[kind].force / Reducer(heavy).contacts[kind].series[0] for kind in heavy.pair_kinds
+        Reducer(heavy).contacts[kind].force / Reducer(heavy).contacts[kind].stiffness_by_disc[0]
+        for kind in heavy.pair_kinds
     ]
     assert penetration_limit(Reducer(heavy)) == pytest.approx(10.0 * max(pressed))
     assert penetration_limit(Reducer(heavy)) > 2.0 * SETTLING.min_depth_limit

@@ -37,7 +37,7 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
         friction = design.mesh_friction if is_massless else design.friction_of(kind)
         contact, mass = reducer.contacts[kind], mass / contact_lines
         force, impact = contact.force / contact_lines, contact.impact
-        stiffness = contact.series[disc] / contact_lines
+        stiffness = contact.stiffness_by_disc[disc] / contact_lines
         is_followed = not may_settle(reducer, kind) or stiffness * step**2 <= SETTINGS.max_idle_seat_ratio * mass
         laws[kind] = (contact_law if is_followed else settling_law)(
             stiffness=stiffness,
