@@ -76,9 +76,19 @@ SIZES_DTYPE = np.dtype([(name, float) for name in SIZES])
 
 
 def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
-    """Decode points of the unit cube, shape (n, `DIMENSIONS`); each variable chooses among the sizes that fit.
+    """Convert points of the unit cube to the dimensions of candidate drives, as far as stock parts and walls permit.
 
-    Returns the points to which there are parts in stock and walls, and their sizes.
+    Parameters
+    ----------
+    requirement
+        Ratio, diameter, process and other limits of the drive.
+    points
+        Points (n, `DIMENSIONS`); each coordinate chooses among the sizes that fit the previous ones.
+
+    Returns
+    -------
+    tuple
+        Those of the points that have parts in stock and thick enough walls, and their dimensions [m].
     """
     teeth, discs, free = requirement.ratio + 1, requirement.discs or 1, requirement.custom
     u = points.T
@@ -135,10 +145,25 @@ def _gap(requirement: Requirement) -> float:
 
 @lru_cache(maxsize=64)
 def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tuple[float, float, float, float], ...]:
-    """List rings whose covers stay within an outer radius [m].
+    """List rings of fixed pins whose covers stay within an outer radius [m].
 
-    Each has the radius of its pins, its own outer radius, the thinnest wall outside of the pins, and its largest width
-    [m]: screws go through the wall, as far as some in stock are long enough, or outside of a smaller ring.
+    Parameters
+    ----------
+    ratio
+        Ratio, one less than the number of pins.
+    outer
+        Outer radius of the drive [m].
+    custom
+        Whether pins of any radius are allowed, not only those in stock.
+    material
+        Name of the material of the ring.
+
+    Returns
+    -------
+    tuple
+        For each ring the radius of its pins, its own outer radius, the thinnest wall outside of the pins, and its
+        largest width, all in m. Screws go through the wall, as far as some in stock are long enough, or outside of a
+        smaller ring.
     """
     room = math.sin(math.pi / (ratio + 1))
     low, high = (share * room / (1.0 + share * room) * outer for share in PIN_ROOM)
@@ -164,7 +189,19 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
 def _cover_radius(
     ratio: int, outer: float, pin: float, wall: float, width: float, material: str, custom: bool
 ) -> float:
-    """Return the outer radius of the covers of a ring [m]."""
+    """Return the outer radius of the covers of a ring [m]: that of the ring, or larger if its screws are outside of it.
+
+    Parameters
+    ----------
+    ratio
+        Ratio, one less than the number of pins.
+    outer, pin, wall, width
+        Outer radius of the ring, radius of its pins, wall outside of the pins, and width [m].
+    material
+        Name of the material of the ring.
+    custom
+        Whether pins and screws need not be in stock.
+    """
     circle = outer - wall - pin
     ring = {"teeth": ratio + 1, "pin_radius": pin, "pin_circle_radius": circle}
     housing = {"outer_radius": outer, **({} if custom else clamping(wall))}
@@ -192,7 +229,25 @@ def _reach_of_pins(pin: Array, width: Array) -> Array:
 
 
 def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[Array, Array, Array, Array, Mask]:
-    """Choose bearings of the cams between 0.25 and 0.7 of the disc's root, no wider than the disc."""
+    """Choose the bearing of the cam for each of n candidates.
+
+    Its outer radius is 0.25 to 0.7 of the root radius of the disc, and it is no wider than the disc.
+
+    Parameters
+    ----------
+    share
+        Choice among the bearings that fit [1], shape (n,), from 0 to 1.
+    root, face
+        Root radius and width of the disc [m], shape (n,) each.
+    free
+        Whether bearings of any size are allowed, not only those in stock.
+
+    Returns
+    -------
+    tuple
+        Outer and inner radius [m], dynamic and static rating [N] of the bearings side by side in a disc, and whether
+        there is one that fits; shape (n,) each.
+    """
     if free:
         bore = _round_down(_between(share, (0.25, 0.65)) * root)
         size = bore * math.sin(math.pi / 20.0) / (1.0 - math.sin(math.pi / 20.0)) * 0.85
@@ -236,7 +291,25 @@ def _least_shaft(requirement: Requirement) -> float:
 def _shaft_bearings(
     share: Array, least: float, limit: Array, bar: bool, free: bool
 ) -> tuple[Array, Array, Array, Array, Mask]:
-    """Choose bearings of the shaft, the thickest first, between two radii [m], or for a ground `bar`."""
+    """Choose a bearing of the shaft for each of n candidates; a small `share` chooses a thick shaft.
+
+    Parameters
+    ----------
+    share
+        Choice among the bearings that fit [1], shape (n,), from 0 to 1.
+    least, limit
+        Smallest radius of the shaft [m], and largest one, shape (n,).
+    bar
+        Whether the shaft is a ground bar in stock.
+    free
+        Whether bearings of any size are allowed, not only those in stock.
+
+    Returns
+    -------
+    tuple
+        Radius of the shaft and width of the bearing (0 if free) [m], dynamic and static rating [N], and whether there
+        is one that fits; shape (n,) each.
+    """
     if free:
         radius = _round_down(_between(share, (1.0, 0.6)) * np.maximum(limit, ROUNDING))
         size = np.maximum(0.4 * radius, ROUNDING)
@@ -260,9 +333,24 @@ def _shaft_bearings(
 def _cores(
     share: Array, stud: Array, face: Array, stack: Array, usual: float, free: bool
 ) -> tuple[Array, Array, Array, Mask]:
-    """Choose cores of output pins [m]: dowels under drawn-cup needle bearings in rollers, or under plain sleeves.
+    """Choose the cores of output pins for each of n candidates: dowels in needle bearings, or in plain sleeves.
 
-    Returns core, dynamic rating of the needles, thickness of the output discs, and whether there is a core.
+    Parameters
+    ----------
+    share
+        Choice among needle bearings (below 0.5) and sleeves [1], shape (n,), from 0 to 1.
+    stud, face, stack
+        Outer radius of the rollers, width of a disc, and width of all discs [m], shape (n,) each.
+    usual
+        Usual thickness of the output discs [m]; changed by up to 1.5 times to suit the length of dowels in stock.
+    free
+        Whether dowels of any size are allowed, not only those in stock.
+
+    Returns
+    -------
+    tuple
+        Radius of the core [m], dynamic rating of the needles [N] (0 for sleeves), thickness of the output discs [m],
+        and whether there is a core that fits; shape (n,) each.
     """
     dowels = np.array(stock.dowel_diameters()) / 2.0
     fitting = dowels <= CORE_SHARE * stud[:, None]

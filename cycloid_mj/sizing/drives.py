@@ -72,7 +72,17 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
 
 
 def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDrive:
-    """Return a drive to show, with its figures and reasons."""
+    """Return a rated drive as shown to users, with its figures and the reason of each value.
+
+    Parameters
+    ----------
+    solution
+        Trial with the requirement.
+    rated
+        The drive.
+    title, why
+        Title, such as "lightest", and a sentence on why the drive is shown.
+    """
     reducer = rated.reducer
     figures = _figures(rated)
     if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:

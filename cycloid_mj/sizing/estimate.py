@@ -134,7 +134,21 @@ class _Loads:
 
 
 def _share(arm: Array, weight: float | Array, stiffness: Array, play: float, torque: Array) -> Array:
-    """Share a torque between springs with a clearance, on arms (n, m), by the rotation that balances it."""
+    """Compute the forces (n, m) [N] of m springs with clearance that balance a torque by a common rotation.
+
+    Parameters
+    ----------
+    arm
+        Lever arm of each spring [m], shape (n, m).
+    weight
+        Number of springs that each of them stands for [1].
+    stiffness
+        Stiffness of a spring of each candidate [N/m], shape (n,).
+    play
+        Clearance of all springs [m].
+    torque
+        Torque [N m], shape (n,).
+    """
     active = np.ones_like(arm, bool)
     for _ in range(8):
         squares = (weight * active * arm**2).sum(axis=1)
@@ -149,7 +163,10 @@ def _modulus(design: Design, kind: str) -> float:
 
 
 def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
-    """Limit the pressures of teeth and output pins: pitting of steel, or permanent set of a plastic."""
+    """Compute the output torques [N m] that tooth and output pin pressures allow, by item, shape (n,) each.
+
+    The limit is pitting of steel or permanent set of a plastic, and yield at twice the torque.
+    """
     hole = sizes.stud + sizes.eccentricity
     curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole, 1e-6)
     output = np.sqrt(loads.pin * curvature * _modulus(design, "output") / (math.pi * sizes.face))
@@ -221,7 +238,11 @@ def _stack(requirement: Requirement, sizes: Sizes) -> Array:
 
 
 def _pins(sizes: Sizes, design: Design, loads: _Loads, discs: int) -> dict[str, Array]:
-    """Limit the bending of output pins, beams clamped at both ends, in fatigue and at twice the torque."""
+    """Compute the output torques [N m] that output pins and the walls between holes allow, by item, shape (n,) each.
+
+    The pins are beams clamped at both ends: limits are fatigue, and yield at twice the torque. `discs` is the number of
+    discs.
+    """
     material = design.material_of("output")
     span = discs * sizes.face
     bending = 4.0 * loads.pin * discs * span / 8.0 / (math.pi * np.maximum(sizes.core, 1e-6) ** 3)

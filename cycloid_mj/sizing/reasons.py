@@ -69,7 +69,7 @@ def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iter
 
 
 def _process_reasons(requirement: Requirement, design: Design) -> Iterator[tuple[str, str]]:
-    """Yield the reasons for materials, clearances and tolerances."""
+    """Yield (key, reason) for materials, clearances and tolerances, such as ("clearance.pin_gear", "required")."""
     limits = PROCESSES[requirement.process]
     reasons = dict(limits.reasons) | ({"material.name": "required"} if requirement.material else {})
     clearance = reasons.pop("clearance.pin_gear")

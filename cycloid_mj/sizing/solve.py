@@ -96,7 +96,7 @@ def _limit(trial: Trial) -> str:
 
 
 def _no_room(requirement: Requirement) -> str:
-    """Return why no drive of a size exists."""
+    """Return the reason why no drive of the required size exists, for a message."""
     discs = requirement.numbers_of_discs[0]
     if not requirement.custom and pool_of(requirement.but(custom=True, discs=discs)):
         return "no pins and bearings in stock fit"

@@ -222,7 +222,15 @@ def _unknowns(reducer: RvReducer) -> int:
 
 
 def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
-    """Return the displacement of each eccentric from its bore (m, D, n, 2) [m] and its gradient by the unknowns [1]."""
+    """Return the displacement of each eccentric from its bore without load [m], and its gradient by the unknowns.
+
+    `crank` are crank angles against the ring [rad], shape (m,).
+
+    Returns
+    -------
+    tuple
+        Displacement (m, D, n, 2) [m], and gradient (m, D, n, 2, u) [1].
+    """
     stage, lever, eccentricity = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
     discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)
     slope = np.zeros((crank.size, discs, cranks, 2, _unknowns(reducer)))
@@ -238,7 +246,10 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
 
 
 def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
-    """Compute the displacement of each eccentric from its bore by manufacturing errors [m], shape (m, D, n, 2)."""
+    """Compute the displacement of each eccentric from its bore by manufacturing errors [m], shape (m, D, n, 2).
+
+    `crank` are crank angles against the ring [rad], shape (m,).
+    """
     errors, shape = reducer.crank_errors, (len(reducer.phases), reducer.cranks.count)
     carrier_angle = -crank / reducer.design.lobes
     directions = reducer.stage.eccentrics(crank)[:, :, np.newaxis]
@@ -287,10 +298,15 @@ def _mesh_error(reducer: RvReducer, crank: Array) -> Array:
 
 
 def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
-    """Return gap (m, 2 n) [m] and gradient (m, 2 n, u) [1] of the flanks of the planets on the sun.
+    """Return the gaps of the planets' flanks on the sun without load, and their gradients by the unknowns.
 
     The first n flanks carry a counter-clockwise load on the carrier. The normal of a flank points from the sun to the
-    planet, at the pressure angle to the circle of cranks.
+    planet, at the pressure angle to the circle of cranks. `crank` are crank angles against the ring [rad], shape (m,).
+
+    Returns
+    -------
+    tuple
+        Gaps (m, 2 n) [m], and gradients (m, 2 n, u) [1].
     """
     planet, stage, lever = reducer.planet, reducer.stage, reducer.lever
     outward = stage.crank_places(crank) / lever
@@ -420,11 +436,23 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
 
 
 def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
-    """Return the gaps of pins and planet flanks [m], shape (m, c), and two changes of the pins' gradients, (m, pins).
+    """Return the gaps of all contacts at some displacements, and two changes of the gradients of the pins' gaps.
 
     The gap of a pin is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in ``statics.kernel``, for the
     displacements q along the normal and p along the flank, of which p_phi is by the rotation phi of the disc. Its
-    gradient is that of q, plus the first change [1] times that of p, less the second change [m] times that of phi.
+    gradient is that of q, plus the first change times that of p, less the second change times that of phi.
+
+    Parameters
+    ----------
+    springs
+        Springs of the contacts at m crank angles.
+    displacements
+        Displacements (m, u) [m].
+
+    Returns
+    -------
+    tuple
+        Gaps of pins, then of planet flanks (m, c) [m]; first change (m, pins) [1]; second change (m, pins) [m].
     """
     column = displacements[..., np.newaxis]
     gaps = springs.gap + (springs.slope @ column)[..., 0]
@@ -448,10 +476,22 @@ def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
 
 
 def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
-    """Return the forces of cranks on discs (m, D, n, 2) [N], their energy (m, D, n) [J], and the tangent [N/m].
+    """Return the forces of cranks on discs at some displacements, with their energy and stiffness.
 
-    The tangent is the derivative of a force by the displacement of its crank, shape (m, D, n, 2, 2).
     With a preload, needles are loaded on both sides until the far side opens.
+
+    Parameters
+    ----------
+    springs
+        Springs at m crank angles.
+    displacements
+        Displacements (m, u) [m].
+
+    Returns
+    -------
+    tuple
+        Forces (m, D, n, 2) [N]; energy (m, D, n) [J]; and the derivative of each force by the displacement of its crank
+        (m, D, n, 2, 2) [N/m].
     """
     stiffness, clearance = springs.bearing_stiffness, springs.bearing_clearance
     offsets = springs.offset + np.einsum("mdnju,mu->mdnj", springs.offset_slope, displacements)
@@ -469,7 +509,20 @@ def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Ar
 
 
 def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Array, Array]:
-    """Return the energy (m,) [J] and the residual forces (m, u) [N]."""
+    """Compute the energy and the residual forces of a balance at some displacements.
+
+    Parameters
+    ----------
+    springs
+        Springs at m crank angles.
+    load, displacements
+        Generalised load [N] and displacements [m], shape (m, u) each.
+
+    Returns
+    -------
+    tuple
+        Energy (m,) [J], and residual forces (m, u) [N], 0 in equilibrium.
+    """
     gaps, rise, arm = _contact_gaps(springs, displacements)
     force = springs.stiffness * np.maximum(-gaps, 0.0)
     on_teeth = force[:, : springs.pins]

@@ -113,9 +113,9 @@ def ideal_rv(reducer: RvReducer, torque: float) -> IdealRvLoads:
 
 
 def closed_rotation(reducer: RvReducer) -> Array:
-    """Compute the output's rotation by the errors of the design in closed form [rad], over a turn of the carrier.
+    """Compute the output's rotation by manufacturing errors in closed form [rad], over a turn of the carrier.
 
-    At `RvSheetSettings.closed_angles` crank angles.
+    The result has the shape (`RvSheetSettings.closed_angles`,).
     """
     crank = np.linspace(0.0, reducer.crank_turn, SETTINGS.closed_angles, endpoint=False)
     rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))

@@ -64,7 +64,10 @@ class Distances:
 
 
 def measure_distances(grid: Grid, case: LoadCase) -> Distances:
-    """Return the distances of a grid's nodes from the narrow patches of its load case, and from sharp corners."""
+    """Return the distances of a grid's nodes from narrow patches of its load case and from sharp corners.
+
+    Near both, the stress of the grid is not the bulk stress: it depends on the size of the elements.
+    """
     points = grid.points
     axial_distance = np.zeros(len(points))
     if grid.section is not None:
@@ -94,10 +97,26 @@ def search_distances(distances: Distances, start: float) -> Array:
 
 
 def largest_beyond(node_distances: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
-    """Compute the largest von Mises stress [Pa] (s,) beyond each of s distances [m] at an angle, and its node (s,).
+    """Compute the largest von Mises stress beyond each of s distances from patches at one crank angle, and its node.
 
-    `stress` is that of all nodes, (n,), and `angle` an index. For speed, nodes with the largest stress are searched
-    first, in bands, and others only for distances beyond which no node of these bands is left.
+    For speed, nodes with the largest stress are searched first, in bands, and others only for distances beyond which no
+    node of these bands is left.
+
+    Parameters
+    ----------
+    node_distances
+        Distances of the nodes from patches and corners.
+    distances
+        Distances [m], shape (s,).
+    angle
+        Index of the crank angle.
+    stress
+        Von Mises stress of all nodes [Pa], shape (n,).
+
+    Returns
+    -------
+    tuple
+        Largest stress [Pa] and index of its node, shape (s,) each.
     """
     largest_nodes, pending = np.zeros(len(distances), np.int64), np.arange(len(distances))
     upper = np.inf
@@ -130,9 +149,19 @@ def find_plateau(stress_by_distance: Array, first_index: int) -> int:
 
 
 def relative_drop(stress_by_distance: Array, index: int) -> float:
-    """Compute the relative drop of the largest stress (s,) from the distance of an index to twice that distance.
+    """Compute the relative drop [1] of the largest stress from one distance to twice that distance.
 
-    It is 1 if no node is left there, and 0 without stress.
+    Parameters
+    ----------
+    stress_by_distance
+        Largest stress beyond each distance from patches [Pa], shape (s,).
+    index
+        Index of the distance.
+
+    Returns
+    -------
+    float
+        The drop; 1 if no node is left at twice the distance, 0 without stress.
     """
     stress_beyond = (
         stress_by_distance[index + DISTANCES_PER_OCTAVE]

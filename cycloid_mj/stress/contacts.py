@@ -193,10 +193,20 @@ def list_contacts(turn: Turn, part: str) -> list[PartContact]:
 
 
 def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
-    """Compute the half width [m] of a line contact by Hertz, at most `MAX_HALF_ANGLE` of the thinner body.
+    """Compute the half width [m] of line contacts by Hertz, shape (k,), at most `MAX_HALF_ANGLE` of the thinner body.
 
-    `kind` is the kind of pair, `force` in [N], `curvature` the relative curvature [1/m], `radius` that of the thinner
-    body [m].
+    Parameters
+    ----------
+    reducer
+        The reducer, for face width and materials.
+    kind
+        Kind of the pair, such as "cam".
+    force
+        Normal force [N], shape (k,).
+    curvature
+        Relative curvature [1/m], shape (k,) or constant.
+    radius
+        Radius of the thinner body [m].
     """
     length, modulus = reducer.design.gear.face_width, reducer.contacts[kind].modulus
     conformal = 4.0 * force / (np.pi * length * modulus * (MAX_HALF_ANGLE * radius) ** 2)
@@ -468,7 +478,7 @@ def _contact(
 
 
 def _round_radii(turn: Turn, kind: str) -> tuple[float, float]:
-    """Return the radius of a round part and that of its hole with clearance [m].
+    """Return the radius of a round part and of the hole around it [m]: that of the part plus the clearance.
 
     `kind` is the kind of pair: "cam", "output" or "pin_socket".
     """

@@ -79,7 +79,7 @@ def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
 
 
 def add_costs(costs: Iterable[Cost]) -> Cost:
-    """Add the times [s] of parts that are studied in turn, and return the peak of their memory [B]."""
+    """Return the cost of parts that are studied in turn: the sum of their times, and the peak of their memory."""
     seconds, memory, retained_memory = 0.0, COST.base_memory, 0.0
     for cost in costs:
         seconds, memory, retained_memory = (

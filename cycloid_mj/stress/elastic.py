@@ -105,22 +105,39 @@ def assemble_body(
 
 
 def balance_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
-    """Balance loads (n, c) [N] by an acceleration of the mass along the loose motions (d'Alembert).
+    """Balance loads on a part that is free to move by an acceleration of its mass (d'Alembert).
+
+    Parameters
+    ----------
+    part
+        The part, with its loose motions: the rigid motions that no support fixes.
+    loads
+        Nodal forces (n, c) [N] of c load cases.
 
     Returns
     -------
-    loads, imbalance
-        Balanced loads, and the resultants (c, r) along all rigid motions before balancing, forces [N] and moments [N
-        m]; zero along motions that supports fix.
+    tuple
+        Balanced loads (n, c) [N]; and the imbalance, the resultants (c, r) of the loads along all rigid motions before
+        balancing: forces [N] and moments [N m], 0 along motions that supports fix.
     """
     accelerations, imbalance = solve_accelerations(part, loads)
     return loads - part.carried @ accelerations, imbalance
 
 
 def solve_accelerations(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
-    """Solve for the accelerations (l, c) along the l loose motions that balance c loads (n, c) [N], dense or sparse.
+    """Solve for the accelerations of a part along its l loose motions that balance c loads (d'Alembert).
 
-    Returns them and the imbalance (c, r) of `balance_loads`.
+    Parameters
+    ----------
+    part
+        The part, with its loose motions: the rigid motions that no support fixes.
+    loads
+        Nodal forces (n, c) [N], dense or sparse.
+
+    Returns
+    -------
+    tuple
+        Accelerations (l, c) [m/s^2 or rad/s^2], and the imbalance (c, r) as in `balance_loads`.
     """
     imbalance = np.zeros((loads.shape[1], part.motions.shape[1]))
     loose_motions = list(part.loose)
@@ -136,9 +153,9 @@ def mass_product(mass: Any, fields: Array) -> Array:
 
 
 def displacements(part: ElasticBody, loads: Array) -> Array:
-    """Solve for the displacements of n unknowns [m] under c load cases, both of shape (n, c), in blocks of load cases.
+    """Solve for the displacements of a part [m], shape (n, c), under c load cases, in blocks of load cases.
 
-    `loads` are nodal forces [N].
+    `loads` are nodal forces [N], shape (n, c).
     """
     displacement = np.zeros(loads.shape)
     block = 32  # right-hand sides: more would need memory without saving time
@@ -149,9 +166,16 @@ def displacements(part: ElasticBody, loads: Array) -> Array:
 
 
 def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
-    """Compute the resultants (c, r) of all support forces on the part: forces [N], then moments about the origin [N m].
+    """Compute the resultants (c, r) of all support forces on a part: forces [N], moments about the origin [N m].
 
     They are the forces that fixed nodes need for equilibrium, and those of the elastic supports.
+
+    Parameters
+    ----------
+    part
+        The part with its supports.
+    displacement, loads
+        Displacements [m] and nodal forces [N] of c load cases, shape (n, c) each.
     """
     support_forces = part.hold @ displacement - loads[part.fixed]
     resultants = support_forces.T @ part.motions[part.fixed]
@@ -161,9 +185,10 @@ def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
 
 
 def mass_loads(part: ElasticBody, points: Array) -> Array:
-    """Compute the nodal loads (n, 4) [N] of four unit fields of body force per mass, of a part with nodes (p, d) [m].
+    """Compute the nodal loads (n, 4) [N] of a part under four unit fields of acceleration.
 
-    The fields are 1 m/s2 along x and along y, then, with the position r in the plane, r and -z x r per s2.
+    The fields are 1 m/s2 along x and along y, then, with the position r in the plane, r and -z x r per s2, which
+    combine to the inertia forces of a plane motion. `points` are the part's nodes (p, d) [m].
     """
     x, y = points[:, 0], points[:, 1]
     fields = np.zeros((*points.shape, 4))
@@ -175,9 +200,10 @@ def mass_loads(part: ElasticBody, points: Array) -> Array:
 
 
 def rigid_motions(points: Array) -> Array:
-    """Compute the rigid motions (n d, r) of nodes (n, d) [m]: translations, then rotations about the origin [m/rad].
+    """Compute the displacements (n d, r) of nodes in the r rigid motions: translations by 1, then rotations [m/rad].
 
-    In the plane r is 3 (x, y, about z), in space 6 (x, y, z, about x, y, z).
+    The rotations are about the origin. `points` are the nodes (n, d) [m]. In the plane r is 3 (x, y, about z), in space
+    6 (x, y, z, about x, y, z).
     """
     nodes, dimension = points.shape
     rotations = 1 if dimension == 2 else 3
@@ -320,7 +346,16 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
 def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
     """Factorise a symmetric matrix from its lower triangle; return the function that solves for loads (n, c).
 
-    By LDL^T of rslab if it is installed, which is much faster, else by SuperLU. `part` is its name for errors.
+    The method is LDL^T of rslab if that is installed, which is much faster, else LU of SuperLU.
+
+    Parameters
+    ----------
+    lower
+        Lower triangle of the matrix, sparse, shape (n, n).
+    part
+        Name of the part, for errors.
+    dimension
+        2 for a planar grid, 3 for a solid; it decides on the order of elimination.
 
     Raises
     ------
@@ -340,10 +375,7 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
 
 
 def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
-    """Factorise a symmetric matrix from its lower triangle by SuperLU; return the function that solves for loads.
-
-    Errors are those of `_factorise`.
-    """
+    """Factorise a symmetric matrix by SuperLU; arguments, result and errors are those of `_factorise`."""
     matrix = (lower + sparse.tril(lower, -1).T).tocsc()
     try:
         solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

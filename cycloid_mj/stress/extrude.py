@@ -131,10 +131,22 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
 
 
 def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[list[Array], ...]:
-    """Divide the prisms of each layer into three tetrahedra each.
+    """Divide the prism over each triangle of each layer into three tetrahedra.
 
-    `corner` is the index of the vertex at each level and vertex of the section, (l + 1, v). Returns lists of arrays:
-    corners of the tetrahedra, ends of their edges, and section node and height index of each edge's middle.
+    Parameters
+    ----------
+    section
+        The planar grid.
+    is_filled
+        Whether each layer has each triangle, (l, m).
+    corner
+        Index of the vertex at each level and vertex of the section, (l + 1, v).
+
+    Returns
+    -------
+    tuple
+        Lists of arrays: corners of the tetrahedra, ends of their edges, and for the middle of each edge its node of the
+        section and the index of its height.
     """
     local = np.argsort(section.mesh.t.T, axis=1)
     tetrahedra, ends, nodes, heights = [], [], [], []

@@ -293,7 +293,10 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
 
 
 def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) -> StressMap:
-    """Compute the fields at the crank angle of an index; see ``stress_map``."""
+    """Compute the fields on a part at the crank angle of an index; see `stress_map`.
+
+    Bulk nodes are beyond a `distance` [m] from contacts and sharp corners, by default that of the grid.
+    """
     grid = part.grid
     node_displacements = part.case.response(np.array([index])).moved
     stress = part.components(node_displacements)[..., 0]

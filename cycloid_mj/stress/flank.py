@@ -39,7 +39,7 @@ def lobe_contact_point(
     rotation_error: Array,
     offset: float,
 ) -> tuple[Array, Array]:
-    """Compute the position of a lobe's force on the flank [m] (k, 2), and the relative curvature there [1/m] (k,).
+    """Compute where the force of a lobe acts on its flank [m] (k, 2), and the relative curvature there [1/m] (k,).
 
     The force of a lobe is the sum of up to three line contacts. Its position is where the line of action of the sum
     intersects the flank: Newton's method solves (outline(t) - foot) x n = 0 from the nearest ideal contact line.
@@ -51,11 +51,17 @@ def lobe_contact_point(
     foot, direction
         A point of the force's line of action [m], and the unit vector along the force, gear frame, (k, 2).
     lines, curvature
-        Ideal contact lines of this lobe, from `lobe_lines`, (k, 3).
+        Parameter on the outline [rad] and relative curvature [1/m] of the ideal contact lines of this lobe, from
+        `lobe_lines`, (k, 3).
     rotation_error
         Small angle [rad] (k,) by which the disc is ahead of the closed form.
     offset
         Offset of the flank from the trochoid [m].
+
+    Returns
+    -------
+    tuple
+        Position of the force and relative curvature.
     """
     start_values = lines + rotation_error[:, np.newaxis]
     distances = np.abs(_miss(gear, start_values, foot[:, np.newaxis], direction[:, np.newaxis], offset))

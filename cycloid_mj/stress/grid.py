@@ -184,10 +184,25 @@ def planar_grid(
 
 
 def _mesh_region(region: Region, settings: GridSettings, length: float, short_edges: Array, section: bool) -> Grid:
-    """Mesh a region by quadratic triangles.
+    """Build the grid of a region from quadratic triangles, whose edges follow the curved outlines.
 
-    `length` [m] is the unit of the settings' lengths, `short_edges` are rows (x, y, edge length) [m], and `section`
-    keeps the mesher's order of vertices.
+    Parameters
+    ----------
+    region
+        The region with its outlines.
+    settings
+        Edge lengths relative to `length`, and their growth.
+    length
+        Unit of the lengths in the settings [m].
+    short_edges
+        Rows (x, y, edge length) [m] of positions near which edges are as short as that.
+    section
+        Whether the vertices keep the mesher's order, because the grid will be extruded.
+
+    Returns
+    -------
+    Grid
+        The grid.
     """
     unit = length / settings.refinement
     loops = []
@@ -286,10 +301,10 @@ def mapping_of(mesh: Any) -> Any:
 
 
 def _reverse_cuthill_mckee(count: int, cells: Integers) -> Integers:
-    """Return new numbers of points (count,) by the reverse Cuthill-McKee method.
+    """Return new numbers of `count` points such that neighbours have close numbers (reverse Cuthill-McKee method).
 
-    Neighbours are then near each other: sparse products with fields of a grid find what they need in the processor's
-    cache, and take half the time.
+    Sparse products with fields of a grid then find what they need in the processor's cache, and take half the time.
+    `cells` (m, corners) are the points of each element.
     """
     rows = np.repeat(np.arange(len(cells)), cells.shape[1])
     corners = sparse.csr_matrix((np.ones(cells.size), (rows, cells.ravel())), shape=(len(cells), count))
@@ -310,9 +325,26 @@ def find_edge_nodes(mesh: Any, edge_ends: Integers) -> Integers:
 def _triangulate(
     region: Region, loops: list[QuadraticOutline], inner_edge: float, growth: float
 ) -> tuple[Array, Integers]:
-    """Mesh a region with gmsh; return points (p, 2) [m] and corners of triangles (m, 3).
+    """Mesh a region by straight triangles with gmsh.
 
-    The nodes of the loops come first, in order. Edges grow from the outlines to `inner_edge` [m].
+    Parameters
+    ----------
+    region
+        The region.
+    loops
+        Divided outlines of the region, in the order of its boundaries.
+    inner_edge, growth
+        Longest edge far from the outlines [m], and exponent by which edges grow up to it.
+
+    Returns
+    -------
+    tuple
+        Points (p, 2) [m], first those of the loops in order, and the corners of triangles (m, 3).
+
+    Raises
+    ------
+    CycloidError
+        The outlines cross each other.
     """
     with open_mesher(region.part, inner_edge) as gmsh:
         geo = gmsh.model.geo

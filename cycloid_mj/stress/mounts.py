@@ -146,9 +146,9 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
 
 
 def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, float]:
-    """Solve an output pin in both plates as a Timoshenko beam on elastic foundations, by finite elements.
+    """Solve an output pin that is seated in two elastic plates, as a Timoshenko beam by finite elements.
 
-    The disc's force is uniform over its width.
+    The disc's force is uniform over its width. `studs` are the seats in both plates.
 
     Returns
     -------

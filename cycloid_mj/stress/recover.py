@@ -77,8 +77,18 @@ def stresses_at_points(operators: Recovery, displacements: Array, material: Mate
 def _point_stresses(operators: Recovery, displacements: Array, material: Material, precision: type) -> Array:
     """Compute the stress components at the p quadrature points by Hooke's law [Pa], shape (p, components, c).
 
-    `displacements` are those of c load cases (n d, c) [m], `precision` the type of the result. The components are
-    `PLANE` or `SPACE`.
+    The components are `PLANE` or `SPACE`.
+
+    Parameters
+    ----------
+    operators
+        Recovery operators of the grid.
+    displacements
+        Displacements (n d, c) [m] in c load cases.
+    material
+        Material of the part.
+    precision
+        Floating-point type of the result.
     """
     dimension, columns = operators.points.shape[1], displacements.shape[1]
     nodal = displacements.reshape(-1, dimension * columns)
@@ -97,9 +107,18 @@ def _point_stresses(operators: Recovery, displacements: Array, material: Materia
 
 
 def stresses(operators: Recovery, displacements: Array, material: Material) -> Array:
-    """Compute the stress components at the nodes [Pa], shape (components, n, c), from displacements (n d, c) [m].
+    """Compute the stress components at the nodes [Pa], shape (components, n, c), in c load cases.
 
-    In single precision, which is half as slow: errors are about 1e-6 of the largest stress nearby.
+    They have single precision, which takes half the time: errors are about 1e-6 of the largest stress nearby.
+
+    Parameters
+    ----------
+    operators
+        Recovery operators of the grid.
+    displacements
+        Displacements [m], shape (n d, c).
+    material
+        Material of the part.
     """
     point_stresses = _point_stresses(operators, displacements, material, np.float32)
     nodal = operators.fit @ point_stresses.reshape(len(point_stresses), -1)
@@ -186,7 +205,13 @@ def _evaluation_operator(grid: Grid, scale: Array) -> Any:
 
 
 def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
-    """Return the padded quadrature points (v, w) of the elements around each vertex, and which are no padding."""
+    """List the quadrature points of the elements around each of v vertices, of `count` points in all.
+
+    Returns
+    -------
+    tuple
+        Indices of the points (v, w), padded with 0, and which of them are no padding.
+    """
     corners = grid.mesh.t.T
     points_per_cell = count // len(corners)
     order = np.argsort(corners.ravel(), kind="stable")

@@ -204,10 +204,17 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
 
 def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) -> Iterator[Array]:
-    """Yield the factors (k,) of the unit loads of `_cam_unit_loads` on the cam of an index at k angles, in their order.
+    """Yield the factors (k,) by which the unit loads of `_cam_unit_loads` add up to those on a cam at k angles.
 
-    They are those of the cosine and sine pressure of each harmonic, for a pressure as the cosine over half of the cam,
-    then of the couple.
+    The pressure is distributed as the cosine over half of the cam. Its harmonics come first, cosine and sine of each
+    [N], then the moment [N m].
+
+    Parameters
+    ----------
+    shaft, loads
+        Dimensions of the shaft, and the loads on its cams.
+    cam_index
+        Index of the cam.
     """
     position = loads.position[:, cam_index]
     force = np.where(np.isfinite(position), loads.force[:, cam_index], 0.0)
@@ -229,11 +236,11 @@ def _half_cosine(order: int) -> float:
 
 
 def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple[Array, Array]:
-    """Compute the nodal unit loads on the cam of an index: harmonic pressures (n, 11), and a couple (n, 1).
+    """Compute the nodal forces of unit loads on the cam of an index: harmonic pressures (n, 11), and a couple (n, 1).
 
     The pressures vary as cos and sin (m phi) around the cam. Those of order 1 have a resultant of -1 N, the others
-    none: the remainder of the grid is balanced by those of order 1. The couple of 1 N m about the axis is shear around
-    the cam.
+    none: the remainder due to the grid is balanced by those of order 1. The couple of 1 N m about the axis is shear
+    around the cam.
     """
     cam = select_surface(grid, lambda x: _on_cam(x, shaft, cam_index))
     x, y = shaft.cam_centres[cam_index]

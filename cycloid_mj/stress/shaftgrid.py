@@ -35,9 +35,9 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
 
 
 def _inner_corners(shaft: ShaftDimensions) -> Array:
-    """Return points (n, 3) [m] along the sharp inner edges, which the bulk excludes.
+    """Return points (n, 3) [m] along the sharp inner edges of a shaft, near which stress is not that of the bulk.
 
-    They are both faces and the flats of the counterweight, and the cams' faces.
+    The edges are at the faces of the cams, and at both faces and the flats of the counterweight.
     """
     spacing = CORNER_DISTANCE * shaft.radius / 8
     angles = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / spacing)))

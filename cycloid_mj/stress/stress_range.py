@@ -60,7 +60,7 @@ def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distanc
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
-    """Compute stress amplitude and mean [Pa] of the nodes with the largest stress ranges, and their indices, (m,) each.
+    """Compute stress amplitude and mean [Pa] of the m nodes with the largest stress ranges, and their indices.
 
     A range is the largest von Mises stress of the difference between two instants; the amplitude is half of it, the
     mean the von Mises stress of the mean of both, with the sign of its trace. A node that is in the bulk only once has
@@ -70,6 +70,11 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     ----------
     states
         Stress components at each of c instants (c, components, n) [Pa], NaN outside the bulk.
+
+    Returns
+    -------
+    tuple
+        Amplitude [Pa], mean [Pa] and index of each node, shape (m,) each.
     """
     bulk_nodes = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
     bound = rank_by_range(states[:, :, bulk_nodes])

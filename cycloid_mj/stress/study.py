@@ -416,7 +416,7 @@ def _largest(values: Array) -> Array:
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
     """Return the largest von Mises stress below a contact over the turn, with crank angle, position and safety.
 
-    The stress is NaN if all contacts are conformal.
+    `lines` are the stresses of the contacts under `loads`. The stress is NaN if all contacts are conformal.
     """
     stresses = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
     row, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)

@@ -126,9 +126,9 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
 
 
 def list_differences(reducer: Reducer, logged_reducer: Reducer) -> list[str]:
-    """List where a design differs from the one that ran: "key (value in the design, value in the log)".
+    """List the values in which a design differs from that of a log: "key (value in the design, value in the log)".
 
-    Load, speed, environment and settings may differ.
+    Load, speed, environment and settings may differ. `logged_reducer` is that of the log.
     """
     requested, logged_values = _compared_values(reducer), _compared_values(logged_reducer)
     return [
@@ -148,7 +148,9 @@ def _compared_values(reducer: Reducer) -> dict[str, Any]:
 
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
-    """Return the indices of the samples of the last full crank turn in `hold`, both ends included.
+    """Return the indices of the samples of the last full crank turn in a hold, both ends included, shape (samples,).
+
+    `hold` marks the samples of the run at constant speed and load.
 
     Raises
     ------

@@ -199,24 +199,19 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
     """
     rows = []
     for row_number, case in enumerate(WANG, start=1):
-        values, name = (
-            (100.0 * total_efficiency(case), 100.0 * case.printed),
+        name, values = (
             f"efficiency by formula, row {row_number}",
+            (100.0 * total_efficiency(case), 100.0 * case.printed),
         )
         rows.append(absolute(name, *values, "%", "Wang et al. 2016", 100.0 * case.rounding))
     case = WANG[0]
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
     ideal, ideal_design = wang_run(case, True, quick)
-    built_efficiency, built_design = wang_run(case, False, quick)
+    built, built_design = wang_run(case, False, quick)
     closed_form = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], case.mesh_friction)))
-    ideal_efficiency, real_efficiency = (
-        100.0 * mean_powers(ideal).efficiency,
-        100.0 * mean_powers(built_efficiency).efficiency,
-    )
-    expected_power, simulated_power = (
-        coulomb_friction_power(built_efficiency, Reducer(built_design)),
-        float(np.mean(built_efficiency["pin_gear_friction_power"])),
-    )
+    ideal_efficiency, built_efficiency = (100.0 * mean_powers(run).efficiency for run in (ideal, built))
+    expected_power = coulomb_friction_power(built, Reducer(built_design))
+    simulated_power = float(np.mean(built["pin_gear_friction_power"]))
     return [
         *rows,
         absolute(
@@ -238,7 +233,7 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
         ),
         absolute(
             "efficiency, simulated, as built",
-            real_efficiency,
+            built_efficiency,
             formula,
             "%",
             "Wang et al. 2016",

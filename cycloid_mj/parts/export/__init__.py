@@ -193,8 +193,23 @@ def drive_files(
 ) -> dict[str, bytes]:
     """Encode all manufactured parts of an assembled drive, one file per part; return the contents by file name.
 
-    They are covers and flange, and ring, output and shaft with their holes and seats. Meshes have cams of the radius
-    `cam_seat` [m], as ``printing.manufactured_parts``; outlines and solids those of the assembly.
+    They are covers and flange, and ring, output and shaft with their holes and seats.
+
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    file_format
+        Format of the files.
+    sizes
+        Casing of the drive: covers, bearings, screws and flanges.
+    chord_error
+        Largest distance of chords from the curve [m], in meshes and polylines.
+    cam_seat
+        Radius of the cams in meshes [m], as in ``printing.manufactured_parts``; other formats have those of the
+        assembly.
+    polylines, arcs
+        Closed polylines in place of splines, and tolerance of arcs that replace the splines [m], as in `export`.
 
     Raises
     ------
@@ -276,7 +291,10 @@ class _Encoding:
 
 
 def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts of a drive; a ring in two halves becomes two files, with pins as long as a half."""
+    """Encode all parts of a drive; a ring in two halves becomes two files, with ring pins as long as a half.
+
+    `sizes` is the casing of the drive; None: the mechanism only.
+    """
     ring, file_format = reducer.design.ring, encoding.file_format
     if ring.halves == 1:
         return _encode_parts(reducer, encoding, sizes)
@@ -297,7 +315,10 @@ def _encode_with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | N
 
 
 def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts in the format of the encoding, and measure the clearances of their outlines."""
+    """Encode all parts in the format of the encoding, and measure the clearances of their outlines.
+
+    `sizes` is the casing, whose motor decides on the bore of the crank; None: no bore.
+    """
     file_format = encoding.file_format
     if encoding.is_mesh or encoding.is_polylines:
         return _encode_polygons(reducer, encoding, sizes)
@@ -317,7 +338,10 @@ def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -
 
 
 def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts as meshes or polylines, and measure the clearances between the polygons."""
+    """Encode all parts as meshes or polylines, and measure the clearances between the polygons.
+
+    `sizes` is the casing, whose motor decides on the bore of the crank; None: no bore.
+    """
     chord_error = encoding.chord_error
     shaft = bored_shaft(reducer, sizes, chord_error)
     solids = parts(reducer, chord_error) | {names.SHAFT: shaft.solid(chord_error)}

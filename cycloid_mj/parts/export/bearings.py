@@ -136,9 +136,9 @@ def sleeve_pin_fit(reducer: Reducer) -> str:
 
 
 def pin_pieces(reducer: Reducer) -> tuple[int, float]:
-    """Return how many pieces in line replace each ring pin or sleeve in a drive, and the length of a piece [m].
+    """Return of how many pieces in line each ring pin or sleeve of a drive consists, and the length of a piece [m].
 
-    Only bought ring pins have several pieces: no pin in stock is as long as the ring of a wide drive is.
+    Only bought ring pins have several pieces: no pin in stock is as long as the ring of a wide drive.
     """
     ring, width = reducer.design.ring, reducer.design.gear.stack_width
     if ring.has_sleeves or is_printed(reducer, names.PIN):

@@ -136,7 +136,8 @@ def bill(
 def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
     """Yield the grease (a third of the free space), adhesive and sealant that a drive needs, with their volumes.
 
-    Sealant is for the metal faces of ring and covers; in plastics, grease stays without it.
+    `sizes` is the casing of the drive. Sealant is for the metal faces of ring and covers; plastics keep grease in
+    without it.
     """
     parts, placements = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     inner_placements = [
@@ -206,7 +207,17 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
 
 
 def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of the manufactured parts: size, material, threads and fits, and mass."""
+    """Yield the lines of the manufactured parts: size, material, threads and fits, and mass.
+
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    cam_seat
+        Radius of manufactured cams [m]; 0: not chosen yet.
+    sizes
+        Casing of the drive; None: the mechanism only.
+    """
     joints = drive_joints(reducer, sizes) if sizes else ()
     assembled_parts = assembly_parts(reducer, sizes) if sizes and not cam_seat else {}
     for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
@@ -237,7 +248,17 @@ def _thread(tapped: TappedHole) -> str:
 
 
 def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
-    """Yield the lines of all bought parts: pins, rollers, bearings, and those of the casing if it has sizes."""
+    """Yield the lines of all bought parts: pins, rollers and bearings, then those of the casing.
+
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    cam_seat
+        Radius of the bore of the cam bearing [m]; 0: not chosen yet.
+    sizes
+        Casing of the drive; None: the mechanism only.
+    """
     yield from _round_bar_lines(reducer, sizes)
     yield from _roller_lines(reducer)
     yield from _bearing_lines(reducer, cam_seat)
@@ -321,7 +342,21 @@ def _pressed_pin_line(item: str, count: int, radius: float, length: float, mater
 def _pin_line(
     item: str, count: int, pin: stock.Dowel | None, size: tuple[float, float], material: Material, fit: str
 ) -> BillLine:
-    """Return the line of round pins of a radius and length [m], cut from a pin in stock unless it is None."""
+    """Return the line of `count` round pins, cut from a pin in stock, or made to size.
+
+    Parameters
+    ----------
+    item
+        Name of the line.
+    count
+        Number of pins.
+    pin
+        Pin in stock; None: the pins are made to size.
+    size
+        Radius and length [m].
+    material, fit
+        Material, and fit of pins in stock.
+    """
     radius, length = size
     if not pin:
         return _round_line(item, count, (("diameter", radius),), length, material)
@@ -403,10 +438,22 @@ def _round_line(
     material: Material | None = None,
     cut_length: float = 0.0,
 ) -> BillLine:
-    """Return the line of `count` bought cylinders of a length [m], with their mass.
+    """Return the line of `count` round bought parts, with their mass.
 
-    `radii` are named radii [m], the outer one first; `cut_length` is the length [m] to which they are shortened, 0: not
-    shortened. Without `material` they are steel, filled as a bearing.
+    Parameters
+    ----------
+    item
+        Name of the line.
+    count
+        Number of parts.
+    radii
+        Radii [m] with their names, the outer one first.
+    length
+        Length [m].
+    material
+        Material; None: steel, filled as far as the bearing of this name is.
+    cut_length
+        Length to which the parts are shortened [m]; 0: not shortened.
     """
     outer, inner = radii[0][1], radii[1][1] if len(radii) > 1 else 0.0
     volume = math.pi * (outer**2 - inner**2) * (cut_length or length)

@@ -239,7 +239,21 @@ def _size_motor_side(
 ) -> _MotorSide:
     """Size the motor cover: its cavity for the crank, the flange of the motor and the step in its outer radius.
 
-    `outer` and `rim` are the radii [m] of the cover and of the disc of the output. Errors are those of `casing`.
+    Errors are those of `casing`.
+
+    Parameters
+    ----------
+    reducer, motor
+        The reducer, and its motor.
+    screws, dowel
+        Screws of the covers, and the dowels between covers and ring; None: no dowels.
+    outer, rim
+        Radii of the cover and of the disc of the output [m].
+
+    Returns
+    -------
+    dict
+        Fields of `Casing` by name.
     """
     design, wall, end = reducer.design, least_wall(reducer), ring_end(reducer)
     half_width, stretches = design.gear.stack_width / 2.0, crank_stretches(reducer)
@@ -328,8 +342,19 @@ def _input_side(
 ) -> tuple[float, float]:
     """Return the plane of the motor and the start of the crank along z [m], for a motor on its cover.
 
-    The plane is at most at `max_face`. A straddled crank with a bore for the motor shaft starts at its bearing
-    (`bearing_start`); one to be coupled, or overhung, keeps its journal.
+    A straddled crank with a bore for the motor shaft starts at its bearing; one to be coupled, or overhung, keeps its
+    journal.
+
+    Parameters
+    ----------
+    reducer, motor
+        The reducer, and the flange of its motor.
+    bearing_start
+        Start of the bearing next to the motor along z [m].
+    wall
+        Minimum wall of the cover [m].
+    max_face
+        Largest z of the plane of the motor [m].
     """
     journal = crank_stretches(reducer)["journal"].z0
     bore_limit = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
@@ -408,10 +433,19 @@ def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:
 
 
 def _cavity(reducer: Reducer, screws: Screws, min_radius: float, wall: float) -> tuple[float, float]:
-    """Compute the radius [m] of the cavity for the crank in the motor cover, and the largest that it can have.
+    """Compute the radius of the cavity for the crank in the motor cover, and the largest that it can have [m].
 
-    It is a wall larger than the crank and `min_radius` [m]. The cover retains the ring pins: the largest cavity leaves
-    them a fifth of their end face. Raises DesignError if the crank does not fit.
+    The cover retains the ring pins: the largest cavity leaves them a fifth of their end face. Raises DesignError if the
+    crank does not fit.
+
+    Parameters
+    ----------
+    reducer, screws
+        The reducer, and the screws of its covers.
+    min_radius
+        Radius of other parts in the cavity [m].
+    wall
+        Gap around the crank, and minimum wall of the cover [m].
     """
     design = reducer.design
     weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
@@ -449,7 +483,22 @@ def _bore_end(reducer: Reducer) -> float:
 def _choose_hub_bearing(
     bearings: tuple[stock.StockBearing, ...], max_radius: float, max_bore: float, min_bore: float
 ) -> stock.StockBearing:
-    """Choose the largest of the bearings for the hub with a radius [m] at most, and a bore between two radii [m]."""
+    """Choose the largest bearing that fits on the hub of the output and into its cover.
+
+    Parameters
+    ----------
+    bearings
+        Bearings in stock, the smallest first.
+    max_radius
+        Largest outer radius [m].
+    max_bore, min_bore
+        Largest and smallest radius of the bore [m].
+
+    Raises
+    ------
+    DesignError
+        None of the bearings fits.
+    """
     for bearing in reversed(bearings):
         if bearing.outside <= 2.0 * max_radius and 2.0 * min_bore <= bearing.bore <= 2.0 * max_bore:
             return bearing

@@ -217,7 +217,10 @@ def _flange_rounds(sizes: Casing) -> tuple[Round, ...]:
 
 
 def _hub_rounds(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
-    """Return the cylinders on the disc of the output: a floor over its bores, the bearings' shoulder and the hub."""
+    """Return the cylinders that the casing adds on the disc of the output: floor, shoulder of the bearings, and hub.
+
+    The floor covers the bores for the output pins.
+    """
     floor = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP + reducer.design.output.disc_thickness
     hub, shoulder = 0.5 * sizes.hub.bore, floor + 0.5 * AXIAL_GAP
     return (

@@ -133,12 +133,12 @@ def hole_depth(reducer: Reducer, thread: float, reach: float) -> float:
 
 
 def stock_screw_length(bolt: stock.Bolt, min_length: float) -> float:
-    """Return the shortest length in stock [m] of a screw of at least some length [m].
+    """Return the shortest length in stock [m] of a screw that is at least `min_length` [m] long.
 
     Raises
     ------
     DesignError
-        All in stock are shorter.
+        All screws in stock are shorter.
     """
     length = stock.bolt_length(bolt.thread, min_length)
     if length is None:

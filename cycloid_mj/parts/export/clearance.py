@@ -109,7 +109,19 @@ def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) ->
 
 
 def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int) -> tuple[OutlineClearance, ...]:
-    """Measure the clearance between a disc and the ring, and of the sockets, if any; errors as `measure_disc`."""
+    """Measure the clearance between a disc and the ring, and between sockets and pins if there are any.
+
+    Errors are those of `measure_disc`.
+
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    outline, ring_loop
+        Points (n, 2) [m] of the outline of the disc and of the inner outline of the housing.
+    disc
+        Index of the disc.
+    """
     design = reducer.design
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
     rotated_outline = rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)
@@ -120,7 +132,22 @@ def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int)
 
 
 def _require_asked(reducer: Reducer, pair: str, values: Array) -> OutlineClearance:
-    """Return the range of a clearance, measured at points (n,) [m]; raise DesignError if it is not the design's."""
+    """Return the smallest and the largest clearance of a pair on exported outlines; raise if they are not the design's.
+
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    pair
+        Kind of the pair, such as "pin_gear".
+    values
+        Measured clearance (n,) [m].
+
+    Raises
+    ------
+    DesignError
+        A value differs from the clearance of the design by more than `TOLERANCE`.
+    """
     item = OutlineClearance(pair, getattr(reducer.design.clearance, pair), *_range(values))
     if max(item.asked - item.least, item.most - item.asked) > TOLERANCE:
         raise DesignError(

@@ -68,9 +68,10 @@ def crank_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 @once
 def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
-    """Choose the key of the cams of several discs, where their walls over it are thickest; None if none fits.
+    """Choose the key that joins the cams of several discs to the shaft; None if none fits, or for a single disc.
 
-    Its keyways fix the phases of the cams. It must leave a wall in the cams, and in the shaft over the motor's bore.
+    Its keyways fix the phases of the cams. The key is at the angle at which the walls of the cams over it are thickest,
+    and must leave a wall in the cams, and in the shaft over the motor's bore.
     """
     design = reducer.design
     if design.gear.discs == 1:

@@ -113,7 +113,16 @@ def _draw_part(
 ) -> PartDrawing:
     """Return the drawing of a part: section, front view, dimensions, notes and title block.
 
-    `count` is how many a drive has, `joints` are those of the drive.
+    Parameters
+    ----------
+    reducer, sizes
+        The reducer and its casing.
+    part, name
+        The part and its name.
+    count
+        How many of it a drive has.
+    joints
+        All joints of the drive, for fits and threads.
     """
     prisms = part.solid(VISUAL_CHORD_ERROR).prisms
     material, is_printed_part = part_material(reducer, name, sizes), is_printed(reducer, material_part(reducer, name))
@@ -272,7 +281,7 @@ Line = tuple[tuple[float, float], tuple[float, float], Dimension]
 
 
 def dimension_lines(drawing: PartDrawing) -> tuple[Line, ...]:
-    """Return the dimension lines next to a section: both ends (x, y) [mm] and the dimension of each.
+    """Return the dimension lines of a drawing: both ends (x, y) [mm] of each, and its dimension.
 
     Lengths are below the section, diameters on its right.
     """

@@ -53,7 +53,14 @@ def dxf_bytes(
 ) -> bytes:
     """Encode the sections of a part as DXF [mm], with the layers of `layers_of`; equal sections give equal bytes.
 
-    `arcs` is the tolerance [m] within which arcs replace splines; None: splines.
+    Parameters
+    ----------
+    sections
+        Sections of the part.
+    threads
+        Tapped holes, whose layers have the name of the thread.
+    arcs
+        Tolerance within which arcs replace splines [m]; None: splines.
     """
     layers = layers_of(sections, tuple(threads))
     return encode_layers(
@@ -62,10 +69,11 @@ def dxf_bytes(
 
 
 def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] = ()) -> list[tuple[str, list[Loop]]]:
-    """Group the loops of sections by layer name, each loop once from its lowest to its highest end along z.
+    """Group the outlines of a part by layer of its DXF; return (name, outlines) of each layer.
 
-    A layer has the name of a section, or where several heights share the name ``z low to high`` [mm]. Tapped holes have
-    the thread before, and holes within a stretch of a crank the name of the stretch.
+    Each outline is drawn once, from its lowest to its highest end along z. A layer has the name of a section, or where
+    several heights share the name ``z low to high`` [mm]. Tapped holes have the thread before, and holes within a
+    stretch of a crank the name of the stretch.
     """
     heights: dict[str, set[tuple[float, float]]] = {}
     spans: dict[tuple[str, object], list[tuple[float, float]]] = {}
@@ -91,7 +99,7 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
 
 
 def _join_stretches(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Join intervals (start, end) along z [m] that follow each other without a gap."""
+    """Return intervals (start, end) along z [m] with those joined that follow each other without a gap, in order."""
     joined_intervals: list[tuple[float, float]] = []
     for low, high in sorted(ends):
         if joined_intervals and low - joined_intervals[-1][1] < SAME_LENGTH:

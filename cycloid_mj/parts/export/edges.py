@@ -63,7 +63,10 @@ def broken_edges(reducer: Reducer, sizes: Casing, part: Part) -> tuple[BrokenEdg
 
 
 def _seat_radii(reducer: Reducer, sizes: Casing, part: Part) -> Array:
-    """Return the radii of the seats of a part by the joints of the drive [m], shape (n,); both radii of a bearing."""
+    """Return the radii of the seats of a part in the joints of a drive [m], shape (n,); both radii of a bearing.
+
+    Edges next to these seats get chamfers or fillets.
+    """
     name, diameters = part.name, set[float]()
     if name in BEARINGS:
         (ring,) = part.stretches

@@ -73,9 +73,10 @@ def assembly_moves(reducer: Reducer, sizes: Casing) -> tuple[Move, ...]:
 
 
 def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
-    """Find the parts that others block on the way to their place, by the moves of the assembly along z.
+    """Find the parts that cannot reach their position because others are in their way, in the order of assembly.
 
-    The outlines of moving parts are compared with those of all parts ahead of them that are there already.
+    All moves are along z. The outlines of moving parts are compared with those of all parts ahead of them that are
+    mounted already.
     """
     placement_by_name = {placement.name: placement for placement in place_parts(reducer, 0.0, sizes)}
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}
@@ -118,9 +119,14 @@ Sections = tuple[tuple[float, float, manifold3d.CrossSection], ...]
 
 
 def _is_blocked(moving_sections: Sections, present_sections: Sections, direction: int) -> bool:
-    """Return whether sections overlap on the path of the moving ones; those that they only touch do not count.
+    """Return whether moving sections would overlap others on their path along z; touching does not count.
 
-    A section is its ends along z [m] and its outline; `direction` is `UP` or `DOWN`.
+    Parameters
+    ----------
+    moving_sections, present_sections
+        For each section both ends along z [m], and its outline.
+    direction
+        `UP` or `DOWN`.
     """
     for low, high, moving_section in moving_sections:
         for bottom, top, present_section in present_sections:

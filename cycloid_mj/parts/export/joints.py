@@ -346,9 +346,22 @@ def _screws(
     head_face: float,
     property_class: str = USUAL_CLASS,
 ) -> BoughtPart:
-    """Return equal screws along -z as a bought part, with their heads on the plane z = `head_face` [m].
+    """Return equal screws, with their heads on top, as a bought part.
 
-    `centres` (n, 2) [m] are their axes, `length` [m] that of a screw, `body` the name of the body they move with.
+    Parameters
+    ----------
+    item
+        Name of the screws.
+    bolt, length
+        Screw in stock, and its length [m].
+    body
+        Name of the body that the screws move with.
+    centres
+        Axes of the screws, (n, 2) [m].
+    head_face
+        Height of the faces under their heads [m].
+    property_class
+        Strength, such as "8.8".
     """
     return BoughtPart(
         item,
@@ -384,7 +397,18 @@ def _inserts(
 ) -> Iterator[BoughtPart]:
     """Yield the heat-set inserts of threads in a plastic, each flush with the mouth of its hole; none in a metal.
 
-    The holes have the axes `centres` (n, 2) [m] and go from z = `mouth` [m] along +z or -z (`direction` 1 or -1).
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    item, body
+        Name of the inserts, and of the body that they move with.
+    thread
+        Nominal diameter of the thread [m].
+    centres
+        Axes of the holes, (n, 2) [m].
+    mouth, direction
+        Height of the mouths of the holes [m], and 1 or -1 for holes that extend along +z or -z.
     """
     if insert := insert_in(reducer, thread):
         insert_middle = mouth + direction * 0.5 * insert.length

@@ -24,9 +24,22 @@ def choose_motor_flange(
 ) -> MotorFlange:
     """Choose the flange for a motor on its cover: the requested one, the smallest NEMA frame, or a bolt circle.
 
-    For ``auto`` it is the smallest frame that fits and is strong enough for torque and speed of the design. `outer`,
-    `seat` and `max_cavity` are the radii [m] of the cover, of the seat of the shaft bearing, and of the largest cavity
-    for the heads of screws from within. Raises DesignError if the requested flange does not fit.
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    motor
+        Motor; ``auto`` is the smallest frame that fits and is strong enough for torque and speed of the design.
+    outer, seat, max_cavity
+        Radii of the cover, of the seat of the shaft bearing, and of the largest cavity for the heads of screws from
+        within [m].
+    wall
+        Minimum wall [m].
+
+    Raises
+    ------
+    DesignError
+        The requested flange does not fit.
     """
 
     def hole(flange: MotorFlange) -> float:

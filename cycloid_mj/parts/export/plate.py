@@ -113,7 +113,20 @@ def plates(
     sizes: Casing | None = None,
     bed: tuple[float, float] | None = None,
 ) -> tuple[PrintPlate, ...]:
-    """Lay all printed parts out on as many plates as a bed of some length and width [m] needs, as `plate` does.
+    """Lay out all printed parts on plates that fit on the bed of a printer, as many as it takes.
+
+    Parameters
+    ----------
+    reducer
+        The reducer; its clearances are in the outlines.
+    chord_error
+        Largest distance of a chord from its curve [m].
+    cam_seat
+        Radius of manufactured cams [m]; 0: as drawn.
+    sizes
+        Casing, to include covers and flanges.
+    bed
+        Length and width of the bed [m]; None: one plate of any size.
 
     Raises
     ------
@@ -184,7 +197,19 @@ def _pack_plates(
 ) -> list[tuple[int, tuple[float, float]]]:
     """Pack rectangles in rows on plates; return for each the index of its plate and its lower left corner [m].
 
-    `sizes` are length and width [m]; `parts` their names, for the error. Without a `bed` there is one plate.
+    Parameters
+    ----------
+    parts
+        Name of each rectangle, for the error.
+    sizes
+        Length and width of each [m].
+    bed
+        Length and width of the plates [m]; None: one plate of any size.
+
+    Raises
+    ------
+    DesignError
+        A rectangle is larger than the bed.
     """
     pairs = [(float(width), float(depth)) for width, depth in sizes]
     if bed is None:
@@ -215,10 +240,22 @@ def _pack_plates(
 def _build_supports(
     reducer: Reducer, solids: Mapping[str, Solid], shapes: Mapping[str, Mesh], chord_error: float
 ) -> tuple[dict[str, list[Mesh]], dict[str, dict[float, float]]]:
-    """Build supports under overhanging faces of plastic parts; return their meshes and the area of other faces.
+    """Build supports under the overhanging faces of plastic parts, as the parts lie on the plate.
 
-    Both are by name of the part. `solids` and `shapes` are the parts as they lie; the areas [m2] are those of faces
-    without a possible support, by their height [m].
+    Parameters
+    ----------
+    reducer
+        The reducer, for the materials.
+    solids, shapes
+        Solids of the parts, and their meshes, by name.
+    chord_error
+        Largest distance of a chord from its curve [m].
+
+    Returns
+    -------
+    tuple
+        Meshes of the supports by name of the part; and by name, the areas [m2] of faces that cannot have a support, by
+        their height [m].
     """
     supports: dict[str, list[Mesh]] = {name: [] for name in solids}
     unsupported_areas: dict[str, dict[float, float]] = {}

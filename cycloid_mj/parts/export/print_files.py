@@ -99,7 +99,15 @@ def print_files(
 def _describe_plates(
     by_stem: Mapping[str, PrintPlate], consumable_texts: tuple[str, ...], coupon_note: str
 ) -> tuple[str, ...]:
-    """Describe the plates with their size, what else is needed, the coupon, and the parts with supports."""
+    """Describe plates with their sizes, consumables, coupon, and parts with supports, a sentence each.
+
+    Parameters
+    ----------
+    by_stem
+        Plates by the name of their files without suffix.
+    consumable_texts, coupon_note
+        Consumables in words, and a sentence on the test coupon, "" without one.
+    """
     notes = [
         f"{stem} of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in plate.size)} mm"
         for stem, plate in by_stem.items()

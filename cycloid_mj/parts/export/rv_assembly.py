@@ -84,7 +84,19 @@ def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPar
 def _place_needles(
     reducer: RvReducer, crank_number: int, axis: tuple[float, float], crank: float
 ) -> Iterator[PlacedPart]:
-    """Yield the positions of the needles of a crank, evenly spaced around each of its eccentrics."""
+    """Yield the positions of the needles on each eccentric of a crank, evenly spaced.
+
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    crank_number
+        Number of the crank from 1.
+    axis
+        Axis of the crank (x, y) [m].
+    crank
+        Crank angle against the ring [rad].
+    """
     gear, cranks = reducer.design.gear, reducer.cranks
     pitch_radius = cranks.eccentric_radius + cranks.needle_radius
     needle_offsets = pitch_radius * unit(2.0 * np.pi * np.arange(cranks.needles) / cranks.needles - crank)

@@ -69,7 +69,16 @@ def step_assembly(
 ) -> bytes:
     """Encode an assembly as one STEP file of named, coloured parts, each drawn once, with all its positions.
 
-    `edges` by part get their chamfers and fillets.
+    Parameters
+    ----------
+    name
+        Name of the assembly.
+    parts, colours
+        Sections and colour of each part, by name.
+    placements
+        Positions of the parts.
+    edges
+        Edges with chamfers and fillets by part.
 
     Raises
     ------
@@ -136,9 +145,23 @@ def _add_part(
     solids_wanted: int = 1,
     edges: Sequence[BrokenEdge] = (),
 ) -> Any:
-    """Add the union of the sections of a part to a document; raise CycloidError unless it has the number of solids.
+    """Add a part to a document of OpenCASCADE as the union of its sections, and return its label there.
 
-    Returns the label of the part.
+    Parameters
+    ----------
+    document, name
+        The document, and the name of the part.
+    sections
+        Sections of the part.
+    solids_wanted
+        Number of separate solids that the part should have.
+    edges
+        Edges with chamfers and fillets.
+
+    Raises
+    ------
+    CycloidError
+        The part cannot be built, or has another number of solids.
     """
     try:
         first_body, *other_bodies = [_extrude(section) for section in sections]
@@ -302,7 +325,7 @@ def _wire(loop: Sequence[Curve], z: float) -> Any:
 
 
 def _edge(curve: Curve, z: float) -> Any:
-    """Return a curve at a height z [mm] as an edge of OpenCASCADE."""
+    """Convert a curve at a height z [mm] to an edge of OpenCASCADE [mm]."""
 
     def point(position: Array | tuple[float, float]) -> Any:
         x, y = np.asarray(position) * MILLIMETRES

@@ -38,7 +38,10 @@ class Overhang:
 
 
 def find_overhangs(shape: Mesh) -> Iterator[Overhang]:
-    """Yield the overhanging faces of a part as it lies on the plate, without those that are printed as bridges."""
+    """Yield the overhanging faces of a part that need a support: those that cannot be printed as bridges.
+
+    `shape` is the mesh of the part as it lies on the plate.
+    """
     corners = shape.vertices[shape.faces]
     corner_a, corner_b, corner_c = corners.transpose(1, 0, 2)
     level = np.ptp(corners[..., 2], axis=1) == 0.0
@@ -59,9 +62,21 @@ def find_overhangs(shape: Mesh) -> Iterator[Overhang]:
 
 
 def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh | None:
-    """Return the mesh of the support under a round face, standing on the plate or on the part; None if impossible.
+    """Return the mesh of the support under an overhanging round face, standing on the plate or on the part.
 
-    `solid` is the part as it lies, `overhang` the face.
+    Parameters
+    ----------
+    solid
+        The part as it lies.
+    overhang
+        The face.
+    chord_error
+        Largest distance of a chord from its curve [m].
+
+    Returns
+    -------
+    Mesh or None
+        None if the face is not round, or has parts at several heights below.
     """
     outer = _circle_of(overhang.outline)
     if not outer:

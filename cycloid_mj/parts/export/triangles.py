@@ -20,9 +20,14 @@ def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
 
 
 def read_stl(content: bytes, path: str = "the file") -> Array:
-    """Read the corners (m, 3, 3) of the triangles of a binary STL, in its length unit.
+    """Read the corners (m, 3, 3) of the triangles of a binary STL file, in the unit of the file.
 
-    `path` names the file in errors.
+    Parameters
+    ----------
+    content
+        Content of the file.
+    path
+        Name of the file for the error.
 
     Raises
     ------
