@@ -48,19 +48,7 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
         title="largest von Mises stress of a crank turn",
         condition=", ".join(f"{item.design} under {item.load:g} N m" for item in findings),
         headline=_headline(findings),
-        failures=[
-            f"{item.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa exceeds the yield strength"
-            for item in findings
-            for part in item.parts
-            if part.safety < 1.0
-        ]
-        + [
-            f"{item.design} {part}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
-            for item in findings
-            if item.strength
-            for part, stress in item.strength.largest.items()
-            if stress > item.strength.yield_strength
-        ],
+        failures=list(_failures(findings)),
         warnings=[
             (
                 f"{item.design} {part.part}: contact pressure {part.largest_pressure / MEGAPASCAL:.4g} MPa, "
@@ -94,6 +82,19 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
             }
         ),
     )
+
+
+def _failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
+    """Yield a sentence for each part whose stress exceeds its yield strength: first those of the finite elements."""
+    for item in findings:
+        for part in item.parts:
+            if part.safety < 1.0:
+                yield f"{item.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa exceeds the yield strength"
+    for item in findings:
+        if item.strength:
+            for name, stress in item.strength.largest.items():
+                if stress > item.strength.yield_strength:
+                    yield f"{item.design} {name}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
 
 
 def _draw_figures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:

@@ -83,36 +83,9 @@ def required(
 ) -> "Requirement":
     """Return a requirement from values in the units of the command line; see `Requirement`.
 
-    Parameters
-    ----------
-    ratio, diameter_mm, torque_nm
-        Crank turns per output turn, outer diameter [mm], and continuous output torque [N m].
-    life_h, speed_rpm, output_rpm
-        Life [h], and the speed of crank or output [rpm], not both; by default those of the process.
-    process
-        Manufacturing process, a key of `PROCESSES`.
-    discs, length_mm, backlash_arcmin
-        Number of discs (0: one, or two where one is not enough), largest length [mm] and backlash [arcmin].
-    material, clearance_um, fit
-        Material of the parts, and their clearance [um] or fit, not both; by default those of the process.
-    custom
-        Whether pins and bearings of any size are allowed, not only those in stock.
-    duty
-        Share of the time under load [1], by default that of the process, or a CSV file of a duty cycle with torques
-        relative to their largest.
-    cooling
-        A key of `COOLING`, or a heat transfer coefficient [W/(m2 K)].
-    ambient_c
-        Ambient temperature [°C].
-    motor
-        Motor on the drive.
-    changes
-        Settings of the design, ``table.key=value``, that hold for every candidate.
-
-    Raises
-    ------
-    UsageError
-        Two values exclude each other, or a value is out of range.
+    Where they are not set, life, speed and share of the time are those of the process. `duty` is a share of the time,
+    or a CSV file of a duty cycle with torques relative to their largest; `cooling` one of `COOLING`, or a heat transfer
+    coefficient [W/(m2 K)]. Raises UsageError if two values exclude each other, or one is out of range.
     """
     if speed_rpm is not None and output_rpm is not None:
         raise UsageError(

@@ -183,10 +183,8 @@ def stress_study(
         Name of the run's file, for the findings.
     on_part
         Called before each part with its name, the number of finished parts, and that of all parts.
-    grids
-        Existing grids by the names of their parts, as of ``study_grids``.
-    references
-        Published stresses by the names of parts.
+    grids, references
+        Existing grids, as of ``study_grids``, and published stresses, by the names of their parts.
 
     Raises
     ------
