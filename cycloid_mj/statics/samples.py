@@ -25,14 +25,12 @@ from cycloid_mj.reducer.gaps import cam_displacements
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.kernel import (
     FIGURES,
-    PATHS,
     RESIDUAL_RTOL,
     Effects,
     SampleDeviations,
     allocate_workspace,
     balance_few_samples,
     balance_samples,
-    balance_samples_by_all,
 )
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -260,10 +258,9 @@ def _solve_rows(
         workspace = allocate_workspace(springs.contacts)
         balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples
         balance(*inputs, first_sample, end_sample, rows, None, workspace)
-        for sample in first_sample + np.flatnonzero(
-            ~(rows[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
-        ):
-            balance_samples_by_all(*inputs, sample, sample + 1, rows, PATHS, workspace)
+        is_balanced = (rows[:, first_sample:end_sample, -1] <= RESIDUAL_RTOL).all(axis=0)
+        for sample in (first_sample + np.flatnonzero(~is_balanced)).tolist():
+            balance_few_samples(*inputs, sample, sample + 1, rows, True, workspace)
 
     if threads == 1:
         for first, last in pairwise(bounds):

@@ -4,6 +4,7 @@ All of it runs in a second without compiling, so that `scripts/flip_signs.py` ca
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,6 @@ from cycloid_mj.statics.friction_path import Held, Losses, build_friction_elemen
 from cycloid_mj.statics.kernel import (
     CARRYING_SHARE,
     PATH_RESIDUAL_RTOL,
-    PATHS,
     RESIDUAL_RTOL,
     RIGID_BODY_STIFFNESS,
     KernelSprings,
@@ -191,7 +191,8 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
     for disc, place in enumerate(contacts.cam_position[0]):
         here[3 * disc : 3 * disc + 2] = place
     allowed = RESIDUAL_RTOL * load.max()
-    assert solve_by_arclength(contacts, 0, load[0], here, lag, allowed, system) <= allowed
+    path = allocate_path(contacts, u, lag)
+    assert solve_by_arclength(contacts, 0, load[0], here, allowed, path, system) <= allowed
     np.testing.assert_allclose(here, other[0], rtol=0.0, atol=1e-6 * np.abs(other).max())
     assert system.assembled[0] <= most
 
@@ -314,7 +315,7 @@ def test_the_friction_of_a_plain_cam_pushes_its_disc_sideways() -> None:
 def balance_along(contacts: KernelSprings, load: Array, z: Array, force: Array) -> Residual:
     """Balance crank angles that follow each other, with every disc where its cam is at first."""
     z[:, :-1].reshape(len(z), -1, 3)[..., :2] = contacts.cam_position
-    return search.balance_briefly(contacts, load, z, force, True, None, allocate_system(contacts))
+    return search.balance_briefly(contacts, load, z, force, True, 0, allocate_system(contacts))
 
 
 def balanced(name: str, follow: bool, friction: bool) -> Residual:
@@ -336,32 +337,31 @@ def test_a_balance_needs_few_steps(name: str) -> None:
         assert 0.8 * most < left.work <= 1.02 * most + 1
 
 
-def test_a_failed_search_restarts_along_paths_from_its_first_pose(monkeypatch: pytest.MonkeyPatch) -> None:
-    """From where the search began: what is compiled without paths leaves departures where it was lost."""
-    searched = []
-
-    def lost_without_paths(_: KernelSprings, load: Array, z: Array, *__: object) -> Residual:
-        searched.append(float(z[0, 0]))
-        z += 1.0
-        return Residual(0.0 if len(searched) > 1 else 0.3, 0, 1)
-
-    monkeypatch.setattr(search, "balance_briefly", lost_without_paths)
-    monkeypatch.setattr(search, "balance_by_all", lost_without_paths)
-    z = np.full((1, 4), 2.0)
-    assert balance(springs("pin"), np.zeros((1, 4)), z, np.zeros((1, 1)), True).force == 0.0
-    assert searched == [2.0, 2.0]
-
-
-@pytest.mark.parametrize("follow", [False, True])
-def test_a_search_along_paths_ends_at_the_same_pose(follow: bool) -> None:
-    contacts = springs("few", crank=TURN, friction=True)
+@pytest.mark.parametrize("extrapolate", [False, True])
+def test_a_failed_search_continues_along_paths_from_its_start_values(
+    extrapolate: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At the angle that failed, and at the next ones by the usual search: all end at the same poses."""
+    contacts, usual = springs("few", crank=TURN, friction=True), search.balance_briefly
     load = np.zeros((len(TURN), contacts.slope.shape[2]))
     load[:, -1] = design_of("few").rated_torque / contacts.radius
-    ends = [np.zeros_like(load), np.zeros_like(load)]
-    for z, paths, kernel in zip(ends, (None, PATHS), (search.balance_briefly, search.balance_by_all), strict=True):
-        force, system = np.zeros(contacts.distance.shape), allocate_system(contacts)
-        assert kernel(contacts, load, z, force, follow, paths, system).force <= RESIDUAL_RTOL
-    np.testing.assert_array_equal(*ends)
+    z, paths, force = np.zeros_like(load), np.zeros_like(load), np.zeros(contacts.distance.shape)
+    assert balance(contacts, load, z, force, extrapolate).force <= RESIDUAL_RTOL
+    first_angles = []
+
+    def fail_once(*inputs: Any) -> Residual:
+        *_, extrapolate, first_angle, system = inputs
+        first_angles.append(first_angle)
+        if first_angle > 1:
+            return usual(*inputs)
+        usual(contacts, load[:2], paths[:2], force[:2], extrapolate, 0, system)
+        system.begun[:] = 0.0
+        return Residual(0.3, 1, 40)
+
+    monkeypatch.setattr(search, "balance_briefly", fail_once)
+    assert balance(contacts, load, paths, np.zeros_like(force), extrapolate).force <= RESIDUAL_RTOL
+    assert first_angles == [0, 2]
+    np.testing.assert_allclose(paths, z, rtol=0.0, atol=1e-6 * np.abs(z).max())
 
 
 def followed(contacts: KernelSprings, torque: float) -> Residual:

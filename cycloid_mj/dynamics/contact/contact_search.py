@@ -346,7 +346,7 @@ def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, ge
     shift_x, shift_y = gear.x - ring.eccentricity * crank_x, gear.y - ring.eccentricity * crank_y
     half_pitch = math.pi / ring.teeth
     half_sine, half_cosine = math.sin(half_pitch), math.cos(half_pitch)
-    count = 0
+    count = np.int64(0)  # not a literal, for which `_write_root` would be compiled once more
     for side in range(2):
         # The root on the clockwise side is that of the next lobe: one pitch further clockwise.
         is_own = side == 0

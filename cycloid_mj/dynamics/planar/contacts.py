@@ -79,6 +79,11 @@ Contact = Any
 Contacts = npt.NDArray[np.void]
 """Array of contacts, of the largest possible size."""
 
+NONE: int = np.int64(0)  # type: ignore[assignment]
+"""Zero without a literal type of numba, for each of which a function is compiled once more."""
+
+_TEETH, _SEAT, _CAM, _OUTPUT = np.int64(TEETH), np.int64(SEAT), np.int64(CAM), np.int64(OUTPUT)
+
 MAX_TOUCHES = ROOT_SEARCH.max_touches
 """Largest number of contacts of one pair."""
 
@@ -133,8 +138,8 @@ def find_contacts(
     discs, teeth = len(system.offset), len(system.place)
     crank = system.shafts[1]
     ring, carrier = shaft_pose(q, system.ring_shaft), shaft_pose(q, system.stud_shaft)
-    crank_pose, address = shaft_pose(q, crank), scratch.ctypes.data
-    count, pair = 0, 0
+    crank_pose, address = shaft_pose(q, crank), np.int64(scratch.ctypes.data)
+    count, pair = NONE, NONE
     for disc in range(discs):
         mating = MatingSurfaces(pair, system.laws[disc, TEETH], 3 * disc, -1, system.ring_shaft)
         if lobes is not None:
@@ -151,7 +156,7 @@ def find_contacts(
         pair += 1
         cx, cy = outwards(crank_pose, system.cams[disc, 0], system.cams[disc, 1])
         cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
-        count += _find_round_contacts(system, contacts, count, mating, cam, bore, CAM, 1.0, address, q, v, half_step)
+        count += _find_round_contacts(system, contacts, count, mating, cam, bore, _CAM, 1.0, address, q, v, half_step)
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(len(system.cams)):
         frame = disc_pose(q, 3 * disc, 0.0)
@@ -162,7 +167,7 @@ def find_contacts(
             hx, hy = outwards(frame, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
             pin = Round(sx, sy, frame.x + hx, frame.y + hy, system.stud, 1.0)
             count += _find_round_contacts(
-                system, contacts, count, mating, pin, hole, OUTPUT, 1.0, address, q, v, half_step
+                system, contacts, count, mating, pin, hole, _OUTPUT, 1.0, address, q, v, half_step
             )
     return count
 
@@ -193,7 +198,7 @@ def _find_lobe_contacts(
         cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
         for k in range(lobe_touches(address, teeth, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
             _fill_contact(contacts[count], pair, read_touch(address + STRIDE * k), -1.0, q, v, half_step)
-            _set_film_friction(system, contacts[count], TEETH, phase_cosine(px, py, gear.x, gear.y), v)
+            _set_film_friction(system, contacts[count], _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
             count += 1
     return count
 
@@ -232,7 +237,7 @@ def _find_pin_contacts(
         contact, touch = contacts[count], result.touch
         pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, pin_unknown, shaft)
         _fill_contact(contact, pair, touch, -1.0, q, v, half_step)
-        _set_film_friction(system, contact, TEETH, phase_cosine(px, py, gear.x, gear.y), v)
+        _set_film_friction(system, contact, _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
         count += 1
         if system.free:
             contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
@@ -273,7 +278,7 @@ def _find_seat_contacts(
             inner = Round(q[pin_unknown], q[pin_unknown + 1], sx, sy, system.inner[i], -1.0)
         cosine = _pin_cosine(contacts, count, pin_unknown) if system.film.size else 1.0
         count += _find_round_contacts(
-            system, contacts, count, mating, inner, outer, SEAT, cosine, address, q, v, half_step
+            system, contacts, count, mating, inner, outer, _SEAT, cosine, address, q, v, half_step
         )
     return count
 
@@ -302,7 +307,7 @@ def _set_film_friction(system: System, contact: Contact, kind: int, cosine: floa
     if system.film.size == 0:
         return
     contact.cosine = cosine
-    contact.friction = look_up(system.film.ctypes.data, kind, cosine, contact.normal_force)
+    contact.friction = look_up(np.int64(system.film.ctypes.data), kind, cosine, contact.normal_force)
     if contact.normal_force > 0.0:
         contact.state = friction_state(contact, relative_speeds(contact, v)[1])
 

@@ -18,16 +18,14 @@ from cycloid_mj.statics.kernel.samples import (
     allocate_workspace,
     balance_few_samples,
     balance_samples,
-    balance_samples_by_all,
 )
-from cycloid_mj.statics.kernel.search import PATHS, balance
+from cycloid_mj.statics.kernel.search import balance
 from cycloid_mj.statics.kernel.system import State, state
 
 __all__ = [
     "CARRYING_SHARE",
     "FIGURES",
     "MAX_SUBSTEPS",
-    "PATHS",
     "PATH_RESIDUAL_RTOL",
     "RESIDUAL_RTOL",
     "RIGID_BODY_STIFFNESS",
@@ -43,7 +41,6 @@ __all__ = [
     "balance",
     "balance_few_samples",
     "balance_samples",
-    "balance_samples_by_all",
     "follow_path",
     "gap",
     "is_open",

@@ -161,7 +161,7 @@ def largest_play(springs: KernelSprings) -> float:
     return play
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def scale_clearances(springs: KernelSprings, share: float, scaled_clearance: Array) -> KernelSprings:
     """Return springs whose clearances are multiplied by a `share`; cams with negative clearance (a preload) keep it.
 

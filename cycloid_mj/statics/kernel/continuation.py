@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, largest_play, scale_clearances
+from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, scale_clearances
 from cycloid_mj.statics.kernel.newton import (
     PATH_RESIDUAL_RTOL,
     RESIDUAL_RTOL,
@@ -59,13 +59,13 @@ class ContinuationSettings(NamedTuple):
 _CONTINUATION = ContinuationSettings()
 
 
-class _Path(NamedTuple):
+class Path(NamedTuple):
     """A path with an `order` of its parameters, and arrays.
 
     Its points are the u displacements over a `unit` [m], and the parameter [1]. `point`, the `next_point`, the unit
-    `tangent` and the `previous_tangent`, the Newton `step`, the `residual` and the unit vector `last_axis` have shape
-    (u + 1,). `clearance` (n,) [m] are the clearances at a point, `rate` (u,) [N] is the derivative of the residual by
-    the parameter, and `matrix` (u + 1, u + 1) that of the augmented system.
+    `tangent`, the `previous_tangent` and that at a corner, the Newton `step`, the `residual` and the unit vector
+    `last_axis` have shape (u + 1,). `clearance` (n,) [m] are the clearances at a point, `rate` (u,) [N] is the
+    derivative of the residual by the parameter, and `matrix` (u + 1, u + 1) that of the augmented system.
     """
 
     order: float
@@ -75,6 +75,7 @@ class _Path(NamedTuple):
     next_point: Array
     tangent: Array
     previous_tangent: Array
+    corner_tangent: Array
     step: Array
     residual: Array
     last_axis: Array
@@ -82,9 +83,9 @@ class _Path(NamedTuple):
     matrix: Array
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
 def solve_by_arclength(
-    springs: KernelSprings, k: int, load: Array, z: Array, order: float, tolerance: float, system: System
+    springs: KernelSprings, k: int, load: Array, z: Array, tolerance: float, path: Path, system: System
 ) -> float:
     """Solve for displacements z (u,) [m] at crank angle `k` by pseudo-arclength continuation in friction and clearance.
 
@@ -100,16 +101,14 @@ def solve_by_arclength(
     ----------
     springs, k, load, z
         Springs, index of the crank angle, generalised load (u,) [N], and array for the displacements.
-    order, tolerance
-        Relation of friction and clearance along the path, see `search._PARAMETER_ORDERS`; residual of a solution [N].
-    system
-        Residual, tangent and workspace, which are overwritten.
+    tolerance
+        Residual norm of a solution [N].
+    path, system
+        Path from `allocate_path`; residual, tangent and workspace. They are overwritten.
     """
-    unknown_count, end_parameter, path = z.size, 1.0 + abs(order), allocate_path(springs, z.size, order)
+    unknown_count, end_parameter = z.size, 1.0 + abs(path.order)
     point, next_point, path_tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * tolerance
-    newton(
-        scale_clearances(springs, 0.0, path.clearance), k, load, z, 1.0, 0.0, TRUE, tolerance, 0.0, FALSE, TRUE, system
-    )
+    solve_scaled(springs, 0.0, 0.0, k, load, z, tolerance, TRUE, path.clearance, system)
     for j in range(unknown_count):
         point[j] = z[j] / path.unit
     path.tangent[unknown_count] = path.last_axis[unknown_count] = 1.0
@@ -130,7 +129,7 @@ def solve_by_arclength(
             share = (end_parameter - point[unknown_count]) / (next_point[unknown_count] - point[unknown_count])
             for j in range(unknown_count):
                 z[j] = (point[j] + share * (next_point[j] - point[j])) * path.unit
-            norm = newton(springs, k, load, z, 1.0, 1.0, TRUE, tolerance, 0.0, FALSE, FALSE, system)
+            norm = solve_scaled(springs, 1.0, 1.0, k, load, z, tolerance, FALSE, path.clearance, system)
             if norm <= tolerance:
                 return norm
             copy(path.previous_tangent, path.tangent)
@@ -145,6 +144,27 @@ def solve_by_arclength(
     return math.inf
 
 
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
+def solve_scaled(
+    springs: KernelSprings,
+    clearance: float,
+    friction: float,
+    k: int,
+    load: Array,
+    z: Array,
+    tolerance: float,
+    use_backtracking: bool,
+    scaled_clearance: Array,
+    system: System,
+) -> float:
+    """Solve as `newton` with foot points and shares of `clearance` and `friction`; return the residual norm [N].
+
+    `scaled_clearance` (n,) [m] is workspace. `newton` is compiled into each of its callers, this function is not.
+    """
+    scaled_springs = scale_clearances(springs, clearance, scaled_clearance)
+    return newton(scaled_springs, k, load, z, 1.0, friction, TRUE, tolerance, 0.0, FALSE, use_backtracking, system)
+
+
 @njit(nogil=True, error_model="numpy", inline="always")
 def _shares(order: float, parameter: float) -> tuple[float, float]:
     """Return the shares of friction and clearance at a parameter of the path; they also grow beyond its end."""
@@ -154,9 +174,8 @@ def _shares(order: float, parameter: float) -> tuple[float, float]:
     return (first, second) if order > 0.0 else (second, first)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
-def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> _Path:
-    """Allocate the workspace of a continuation path.
+def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> Path:
+    """Allocate the workspace of a continuation path, whose unit is the largest clearance of all contacts and cams.
 
     Parameters
     ----------
@@ -165,12 +184,13 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> _
     unknown_count
         Number of displacements.
     order
-        Relation of friction and clearance along the path, see `search._PARAMETER_ORDERS`.
+        Relation of friction and clearance along the path, see `search.PARAMETER_ORDERS`.
     """
-    return _Path(
+    return Path(
         order,
-        largest_play(springs),
+        float(max(abs(springs.cam_clearance), 1e-6, springs.clearance.max())),
         np.zeros(springs.disc.size),
+        np.zeros(unknown_count + 1),
         np.zeros(unknown_count + 1),
         np.zeros(unknown_count + 1),
         np.zeros(unknown_count + 1),
@@ -183,8 +203,8 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> _
     )
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
-def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: System) -> float:
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
+def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: Path, system: System) -> float:
     """Assemble the residual at a point of the path and its derivatives, `path.matrix`; return the residual norm [N].
 
     `k` is the index of the crank angle, `load` (u,) [N] the generalised load. The point consists of displacements over
@@ -195,15 +215,13 @@ def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array
         z[j] = point[j] * path.unit
     parameter, rate, order = point[unknown_count], path.rate, path.order
     friction, clearance = _shares(order, parameter)
-    scaled_springs, friction_grows = (
-        scale_clearances(springs, clearance, path.clearance),
-        (parameter < 1.0) == (order > 0.0),
-    )
-    if order == 0.0 or friction_grows:
-        assemble(scaled_springs, k, load, z, 1.0, friction + 1.0, TRUE, TRUE, system)
+    scaled_springs = scale_clearances(springs, clearance, path.clearance)
+    friction_grows = (parameter < 1.0) == (order > 0.0)
+    # with more friction for the rate, and at the point: a second call would be compiled once more
+    for is_at_point in range(0 if order == 0.0 or friction_grows else 1, 2):
         for j in range(unknown_count):
             path.residual[j] = residual[j]
-    assemble(scaled_springs, k, load, z, 1.0, friction, TRUE, TRUE, system)
+        assemble(scaled_springs, k, load, z, 1.0, friction + (1 - is_at_point), TRUE, TRUE, system)
     clear(rate)
     if order == 0.0 or friction_grows:
         for j in range(unknown_count):
@@ -219,7 +237,7 @@ def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array
     return largest(residual)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _add_clearance_rate(
     springs: KernelSprings,
     scaled_springs: KernelSprings,
@@ -261,9 +279,9 @@ def _add_clearance_rate(
                 rate[3 * disc + 2] -= friction * springs.cam_rubbing * force_rate
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _update_tangent(
-    springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: _Path, system: System
+    springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: Path, system: System
 ) -> float:
     """Write the unit tangent of the path at a `point` to `path`; return the sign of its determinant, 0 if singular.
 
@@ -284,7 +302,7 @@ def _update_tangent(
     return determinant
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _predict_and_correct(
     springs: KernelSprings,
     k: int,
@@ -292,7 +310,7 @@ def _predict_and_correct(
     length: float,
     sign: float,
     tolerance: float,
-    path: _Path,
+    path: Path,
     system: System,
 ) -> bool:
     """Compute the next point of the path at a `length` [1] from the last one, and its tangent there.
@@ -312,9 +330,9 @@ def _predict_and_correct(
     return True
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _correct(
-    springs: KernelSprings, k: int, load: Array, length: float, tolerance: float, path: _Path, system: System
+    springs: KernelSprings, k: int, load: Array, length: float, tolerance: float, path: Path, system: System
 ) -> bool:
     """Compute the next point at a `length` [1] from the predictor by Newton's method; return whether it converges.
 
@@ -350,9 +368,9 @@ def _correct(
     return False
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _pass_corner(
-    springs: KernelSprings, k: int, load: Array, sign: float, tolerance: float, path: _Path, system: System
+    springs: KernelSprings, k: int, load: Array, sign: float, tolerance: float, path: Path, system: System
 ) -> float:
     """Find a point of the path beyond a corner, where a contact opens or closes and the path may turn back.
 
@@ -360,7 +378,8 @@ def _pass_corner(
     as in `_predict_and_correct`. Returns the length of the step [1], 0 if none succeeds.
     """
     unknown_count = load.size
-    tangent = path.tangent.copy()
+    tangent = path.corner_tangent
+    copy(path.tangent, tangent)
     for power in range(-7, -2):
         for j in range(unknown_count + 1):
             path.next_point[j] = path.point[j] + 10.0**power * tangent[j]

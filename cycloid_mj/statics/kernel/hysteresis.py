@@ -27,6 +27,7 @@ from cycloid_mj.statics.kernel.newton import (
     largest,
     modified_newton_step,
     solve_cholesky,
+    solve_linear,
 )
 from cycloid_mj.statics.kernel.system import State, cam_at
 
@@ -140,7 +141,6 @@ class _Increment(NamedTuple):
     vectors: Array
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def follow_path(
     springs: KernelSprings, rubbing: Rubbing, path: Array, max_motion: float, positions: Array, z: Array
 ) -> tuple[Residual, int]:
@@ -157,10 +157,26 @@ def follow_path(
     tuple of Residual and int
         Residual of force 0, or of a step without equilibrium relative to the largest load; and the number of rows.
     """
-    count, unknowns = path.shape
-    elements = rubbing.stick.size
+    elements, unknowns = rubbing.stick.size, path.shape[1]
     old, new = _allocate_state(elements, unknowns), _allocate_state(elements, unknowns)
     increment = _allocate_increment(elements, unknowns)
+    return _follow_path(springs, rubbing, path, max_motion, positions, z, increment, old, new)
+
+
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
+def _follow_path(
+    springs: KernelSprings,
+    rubbing: Rubbing,
+    path: Array,
+    max_motion: float,
+    positions: Array,
+    z: Array,
+    increment: _Increment,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
+) -> tuple[Residual, int]:
+    """Solve as `follow_path`, with workspace."""
+    count, unknowns = path.shape
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     copy(z[0], old.z)
     scale, rows, spare_rows = 0.0, 0, positions.size - count
@@ -203,7 +219,7 @@ def follow_path(
     return Residual(0.0, 0, increment.work[0]), rows
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
     """Write the load (u,) [N] at a share of the step to load `m` of a path; the first step begins without load."""
     for j in range(load.size):
@@ -211,7 +227,6 @@ def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
         load[j] = before + (path[m, j] - before) * share
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def assemble_after(
     springs: KernelSprings, rubbing: Rubbing, middle: Array, load: Array, z: Array, fixed_limits: bool
 ) -> State:
@@ -222,25 +237,32 @@ def assemble_after(
     descent of the energy.
     """
     unknown_count, elements = z.size, rubbing.stick.size
-    rest, old, new = (
-        _allocate_state(elements, unknown_count),
-        _allocate_state(elements, unknown_count),
-        _allocate_state(elements, unknown_count),
-    )
+    rest, old, new = (_allocate_state(elements, unknown_count) for _ in range(3))
     increment = _allocate_increment(elements, unknown_count)
-    increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
-    _update_slip(springs, rubbing, rest)
-    copy(middle, old.z)
-    copy(z, new.z)
-    copy(load, increment.load)
-    _assemble_step(springs, rubbing, FALSE, increment, rest, old)
-    _update_slip(springs, rubbing, old)
-    _update_limits(rubbing, increment, old, 1.0)
-    _, energy = _assemble_step(springs, rubbing, fixed_limits, increment, old, new)
+    old.z[:], new.z[:], increment.load[:] = middle, z, load
+    energy = _assemble_two_steps(springs, rubbing, fixed_limits, increment, rest, old, new)
     return State(energy, increment.residual, increment.tangent)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
+def _assemble_two_steps(
+    springs: KernelSprings,
+    rubbing: Rubbing,
+    fixed_limits: bool,
+    increment: _Increment,
+    rest: _ElastoplasticState,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
+) -> float:
+    """Assemble as `assemble_after`, at displacements and a load that the workspace has; return the energy [J]."""
+    increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
+    _update_slip(springs, rubbing, rest)
+    _assemble_step(springs, rubbing, FALSE, increment, rest, old)
+    _update_slip(springs, rubbing, old)
+    _update_limits(rubbing, increment, old, 1.0)
+    return _assemble_step(springs, rubbing, fixed_limits, increment, old, new)[1]
+
+
 def _allocate_increment(elements: int, unknown_count: int) -> _Increment:
     """Allocate the workspace of a step, for `elements` friction elements and `unknown_count` displacements."""
     return _Increment(
@@ -258,7 +280,6 @@ def _allocate_increment(elements: int, unknown_count: int) -> _Increment:
     )
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _allocate_state(elements: int, unknown_count: int) -> _ElastoplasticState:
     """Return the state of unloaded parts at rest, for `elements` friction elements and `unknown_count` unknowns."""
     return _ElastoplasticState(
@@ -271,7 +292,7 @@ def _allocate_state(elements: int, unknown_count: int) -> _ElastoplasticState:
     )
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _ElastoplasticState) -> None:
     """Overwrite ``state.slip``: the derivatives of the sliding of each contact by the displacements [1], at a state.
 
@@ -285,7 +306,7 @@ def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _Elastoplastic
         state.slip[row, 3 * disc + 1] += cam.u
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _solve_newton(
     springs: KernelSprings,
     rubbing: Rubbing,
@@ -303,9 +324,8 @@ def _solve_newton(
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
     norm = _assemble_step(springs, rubbing, FALSE, increment, old, new)[0]
     for _ in range(_HYSTERESIS.newton_steps):
-        if norm <= tolerance or not abs(np.linalg.det(increment.tangent)) > 0.0:
+        if norm <= tolerance or solve_linear(increment.tangent, increment.residual, increment.step, 0.0) == 0.0:
             break
-        copy(np.linalg.solve(increment.tangent, increment.residual), increment.step)
         share = min(1.0, max_length / max(largest(increment.step), 1e-300))
         for j in range(increment.step.size):
             new.z[j] += share * increment.step[j]
@@ -313,7 +333,7 @@ def _solve_newton(
     return norm
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _solve_tresca(
     springs: KernelSprings,
     rubbing: Rubbing,
@@ -362,7 +382,7 @@ def _solve_tresca(
     return norm
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _solve_pseudo_transient(
     springs: KernelSprings,
     rubbing: Rubbing,
@@ -398,7 +418,7 @@ def _solve_pseudo_transient(
     return norm
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> None:
     """Copy a state except its sliding per unknown."""
     copy(source.z, target.z)
@@ -408,7 +428,7 @@ def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> Non
     copy(source.depth, target.depth)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _update_limits(rubbing: Rubbing, increment: _Increment, state: _ElastoplasticState, share: float) -> None:
     """Move the fixed friction limits by a share towards those of the normal forces at a state."""
     for i in range(increment.side.size):
@@ -417,7 +437,7 @@ def _update_limits(rubbing: Rubbing, increment: _Increment, state: _Elastoplasti
         increment.side[i] += share * (rubbing.coefficient[i] * (spring + state.normal[i]) - increment.side[i])
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _assemble_step(
     springs: KernelSprings,
     rubbing: Rubbing,
@@ -469,7 +489,7 @@ def _assemble_step(
     return largest(increment.residual), energy
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _add_geometric_stiffness(
     tangent: Array, x: int, gap: Gap, force: float, rotation_stiffness: float, rotates: bool
 ) -> None:
@@ -498,7 +518,7 @@ def _add_geometric_stiffness(
         tangent[column, row] += rate
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _add_cam(
     springs: KernelSprings,
     rubbing: Rubbing,
@@ -529,7 +549,7 @@ def _add_cam(
     return energy
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_contact(
     rubbing: Rubbing,
     fixed_limits: bool,
@@ -568,7 +588,7 @@ def _add_contact(
     return energy + _add_friction(rubbing, i, limit, limit_rate, increment, old, new)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_friction(
     rubbing: Rubbing,
     i: int,
@@ -607,7 +627,7 @@ def _add_friction(
     return energy
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _slip_energy(force: float, limit: float, stiffness: float) -> float:
     """Return the energy of a spring with an elastic `force` [N] that slips at a limit [N], and dissipation [J]."""
     magnitude = abs(force)

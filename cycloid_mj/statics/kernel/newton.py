@@ -171,7 +171,7 @@ def _curvature(stiffness: Array, step: Array) -> float:
     return total
 
 
-@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> float:
     """Solve a linear system `matrix` (u, u) times `solution` = `right_side` (u,) by Gaussian elimination with pivoting.
 

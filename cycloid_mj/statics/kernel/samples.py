@@ -7,8 +7,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import TRUE, KernelSprings
-from cycloid_mj.statics.kernel.search import balance_briefly, balance_by_all
+from cycloid_mj.statics.kernel.contacts import FIRST, TRUE, KernelSprings
+from cycloid_mj.statics.kernel.search import balance_briefly, balance_with_paths
 from cycloid_mj.statics.kernel.system import System, allocate_system, cam_contact
 
 CARRYING_SHARE = 0.01
@@ -87,7 +87,7 @@ def balance_few_samples(
     first_sample: int,
     end_sample: int,
     rows: Array,
-    use_arclength: bool | None,
+    use_paths: bool | None,
     workspace: SampleWorkspace,
 ) -> None:
     """Solve for the equilibria of samples `first_sample` to `end_sample` - 1 under t loads, at k crank angles in order.
@@ -103,8 +103,9 @@ def balance_few_samples(
     rows
         Figures of the samples (t, s, ``FIGURES``), which are filled in; see `_write_sample_figures`. The last one is
         the residual.
-    use_arclength
-        As in `search._balance`: samples that fail without are to be solved with it.
+    use_paths
+        Whether to solve along paths where Newton's method fails (``search.balance_with_paths``); compiled code does not
+        (None).
     workspace
         From `allocate_workspace`; overwritten.
     """
@@ -140,10 +141,10 @@ def balance_few_samples(
             for k in range(z.shape[0]):
                 for j in range(z.shape[1]):
                     z[k, j] = workspace.begun[k, j]
-            if use_arclength is None:
-                residual = balance_briefly(springs, load[t], z, force, TRUE, None, system)
+            if use_paths is None:
+                residual = balance_briefly(springs, load[t], z, force, TRUE, FIRST, system)
             else:
-                residual = balance_by_all(springs, load[t], z, force, TRUE, use_arclength, system)
+                residual = balance_with_paths(springs, load[t], z, force, TRUE, system)
             _write_sample_figures(
                 ideal.radius,
                 ideal.rotates,
@@ -158,10 +159,7 @@ def balance_few_samples(
 
 
 balance_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(balance_few_samples)
-"""`balance_few_samples` compiled for many samples, with `paths` None."""
-
-balance_samples_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(balance_few_samples)
-"""`balance_few_samples` compiled with all `paths`."""
+"""`balance_few_samples` compiled for many samples."""
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")

@@ -7,8 +7,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, largest_play, scale_clearances
-from cycloid_mj.statics.kernel.continuation import solve_by_arclength
+from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, largest_play
+from cycloid_mj.statics.kernel.continuation import allocate_path, solve_by_arclength, solve_scaled
 from cycloid_mj.statics.kernel.newton import RESIDUAL_RTOL, Residual, copy, largest, newton
 from cycloid_mj.statics.kernel.system import System, allocate_system
 
@@ -61,14 +61,11 @@ Deflection of the soft springs at the beginning, in clearances; largest step, as
 springs are hardened before friction is increased.
 """
 
-_PARAMETER_ORDERS = (1.0, -1.0, 0.0)
+PARAMETER_ORDERS = (1.0, -1.0, 0.0)
 """Orders of friction and clearance on the paths of `solve_by_arclength`, followed until one reaches equilibrium.
 
 1: friction, then clearance; -1: the other order; 0: together. Where two branches nearly meet, a step may change over.
 """
-
-PATHS: bool = np.bool_(True)  # type: ignore[assignment]
-"""Argument: use the paths of `solve_by_arclength` where the other schedules fail."""
 
 
 def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool) -> Residual:
@@ -90,61 +87,63 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapo
     Returns
     -------
     Residual
-        The largest of all angles, and the total work. If it exceeds ``RESIDUAL_RTOL``, the last angle has no
-        equilibrium.
+        At most ``RESIDUAL_RTOL``, and the total work; or that of the first angle without equilibrium.
     """
-    start_values, system = z.copy(), allocate_system(springs)
-    residual = balance_briefly(springs, load, z, force, extrapolate, None, system)
-    if residual.force <= RESIDUAL_RTOL:
-        return residual
-    z[:] = start_values
-    return balance_by_all(springs, load, z, force, extrapolate, PATHS, system)
+    return balance_with_paths(springs, load, z, force, extrapolate, allocate_system(springs))
 
 
-def _balance(
+def balance_with_paths(
+    springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool, system: System
+) -> Residual:
+    """Solve as `balance`, with workspace: as `balance_briefly`, then at an angle where it fails along paths."""
+    residual = balance_briefly(springs, load, z, force, extrapolate, 0, system)
+    while not residual.force <= RESIDUAL_RTOL:
+        k, scale = residual.angle, float(np.abs(load[residual.angle]).max()) or 1.0
+        norm = _continue_by_arclength(springs, k, load[k], z[k], residual.force * scale, RESIDUAL_RTOL * scale, system)
+        force[k] = system.pressed[: force.shape[1]]
+        residual = Residual(norm / scale, k, int(system.assembled[0]))
+        if not residual.force <= RESIDUAL_RTOL or k + 1 == len(load):
+            break
+        residual = balance_briefly(springs, load, z, force, extrapolate, k + 1, system)
+    return residual
+
+
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
+def balance_briefly(
     springs: KernelSprings,
     load: Array,
     z: Array,
     force: Array,
     extrapolate: bool,
-    use_arclength: bool | None,
+    first_angle: int,
     system: System,
 ) -> Residual:
-    """Solve as `balance`, with or without the paths of `solve_by_arclength`: `use_arclength` is True, or None.
+    """Solve as `balance` from the crank angle `first_angle` on, without the paths of `solve_by_arclength`.
 
-    For None, numba leaves out half of the code, which is seldom needed. `system` is workspace; `load` (k, u), `z` (k,
-    u), `force` (k, n) and `extrapolate` are those of `balance`.
+    Angles before the first one were solved with much work. After a failure, `system.begun` has the start values.
     """
-    count, start, was_quick, warm_start, largest_norm, last_angle = len(load), system.begun, False, False, 0.0, 0
-    system.assembled[0] = 0
-    for k in range(count):
+    start, largest_norm = system.begun, 0.0
+    was_quick, warm_start = FALSE, extrapolate and first_angle > 0
+    if first_angle == 0:
+        system.assembled[0] = 0
+    for k in range(first_angle, len(load)):
         z_k = z[k]
         copy(z_k, start)
         if extrapolate and k:
             _extrapolate(z, k, was_quick)
         work_before = system.assembled[0]
         scale = largest(load[k]) or 1.0
-        norm = _continue(springs, k, load[k], z_k, start, scale, warm_start, system)
-        if use_arclength is not None:
-            norm = _continue_by_arclength(springs, k, load[k], z_k, start, norm, RESIDUAL_RTOL * scale, system)
-        norm /= scale
+        norm = _continue(springs, k, load[k], z_k, start, scale, warm_start, system) / scale
         work = system.assembled[0] - work_before
         was_quick, warm_start = (
             work <= _SEARCH.short_work + 1,
             extrapolate and work > (_SEARCH.warm_work if warm_start else _SEARCH.short_work),
         )
         copy(system.pressed, force[k])
-        largest_norm, last_angle = max(largest_norm, norm), k
         if not norm <= RESIDUAL_RTOL:
-            break
-    return Residual(largest_norm, last_angle, system.assembled[0])
-
-
-balance_briefly = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(_balance)
-"""`_balance` without the paths of `solve_by_arclength`, which allocate arrays."""
-
-balance_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(_balance)
-"""`_balance` with all paths."""
+            return Residual(norm, k, system.assembled[0])
+        largest_norm = max(largest_norm, norm)
+    return Residual(largest_norm, len(load) - 1, system.assembled[0])
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -154,6 +153,25 @@ def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
         z[k, j] = 2.0 * z[k - 1, j] - z[k - 2, j] if k > 1 else z[k - 1, j]
         if quadratic and k > 2:
             z[k, j] += z[k - 1, j] - 2.0 * z[k - 2, j] + z[k - 3, j]
+
+
+def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float, play: float) -> bool:
+    """Return whether friction wedges a cam at crank angle `k`: it is deflected far more than by the load [N] alone.
+
+    `play` is `largest_play` [m].
+    """
+    valid = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
+    max_deflection = max(min(_SEARCH.wedged_depth * play, valid), _SEARCH.wedged_force * load / springs.cam_stiffness)
+    for disc in range(springs.cam_position.shape[1]):
+        x = z[3 * disc] - springs.cam_position[k, disc, 0]
+        y = z[3 * disc + 1] - springs.cam_position[k, disc, 1]
+        if x * x + y * y > max_deflection * max_deflection:
+            return True
+    return False
+
+
+_wedges = njit(nogil=True, error_model="numpy", inline="always")(_is_wedged)
+"""`_is_wedged` for compiled code."""
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -203,7 +221,7 @@ def _continue(
         )
         warm_start = FALSE
         if factor == 1.0 and friction == 1.0:
-            if has_friction and _is_wedged(springs, k, z, scale):
+            if has_friction and _wedges(springs, k, z, scale, largest_play(springs)):
                 norm = math.inf
             smallest_norm = min(smallest_norm, norm)
         if smallest_norm <= tolerance:
@@ -236,37 +254,40 @@ def _continue(
     return smallest_norm
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _continue_by_arclength(
-    springs: KernelSprings,
-    k: int,
-    load: Array,
-    z: Array,
-    start: Array,
-    smallest_norm: float,
-    tolerance: float,
-    system: System,
+    springs: KernelSprings, k: int, load: Array, z: Array, smallest_norm: float, tolerance: float, system: System
 ) -> float:
-    """Solve along the paths of `solve_by_arclength` from a `start` (u,) [m], if no other method reached equilibrium.
+    """Solve along the paths of `solve_by_arclength` from `system.begun` (u,), after Newton's method has failed.
 
-    Paths are followed in turn until one reaches it. `k` is the index of the crank angle, `load` (u,) [N] the
-    generalised load, z (u,) [m] the displacements so far, and `smallest_norm` [N] their residual norm; it is replaced
-    if it exceeds the `tolerance` [N]. Returns the smallest residual norm [N].
+    Paths are followed in turn until one reaches equilibrium within the tolerance [N]. `smallest_norm` is the residual
+    norm so far; returns the smallest one [N].
     """
-    scale, has_friction = largest(load) or 1.0, springs.rubbing.shape[0] > 0
-    for order in _PARAMETER_ORDERS:
-        if smallest_norm <= tolerance or (not has_friction and order != _PARAMETER_ORDERS[0]):
-            break
-        copy(start, z)
-        norm = solve_by_arclength(springs, k, load, z, order if has_friction else 0.0, tolerance, system)
-        if not (has_friction and _is_wedged(springs, k, z, scale)):
+    has_friction = springs.rubbing.shape[0] > 0
+    for order in PARAMETER_ORDERS if has_friction else (0.0,):
+        z[:] = system.begun
+        path = allocate_path(springs, z.size, order)
+        norm = solve_by_arclength(springs, k, load, z, tolerance, path, system)
+        if not (has_friction and _is_wedged(springs, k, z, float(np.abs(load).max()) or 1.0, path.unit)):
             smallest_norm = min(smallest_norm, norm)
-    count = _SEARCH.clearance_steps
-    for step in range(count + 1 if smallest_norm > tolerance and not has_friction else 0):
-        scaled = scale_clearances(springs, step / count, system.row[:, 0].copy())
-        norm = newton(scaled, k, load, z, 1.0, 0.0, TRUE, tolerance, 0.0, FALSE, TRUE, system)
-        smallest_norm = min(smallest_norm, norm) if step == count else smallest_norm
-    return smallest_norm
+        if smallest_norm <= tolerance:
+            return smallest_norm
+    if has_friction:
+        return smallest_norm
+    return min(smallest_norm, _grow_clearances(springs, k, load, z, tolerance, path.clearance, system))
+
+
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
+def _grow_clearances(
+    springs: KernelSprings, k: int, load: Array, z: Array, tolerance: float, clearance: Array, system: System
+) -> float:
+    """Solve without friction by descent of the energy while clearances grow in steps; return the residual norm [N].
+
+    `clearance` (n,) [m] is workspace.
+    """
+    norm, count = math.inf, _SEARCH.clearance_steps
+    for step in range(count + 1):
+        norm = solve_scaled(springs, step / count, 0.0, k, load, z, tolerance, TRUE, clearance, system)
+    return norm
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -282,21 +303,3 @@ def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float
     return min(
         max(stiffest, springs.cam_stiffness) * min(clearance_count * largest_play(springs), reach), stiffest * reach
     )
-
-
-@njit(nogil=True, error_model="numpy", inline="always")
-def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float) -> bool:
-    """Return whether friction wedges a cam at crank angle `k`: it is deflected far more than by the `load` [N] alone.
-
-    `z` (u,) [m] are the displacements of the equilibrium.
-    """
-    valid = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
-    max_deflection = max(
-        min(_SEARCH.wedged_depth * largest_play(springs), valid), _SEARCH.wedged_force * load / springs.cam_stiffness
-    )
-    for disc in range(springs.cam_position.shape[1]):
-        x = z[3 * disc] - springs.cam_position[k, disc, 0]
-        y = z[3 * disc + 1] - springs.cam_position[k, disc, 1]
-        if x * x + y * y > max_deflection * max_deflection:
-            return True
-    return False

@@ -125,19 +125,17 @@ class _Cam(NamedTuple):
     both: float
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
     """Return energy [J], residual forces [N] and stiffness [N/m] of the springs, without friction.
 
     They are evaluated at the crank angle of index `k`, under a load (u,) [N], at displacements z (u,) [m].
     """
-    system = new_system(springs)
-    energy = assemble(springs, k, load, z, 1.0, 0.0, FALSE, TRUE, system)
-    return State(energy, system.residual, system.tangent)
+    system = allocate_system(springs)
+    return State(_assemble_springs(springs, k, load, z, system), system.residual, system.tangent)
 
 
 def allocate_system(springs: KernelSprings) -> System:
-    """Allocate residual, tangent and workspace of a crank angle; `new_system` is the compiled version."""
+    """Allocate residual, tangent and workspace of a crank angle."""
     unknowns, discs = springs.slope.shape[2], springs.cam_position.shape[1]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
@@ -170,10 +168,6 @@ def allocate_system(springs: KernelSprings) -> System:
             np.zeros((discs, discs)),
         ),
     )
-
-
-new_system = njit(cache=cacheable(), nogil=True, error_model="numpy")(allocate_system)
-"""`allocate_system` for compiled code."""
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
@@ -231,6 +225,12 @@ def assemble(
     if has_friction:
         _add_friction(springs, k, friction, system)
     return energy + _add_bent_pins(springs, k, z, stiffness_factor, friction, rebuild_list, system)
+
+
+@njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
+def _assemble_springs(springs: KernelSprings, k: int, load: Array, z: Array, system: System) -> float:
+    """Assemble residual and tangent without friction, of the third-order expansion; return the energy [J]."""
+    return assemble(springs, k, load, z, 1.0, 0.0, FALSE, TRUE, system)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
