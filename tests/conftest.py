@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.base.memory import collect_rarely
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 try:
     import fcntl
@@ -65,10 +65,10 @@ def _dynamics() -> None:
     from cycloid_mj.dynamics.planar.model import planar_model
     from cycloid_mj.dynamics.run import simulate
 
-    for name in ("pin", "nonpin"):  # an internal gear has contacts of its own
+    for name in ("pin", "nonpin", "rv80e"):  # an internal gear has contacts of its own, and so have cranks
         design = override(PRESETS[name], {"drive.ramp_s": 0.0, "drive.hold_s": 1e-5})
         simulate(design)
-        simulate(design, planar_model(Reducer(design)))
+        simulate(design, planar_model(reducer_of(design)))
 
 
 def _statics() -> None:
@@ -76,11 +76,11 @@ def _statics() -> None:
     from cycloid_mj.checks import check
     from cycloid_mj.design import PRESETS, Design, override
     from cycloid_mj.statics.friction_path import Losses, follow_torque_path
-    from cycloid_mj.statics.samples import identical_samples, solve_samples
+    from cycloid_mj.statics.samples import MAX_UNCOMPILED, identical_samples, solve_samples
     from cycloid_mj.statics.sheet import sheet
 
     reducer = Reducer(Design())
     sheet(reducer)
-    solve_samples(reducer, identical_samples(reducer, 1), [1.0], 2)
+    solve_samples(reducer, identical_samples(reducer, MAX_UNCOMPILED + 1), [1.0], 2)
     follow_torque_path(reducer, np.linspace(0.0, 1.0, 3), 0.0, Losses())
     check(override(PRESETS["pin"], {"friction.pin_gear": 2.0, "friction.pin_socket": 2.0}))  # it jams on every path
