@@ -281,9 +281,10 @@ def new(
     outer diameter and torque together, and optionally life, speed, length, backlash, material and clearance. The
     search varies pins, eccentricity, width, output pins, bore and shaft with statics and the checks of
     `cycloid-mj rate`, so that the data sheet of each drive meets the requirements, and at least 99 % of the samples
-    of its tolerance study turn freely within the backlash. The lightest drive with its covers is NAME.toml, with a
-    reason for each value; the stiffest and the longest-lived are NAME-stiffest.toml and NAME-longest-life.toml. If no
-    drive meets the requirements, the maximum torque and verified alternatives are printed, and the exit code is 1.
+    of its tolerance study turn freely within the backlash. NAME.toml is the lightest drive with its covers: of the
+    drives within 2 % of the lowest mass, that with the lowest losses, with a reason for each value. The stiffest and
+    the longest-lived are NAME-stiffest.toml and NAME-longest-life.toml. If no drive meets the requirements, the maximum
+    torque and verified alternatives are printed, and the exit code is 1.
     Changes by --set apply to every drive that the search tries. Printed drives are for 500 h at 300 rpm and 25 % of
     the time unless set otherwise.
 

@@ -12,7 +12,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
 from cycloid_mj.checks import WALLS, Check, sound_checks
 from cycloid_mj.checks.body import bearing_room_rule
-from cycloid_mj.design import PRESETS, Material, override, stock
+from cycloid_mj.design import PRESETS, Design, Material, override, stock
 from cycloid_mj.design.processes import PROCESSES
 from cycloid_mj.life import rolling
 from cycloid_mj.parts.export.casing import Casing, casing, cover_radius
@@ -382,14 +382,18 @@ def _cores(
 def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
     """Build the drive of a candidate for a torque [N m]; return None if it cannot be built or assembled."""
     try:
-        design = PRESETS["pin"].but(**_tables(requirement, sizes, torque))
-        reducer = _with_shaft_length(Reducer(override(design, requirement.changes)))
+        reducer = _with_shaft_length(Reducer(design_of(requirement, sizes, torque)))
         sizes_with_motor = casing_of(requirement, reducer)
         if _fails(sound_checks(reducer)) or 2.0 * sizes_with_motor.outer > requirement.diameter + ROUNDING:
             return None
     except CycloidError:
         return None
     return reducer
+
+
+def design_of(requirement: Requirement, sizes: Sizes, torque: float = 1.0) -> Design:
+    """Return the design of a candidate for a torque [N m], which may not fit together."""
+    return override(PRESETS["pin"].but(**_tables(requirement, sizes, torque)), requirement.changes)
 
 
 def casing_of(requirement: Requirement, reducer: Reducer) -> Casing:

@@ -10,7 +10,7 @@ from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.remedies import remedies
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.search import Rated
+from cycloid_mj.sizing.search import SETTINGS, Rated
 from cycloid_mj.sizing.solve import Trial, solve
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.springs import turn_evenly
@@ -18,6 +18,9 @@ from cycloid_mj.statics.springs import turn_evenly
 MIN_DIFFERENCE = 1.05
 """Ratio of stiffness or life from which a drive is shown next to the lightest."""
 
+
+LIGHTEST = f"lowest losses of the drives within {SETTINGS.mass_tolerance:.0%} of the lowest mass, with covers"
+"""Why the first drive is shown."""
 
 WHY = {
     "stiffest": "highest stiffness of the candidates",
@@ -32,13 +35,13 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
 
     `on_progress` receives the first drive found, or a refusal as soon as the maximum is known, and with each remedy.
     """
-    solution, refused, pools = solve(requirement)
-    if solution and solution.best:
-        first = _sized_drive(solution, solution.best, "lightest", "lowest mass of the drive with its covers")
+    solution, refused, pool = solve(requirement)
+    if solution:
+        first = _sized_drive(solution, solution.best, "lightest", LIGHTEST)
         on_progress(Answer(requirement, (first,)))
         return Answer(solution.requirement, (first, *_other_drives(solution, solution.best)))
     on_progress(refused)
-    for remedy in remedies(requirement, refused.most, pools):
+    for remedy in remedies(requirement, refused.most, pool):
         refused = replace(refused, remedies=(*refused.remedies, remedy))
         on_progress(refused)
     return refused
@@ -48,23 +51,22 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
     """Yield the stiffest and the longest-lived of the rated candidates, if they differ from the lightest."""
     pool, requirement = solution.pool, solution.requirement
     strong = [
-        item
-        for item in pool.rated.values()
-        if item
-        and item.items
-        and item.figures["mass"] > first.figures["mass"]
-        and pool.bias * item.capacity >= requirement.torque
+        row
+        for row, one in pool.rated.items()
+        if one and one.items and one.figures["mass"] > first.figures["mass"]
+        if pool.bias[row] * one.capacity >= requirement.torque
     ]
-    merits: list[tuple[str, Callable[[Rated], float]]] = [
-        ("stiffest", lambda rated: _stiffness(rated.reducer)),
-        ("longest life", lambda rated: rated.life),
+    merits: list[tuple[str, Callable[[Rated | None], float]]] = [
+        ("stiffest", lambda rated: _stiffness(rated.reducer) if rated else 0.0),
+        ("longest life", lambda rated: rated.life if rated else 0.0),
     ]
     found: dict[Rated, str] = {}
     for title, merit in merits:
         least = MIN_DIFFERENCE * merit(first)
-        studied = [item for item in (*strong, *found) if item.passed and merit(item) > least]
-        best = max(studied or strong, key=merit, default=first)
-        other = (best if best.passed else pool.study(best)) if merit(best) > least else None
+        row = max(strong, key=lambda row: merit(pool.rated[row]), default=None)
+        other = pool.rated[row] if row is not None else None
+        if row is not None and other and not other.passed and merit(other) > least:
+            other = pool.study(row)
         if other and other.passed and merit(other) > least:
             found[other] = f"{found[other]} and {title}" if other in found else title
     for other, title in found.items():

@@ -20,7 +20,7 @@ from cycloid_mj.life.surfaces import AGMA_2001, SET_POWER, SET_SHARE, pitting_li
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.candidates import Sizes
+from cycloid_mj.sizing.candidates import TOLERANCE_SHARE, Sizes
 from cycloid_mj.sizing.requirement import Requirement
 
 ANGLES = 24
@@ -28,6 +28,12 @@ ANGLES = 24
 
 LINE_STIFFNESS = 0.26
 """Stiffness of a line contact over E* times its length: Palmgren's, of steel at 50 N/mm."""
+
+LOSSES = 2.0
+"""All losses, with those of bearings and seals, over those of teeth, output pins and cams (median of 30 drives)."""
+
+TOOTH_ERROR = 3.0 * math.sqrt(3.0) * TOLERANCE_SHARE
+"""Error of a critical tooth over the clearance: three standard deviations of position, radius and seat of its pin."""
 
 ENDURANCE_SHARE = 0.35
 """Pulsating endurance limit over tensile strength, with size, surface and notch of a usual part (Shigley, 6-7)."""
@@ -108,6 +114,7 @@ class _Loads:
         bend = circle * reach**3 / (1.0 + teeth * k1**2 - (teeth + 1) * k1 * np.cos(angle))
         curvature = np.maximum(1.0 / pin + 1.0 / (bend - pin), 1e-3)
         weight = 0.5 * teeth / ANGLES
+        peak = _with_error(force, arm, weight, stiffness * TOOTH_ERROR * requirement.usual_clearance, torque / discs)
         tangential = weight * (force * np.sin(angle) / reach).sum(axis=1)
         radial = weight * (force * (np.cos(angle) - k1) / reach).sum(axis=1)
         count = sizes.count[:, None]
@@ -121,8 +128,8 @@ class _Loads:
         loss = weight * (force * np.abs(circle * reach - pin)).sum(axis=1) * speed * discs
         return cls(
             torque,
-            force.max(axis=1),
-            np.sqrt((force * curvature).max(axis=1) * modulus / (math.pi * sizes.face)),
+            peak.max(axis=1),
+            np.sqrt((peak * curvature).max(axis=1) * modulus / (math.pi * sizes.face)),
             np.maximum(pressed.max(axis=1), 4.0 * torque / discs / (sizes.count * sizes.circle_out)),
             pin_sum,
             np.hypot(tangential, np.abs(radial) + pin_sum),
@@ -155,6 +162,19 @@ def _share(arm: Array, weight: float | Array, stiffness: Array, play: float, tor
         turn = (torque / stiffness + play * (weight * active * arm).sum(axis=1)) / np.maximum(squares, 1e-30)
         active = turn[:, None] * arm > play
     return stiffness[:, None] * np.maximum(turn[:, None] * arm - play, 0.0)
+
+
+def _with_error(force: Array, arm: Array, weight: float, deflection_force: Array, torque: Array) -> Array:
+    """Return the forces [N] of teeth (n, m) that protrude by an error, whose force alone is `deflection_force` (n,).
+
+    It is shared with the teeth next to it, and a tooth carries at most the whole torque.
+    """
+    loaded = np.where(force > 0.0, arm, 0.0)
+    largest = loaded.max(axis=1, keepdims=True)
+    teeth = weight * (loaded**2).sum(axis=1, keepdims=True) / np.maximum(largest, 1e-12) ** 2
+    extra = deflection_force[:, None] * np.maximum(1.0 - 1.0 / np.maximum(teeth, 1.0), 0.0)
+    alone = torque[:, None] / np.maximum(largest, 1e-12)
+    return np.where(force > 0.0, np.maximum(force, np.minimum(force + extra, alone)), 0.0)
 
 
 def _modulus(design: Design, kind: str) -> float:
@@ -283,7 +303,7 @@ def _heat(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads)
     area = 2.0 * math.pi * radius * (radius + _length(requirement, sizes))
     allowed = min(limit.temperature for limit in heat_limits(Reducer(design))) - service.ambient_temperature
     return np.asarray(
-        loads.torque * allowed * service.film_coefficient * area / np.maximum(service.duty_share * lost, 1e-12)
+        loads.torque * allowed * service.film_coefficient * area / np.maximum(LOSSES * service.duty_share * lost, 1e-12)
     )
 
 

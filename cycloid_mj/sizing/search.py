@@ -1,9 +1,10 @@
 """The search: elites of closed-form estimates, rated by statics as far as they could be the best."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Self
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -20,7 +21,7 @@ from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import is_momentary, is_strength, torque_limits
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.candidates import DIMENSIONS, Sizes, build_drive, casing_of, conditions, decode
+from cycloid_mj.sizing.candidates import DIMENSIONS, Sizes, build_drive, casing_of, decode, design_of
 from cycloid_mj.sizing.estimate import FIGURES, Estimate, capacity, estimate
 from cycloid_mj.sizing.requirement import Requirement
 
@@ -43,25 +44,26 @@ class SearchSettings:
         each direction, in a geometric series.
     iterations, consistency
         Ratings of a candidate at most, and the largest logarithm of its capacity over the torque of the last.
-    calibrations, ratings, studies
-        Candidates that are rated first, the most ratings of a search (0.2 s of CPU each), and the most tolerance
-        studies of a search (2 s each).
+    ratings, few_ratings, studies
+        Most candidates that a search rates (0.3 s of CPU each), that of a remedy or for efficiency rates, and most
+        tolerance studies (1 s each).
+    strong
+        Candidates of each estimate of the torque among which remedies are searched.
     likely
-        Share of a torque that an estimate promises at least where candidates are rated for it.
-    calibration_share
-        Torque of the first ratings over the estimates. These are for perfect parts: within their tolerances, drives are
-        rated for about a third.
+        Share of a torque that estimates promise at least where candidates are rated for it.
     margin, reach
         Error of an estimate at this distance in the cube from the nearest rated candidate, and beyond: candidates that
         could be better by it are rated (confidence bounds, Srinivas et al., arXiv:0912.3995).
     gain
         Least relative improvement for which a candidate is rated.
+    mass_tolerance
+        The most efficient drive is chosen among those whose mass is larger than the lowest by at most this share.
     study_share
         Torque of a tolerance study over the capacity that is expected, where the required torque is larger.
     build_share
         Time to build a candidate that cannot be rated, or is too long, over that of a rating.
     poses
-        Crank angles of a rating: capacities differ by 3 % from those of the data sheet.
+        Crank angles of a rating: capacities are up to 5 % above those of a study, in the median 1 %.
     min_yield
         Smallest share of the samples of a drive within its tolerances that turn and have the required backlash [%].
     """
@@ -76,17 +78,18 @@ class SearchSettings:
     neighbours: tuple[float, float, int] = (0.02, 0.5, 8)
     iterations: int = 3
     consistency: float = 0.2
-    calibrations: int = 4
-    ratings: int = 30
+    ratings: int = 20
+    few_ratings: int = 8
+    strong: int = 60
     studies: int = 4
     likely: float = 0.7
-    calibration_share: float = 0.3
     margin: float = 0.08
     reach: float = 0.3
-    gain: float = 0.01
-    study_share: float = 0.96
-    poses: int = 61
+    gain: float = 0.03
+    mass_tolerance: float = 0.02
+    study_share: float = 0.97
     build_share: float = 0.2
+    poses: int = 121
     min_yield: float = 99.0
 
 
@@ -96,6 +99,7 @@ UNSOUND = 0.3
 """Factor of estimates next to a candidate that cannot be built or balanced."""
 
 Figures = Mapping[str, float]
+Point = tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,14 +131,11 @@ class Rated:
         limits = {key: limit for key, limit in self.figures.items() if key in self.items}
         return self.items[min(limits, key=lambda key: limits[key])]
 
-    def complete(self, guess: Estimate, row: int) -> dict[str, float]:
-        """Return the figures of an estimate in a row, as far as they are known those of the drive.
-
-        The item ``other`` is the smallest torque limit of items that are not estimated.
-        """
-        others = [limit for item, limit in self.figures.items() if item not in guess]
-        known = self.figures if not others else {**self.figures, "other": min(others)}
-        return {key: known.get(key, float(values[row])) for key, values in guess.items()}
+    def known(self, keys: Iterable[str]) -> dict[str, float]:
+        """Return its figures by the keys of an estimate; ``other`` is the smallest torque limit of other items."""
+        others = [limit for item, limit in self.figures.items() if item not in keys]
+        figures = self.figures if not others else {**self.figures, "other": min(others)}
+        return {key: figures[key] for key in keys if key in figures}
 
 
 def rate_drive(
@@ -147,10 +148,10 @@ def rate_drive(
     """
     loaded = reducer.with_nominal_torque(torque)
     design, zones = loaded.design, tolerance_zones(loaded)
-    parts: Parts = "toleranced" if zones and sample is None else "perfect"
     try:
         if zones and sample is not None:
             design = sample_design(loaded, zones, SAMPLES.seed, sample)
+        parts: Parts = "toleranced" if zones and sample is None else "perfect"
         rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, parts=parts)
         low, high = casing_of(requirement, loaded).ends
         figures = {"mass": drive_mass(loaded), "length": high - low}
@@ -162,12 +163,13 @@ def rate_drive(
     return Rated(loaded, torque, {**limits, **figures}, min(limits.values()), rating.items)
 
 
-def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float, most: float = math.inf) -> Rated | None:
-    """Rate a candidate at its capacity or at `most` [N m], by a fixed-point iteration from a torque [N m].
+def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rated | None:
+    """Rate a candidate at its capacity or the required torque, by a fixed-point iteration from a torque [N m].
 
     More teeth carry at larger loads, so that capacities by a rating far from them would be wrong. The errors are those
     of its sample with a critical tooth force. None if it cannot be built, or has no equilibrium.
     """
+    most = requirement.torque
     reducer, rated = build_drive(requirement, sizes, min(torque, most)), None
     if not reducer:
         return None
@@ -226,72 +228,97 @@ def strongest(requirement: Requirement) -> Objective:
 
 def lightest(requirement: Requirement) -> Objective:
     """Return the objective of the lowest mass of candidates that meet a requirement."""
-
-    def objective(figures: Estimate) -> Array:
-        suits = (capacity(figures) >= requirement.torque) & (violation(requirement, figures) <= 0.0)
-        return np.where(suits, -1.0 / figures["mass"], np.inf)
-
-    return objective
+    return lambda figures: np.where(_suits(requirement, figures), -1.0 / figures["mass"], np.inf)
 
 
-@dataclass(frozen=True, eq=False)
-class Archive:
-    """Elites of a kind of drive: points of the cube, sizes, a drive, and factors of the estimates by item."""
+def most_efficient(requirement: Requirement, mass: float) -> Objective:
+    """Return the objective of the lowest loss of candidates up to a mass [kg]: of the highest torque limit by heat."""
+    return lambda figures: np.where(
+        _suits(requirement, figures) & (figures["mass"] <= mass), -figures["temperature"], np.inf
+    )
 
-    points: Array
-    sizes: Sizes
-    drive: Reducer
-    factors: Figures
+
+def _suits(requirement: Requirement, figures: Estimate) -> Mask:
+    return np.asarray((capacity(figures) >= requirement.torque) & (violation(requirement, figures) <= 0.0))
 
 
 @dataclass(eq=False)
 class Pool:
     """Candidates under the conditions of a requirement, and their ratings so far, which correct the estimates.
 
-    `rated` has None where a candidate cannot be built or balanced, or jams. `ratios` are those of capacities by
-    tolerance studies to those by one sample.
+    `guess` are the estimates of all candidates. `rated` has None where a candidate cannot be built or balanced, or
+    jams. By the point of a rated candidate, `corrections` has the logarithms of its figures over their estimates, and
+    `biases` that of its capacity by a tolerance study over that by one sample.
     """
 
     requirement: Requirement
-    archive: Archive
     points: Array
     sizes: Sizes
     guess: Estimate
+    corrections: dict[Point, Figures] = field(default_factory=dict)
+    biases: dict[Point, float] = field(default_factory=dict)
     rated: dict[int, Rated | None] = field(default_factory=dict)
-    ratios: list[float] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, requirement: Requirement, points: Array) -> Self | None:
+        """Return the candidates at points of the cube; None if there are no parts for any of them."""
+        points, sizes = decode(requirement, points)
+        return cls(requirement, points, sizes, _estimate(requirement, sizes)) if len(points) else None
+
+    def changed(self, requirement: Requirement) -> Self | None:
+        """Return these candidates under a changed requirement, without ratings; both share their corrections."""
+        pool = self.of(requirement, self.points)
+        return pool and replace(pool, corrections=self.corrections, biases=self.biases)
 
     @property
-    def bias(self) -> float:
-        """Mean ratio of a capacity by a tolerance study to that by one sample, with 1 as the first."""
-        return math.exp(sum(map(math.log, self.ratios)) / (len(self.ratios) + 1))
+    def strong_part(self) -> Self:
+        """The strongest candidates by the estimates of `_capacities`, within the limits and beyond them."""
+        figures = self.corrected
+        within = violation(self.requirement, figures) <= 0.0
+        ranks = [np.argsort(-one * share) for one in _capacities(figures) for share in (1.0, within)]
+        rows = np.unique(np.concatenate([rank[: SETTINGS.strong] for rank in ranks]))
+        sizes = self.sizes[rows].view(np.recarray)
+        return replace(self, points=self.points[rows], sizes=sizes, guess=_estimate(self.requirement, sizes), rated={})
 
-    def factors(self, points: Array) -> dict[str, Array]:
-        """Return the factors of estimates at points by the ratings nearby (Shepard's inverse distance weighting)."""
-        if not self.rated:
-            return {key: np.ones(len(points)) for key in self.guess}
-        rows = list(self.rated)
-        weight = 1.0 / (cdist(points, self.points[rows], "sqeuclidean") + 1e-9) ** 2
-        weight /= weight.sum(axis=1, keepdims=True) + 1.0
-        factors, known = {}, {row: one.complete(self.guess, row) for row, one in self.rated.items() if one}
-        for key, guess in self.guess.items():
-            unsound = UNSOUND if key == "other" else 1.0
-            true = [known[row][key] if row in known else unsound * guess[row] for row in rows]
-            factors[key] = np.exp(weight @ _log_ratio(np.array(true), guess[rows]))
-        return factors
+    @property
+    def corrected(self) -> Estimate:
+        """The estimates, corrected by the ratings nearby, and capacities by a tolerance study."""
+        weight = _shepard_weights(self.points, self.corrections)
+        records, bias = self.corrections.values(), self.bias
+        factors = {key: np.exp(weight @ [one.get(key, 0.0) for one in records]) for key in self.guess}
+        factors |= {key: bias * factor for key, factor in factors.items() if key not in FIGURES}
+        return {key: factors[key] * guess for key, guess in self.guess.items()}
 
-    def promise(self, changed: Requirement) -> float:
-        """Return the largest capacity [N m] of a changed requirement by estimates with the factors of the ratings."""
-        same = (changed.process, changed.made_of) == (self.requirement.process, self.requirement.made_of)
-        drive = self.archive.drive if same else first_drive(changed)
-        points, sizes = decode(changed, self.points)
-        if not drive or not len(points):
-            return 0.0
-        factors, guess = self.factors(points), scaled_estimate(changed, sizes, drive, self.archive.factors)
-        guess = {key: factors.get(key, 1.0) * values for key, values in guess.items()}
-        return float(np.max(self.bias * capacity(guess) * (violation(changed, guess) <= 0.0)))
+    @property
+    def bias(self) -> Array:
+        """Expected ratios of capacities by a tolerance study to those by one sample."""
+        return np.asarray(np.exp(_shepard_weights(self.points, self.biases) @ [*self.biases.values()]))
+
+    @property
+    def promise(self) -> float:
+        """Largest corrected estimate of the torque within the limits [N m]."""
+        figures = self.corrected
+        return float(np.max(capacity(figures) * (violation(self.requirement, figures) <= 0.0)))
+
+    def lightest(self) -> Rated | None:
+        """Return the drive with the lowest loss of those with nearly the lowest mass, after its tolerance study."""
+        for study in (False, True):
+            first = self.best(lightest(self.requirement), study=study)
+            if not first:
+                break
+            mass = (1.0 + SETTINGS.mass_tolerance) * first.figures["mass"]
+            if one := self.best(most_efficient(self.requirement, mass), max_ratings=SETTINGS.few_ratings):
+                return one
+        return None
 
     def best(
-        self, objective: Objective, goal: float = -math.inf, *, only_goal: bool = False, study: bool = True
+        self,
+        objective: Objective,
+        goal: float = -math.inf,
+        *,
+        only_goal: bool = False,
+        study: bool = True,
+        max_ratings: int = SETTINGS.ratings,
     ) -> Rated | None:
         """Return the drive with the least objective that passes its tolerance study, or the first within a `goal`.
 
@@ -305,17 +332,16 @@ class Pool:
             row = int(np.argmin(np.where(known, values, np.inf)))
             best = float(values[row]) if known[row] else math.inf
             better = best - SETTINGS.gain * abs(best) if math.isfinite(best) else best
-            limit = goal if ratings >= SETTINGS.calibrations else SETTINGS.likely * goal
+            limit = goal if self.corrections else SETTINGS.likely * goal
             open_rows = ~known & (values < better) & ((values <= limit) | (not only_goal))
             one = self.rated.get(row)
-            if best > goal and open_rows.any() and ratings < SETTINGS.ratings:
+            if best > goal and open_rows.any() and ratings < max_ratings:
                 new = int(np.argmin(np.where(open_rows, values, np.inf)))
-                start, most = max(float(torque[new]), 1e-6), self.requirement.torque
-                self.rated[new] = drive = rate_candidate(self.requirement, self.sizes[new], start, most)
-                ratings += 1.0 if drive and drive.items else SETTINGS.build_share
+                is_rated = self._rate(new, max(float(torque[new]), 1e-6))
+                ratings += 1.0 if is_rated else SETTINGS.build_share
             elif not one or not math.isfinite(best):
                 return None
-            elif best > goal and row not in extended and ratings < SETTINGS.ratings:
+            elif best > goal and row not in extended and ratings < max_ratings:
                 extended.add(row)
                 self._extend(row)
             elif only_goal and best > goal:
@@ -327,27 +353,44 @@ class Pool:
                 return self.rated[min(passed, key=lambda index: values[index])] if passed else None
             else:
                 studies += 1
-                self.rated[row] = self.study(one)
+                self.study(row)
 
-    def study(self, one: Rated) -> Rated | None:
-        """Rate a drive as on its design file, at the required torque or the most it carries.
+    def _rate(self, row: int, torque: float) -> bool:
+        """Rate a candidate from a torque [N m] on, keep its corrections, and return whether it could be rated."""
+        self.rated[row] = one = rate_candidate(self.requirement, self.sizes[row], torque)
+        true = one.known(self.guess) if one else {"other": UNSOUND * float(self.guess["other"][row])}
+        self.corrections[tuple(self.points[row])] = {
+            key: float(np.log(np.clip(value / max(self.guess[key][row], 1e-9), 0.05, 20.0)))
+            for key, value in true.items()
+        }
+        return bool(one and one.items)
 
-        After a study at too much torque, the next is far below, as capacities by pitting fall nearly with the torque.
-        None if samples jam.
+    def study(self, row: int) -> Rated | None:
+        """Rate a drive as on its design file, at the required torque or the most that it is expected to carry.
+
+        After a study at too much torque, the next is at that of a secant: by pitting, capacities fall by a third to a
+        half of the torque, as fewer teeth are in contact; by bearings, they are constant. None if samples jam.
         """
-        ratio = (one.capacity / one.torque) ** 2 if one.study else self.bias
-        torque = min(self.requirement.torque, floor_digits(SETTINGS.study_share * min(ratio, 1.0) * one.capacity))
+        one = self.rated[row]
+        if not one:
+            return None
+        expected = 1.5 * one.capacity - 0.5 * one.torque if one.study else float(self.bias[row]) * one.capacity
+        lower = floor_digits(SETTINGS.study_share * max(expected, 0.5 * one.capacity))
+        torque = self.requirement.torque if expected >= self.requirement.torque else lower
         full = rate_drive(self.requirement, one.reducer, torque)
         if full and full.capacity >= self.requirement.torque > torque:
             torque = self.requirement.torque
             full = rate_drive(self.requirement, one.reducer, torque)
         study = tolerance_study(self.requirement, full.reducer) if full else {}
-        if not full or study["turning_percent"] < SETTINGS.min_yield:
-            return None
-        self.ratios += [] if one.study else [full.capacity / one.capacity]
-        passed = full.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
-        figures = {**full.figures, "backlash": study["backlash_p99_arcmin"]}
-        return replace(full, figures=figures, study=study, passed=passed)
+        if full and study["turning_percent"] >= SETTINGS.min_yield:
+            if not one.study:
+                self.biases[tuple(self.points[row])] = math.log(full.capacity / one.capacity)
+            passed = full.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
+            figures = {**full.figures, "backlash": study["backlash_p99_arcmin"]}
+            self.rated[row] = replace(full, figures=figures, study=study, passed=passed)
+        else:
+            self.rated[row] = None
+        return self.rated[row]
 
     def _values(self, objective: Objective) -> tuple[Array, Mask, Array]:
         """Return the objective of each candidate, whether it is rated, and its estimated capacity [N m].
@@ -356,19 +399,13 @@ class Pool:
         """
         known = np.zeros(len(self.points), bool)
         known[list(self.rated)] = True
-        errors = np.full(len(self.points), SETTINGS.margin)
-        if self.rated:
-            errors *= np.minimum(cdist(self.points, self.points[known]).min(axis=1) / SETTINGS.reach, 1.0)
-        factors = self.factors(self.points)
-        likely = {key: guess * factors[key] for key, guess in self.guess.items()}
-        figures = {
-            key: values * (1.0 - errors if key in FIGURES else (1.0 + errors) * self.bias)
-            for key, values in likely.items()
-        }
+        errors, likely, bias = np.full(len(self.points), SETTINGS.margin), self.corrected, self.bias
+        if self.corrections:
+            errors *= np.minimum(cdist(self.points, list(self.corrections)).min(axis=1) / SETTINGS.reach, 1.0)
+        figures = {key: values * (1.0 - errors if key in FIGURES else 1.0 + errors) for key, values in likely.items()}
         for row, one in self.rated.items():
-            known_figures = one.complete(self.guess, row) if one else dict.fromkeys(figures, math.nan)
-            for key, value in known_figures.items():
-                figures[key][row] = value * (1.0 if key in FIGURES or (one and one.study) else self.bias)
+            for key, value in one.known(self.guess).items() if one else dict.fromkeys(figures, math.nan).items():
+                figures[key][row] = value * (1.0 if key in FIGURES or (one and one.study) else bias[row])
         values = objective(figures)
         return np.where(np.isnan(values), np.inf, values), known, capacity(likely)
 
@@ -379,11 +416,16 @@ class Pool:
         points, sizes = decode(self.requirement, np.clip(self.points[index] + changes, 0.0, 1.0 - 1e-9))
         _, first = np.unique(np.concatenate([self.sizes, sizes]), return_index=True)
         new = first[first >= len(self.sizes)] - len(self.sizes)
-        points, sizes = points[new], sizes[new].view(np.recarray)
-        guess = scaled_estimate(self.requirement, sizes, self.archive.drive, self.archive.factors)
-        self.points = np.concatenate([self.points, points])
-        self.sizes = np.concatenate([self.sizes, sizes]).view(np.recarray)
-        self.guess = {key: np.concatenate([values, guess[key]]) for key, values in self.guess.items()}
+        self.points = np.concatenate([self.points, points[new]])
+        self.sizes = np.concatenate([self.sizes, sizes[new]]).view(np.recarray)
+        self.guess = _estimate(self.requirement, self.sizes)
+
+
+def _shepard_weights(points: Array, known: Iterable[Point]) -> Array:
+    """Return weights of known values at points, shape (points, known): inverse distances, and 1 for no correction."""
+    places = np.reshape(list(known), (-1, DIMENSIONS))
+    weight = 1.0 / (cdist(points, places, "sqeuclidean") + 1e-9) ** 2
+    return np.asarray(weight / (weight.sum(axis=1, keepdims=True) + 1.0))
 
 
 def floor_digits(value: float) -> float:
@@ -394,54 +436,38 @@ def floor_digits(value: float) -> float:
 
 def pool_of(requirement: Requirement) -> Pool | None:
     """Return the elites of the kind of drive that is required, under its conditions; None if there are none."""
-    archive = archive_of(requirement.kind)
-    if not archive:
-        return None
-    guess = scaled_estimate(requirement, archive.sizes, archive.drive, archive.factors)
-    return Pool(requirement, archive, archive.points, archive.sizes, guess)
+    return Pool.of(requirement, _find_elites(requirement.kind))
 
 
-def scaled_estimate(requirement: Requirement, sizes: Sizes, drive: Reducer, factors: Mapping[str, float]) -> Estimate:
-    """Estimate candidates under the conditions of a requirement, each figure times its factor."""
-    design = drive.but(**conditions(requirement)).design
-    return {key: factors.get(key, 1.0) * guess for key, guess in estimate(requirement, sizes, design).items()}
+def _estimate(requirement: Requirement, sizes: Sizes) -> Estimate:
+    """Estimate candidates of a requirement, with materials and friction of the design of the first."""
+    return estimate(requirement, sizes, design_of(requirement, sizes[0]))
 
 
 @lru_cache(maxsize=32)
-def archive_of(kind: Requirement) -> Archive | None:
-    """Run MAP-Elites on the estimates of a kind of drive; None if none can be built.
+def _find_elites(kind: Requirement) -> Array:
+    """Run MAP-Elites on the estimates of a kind of drive; return points of the cube, none if no drive can be built.
 
-    So that the elites serve all conditions, an archive each has the lightest candidates by all items, without the limit
-    of temperature, and by strength alone. Halfway, ratings of some elites calibrate the estimates item by item.
+    So that the elites serve all conditions, there is an archive for each of `_capacities`.
     """
-    drive = first_drive(kind)
-    if not drive:
-        return None
-    random, factors = np.random.default_rng(0), dict[str, float]()
+    if not first_drive(kind):
+        return np.empty((0, DIMENSIONS))
+    random = np.random.default_rng(0)
     points, sizes = decode(kind, _sequence(SETTINGS.start))
-    for generation in range(SETTINGS.generations + 1):
-        guess = scaled_estimate(kind, sizes, drive, factors)
-        elites = _elites(guess)
-        points, sizes = points[elites], sizes[elites].view(np.recarray)
-        if generation == SETTINGS.generations:
-            break
-        if generation == SETTINGS.generations // 2:
-            factors = _calibrate(kind, sizes, {key: values[elites] for key, values in guess.items()})
-        parents, others = random.integers(len(points), size=(2, SETTINGS.children))
+    for _ in range(SETTINGS.generations):
+        parents = points[_elites(_estimate(kind, sizes))]
+        chosen, others = random.integers(len(parents), size=(2, SETTINGS.children))
         along = SETTINGS.line * random.standard_normal((SETTINGS.children, 1))
         about = SETTINGS.scatter * random.standard_normal((SETTINGS.children, DIMENSIONS))
-        children = points[parents] + about + along * (points[others] - points[parents])
-        born, bred = decode(kind, np.clip(children, 0.0, 1.0 - 1e-9))
-        points, sizes = np.concatenate([points, born]), np.concatenate([sizes, bred]).view(np.recarray)
-    return Archive(points, sizes, drive, factors)
+        children = parents[chosen] + about + along * (parents[others] - parents[chosen])
+        points, sizes = decode(kind, np.concatenate([parents, np.clip(children, 0.0, 1.0 - 1e-9)]))
+    return points[_elites(_estimate(kind, sizes))]
 
 
 def _elites(guess: Estimate) -> Integers:
-    """Return the lightest candidate of each cell of torque and length, by all items and by some."""
-    by_life = [key for key in guess if not (is_momentary(key) or is_strength(key))]
+    """Return the lightest candidate of each cell of torque and length, by each of `_capacities`."""
     chosen = []
-    for left_out in ((), ("temperature", "other"), tuple(by_life)):
-        torque = np.where(guess["other"] > 0.0, capacity(guess, left_out), 0.0)
+    for torque in _capacities(guess):
         strong = np.flatnonzero(torque > SETTINGS.weakest * torque.max())
         order = strong[np.argsort(guess["mass"][strong], kind="stable")]
         cell = np.floor(SETTINGS.cells * np.log(np.stack([torque[order], guess["length"][order]], axis=1)))
@@ -449,27 +475,15 @@ def _elites(guess: Estimate) -> Integers:
     return np.unique(np.concatenate(chosen))
 
 
-def _calibrate(kind: Requirement, sizes: Sizes, guess: Estimate) -> dict[str, float]:
-    """Return the median ratio of ratings to estimates by item, of some candidates of the upper three quarters."""
-    torque = capacity(guess)
-    order = np.argsort(torque)[len(torque) // 4 :]
-    rows = order[np.linspace(0, len(order) - 1, SETTINGS.calibrations).astype(int)].tolist()
-    rated = {row: rate_candidate(kind, sizes[row], SETTINGS.calibration_share * float(torque[row])) for row in rows}
-    true = {row: one.complete(guess, row) for row, one in rated.items() if one}
-    return {
-        key: float(np.exp(np.median([_log_ratio(figures[key], values[row]) for row, figures in true.items()])))
-        for key, values in guess.items()
-        if true
-    }
-
-
-def _log_ratio(true: Array | float, guess: Array) -> Array:
-    """Return the logarithm of rated over estimated figures, within a factor of 20."""
-    return np.asarray(np.log(np.clip(true / np.maximum(guess, 1e-9), 0.05, 20.0)))
+def _capacities(guess: Estimate) -> list[Array]:
+    """Return the torque limits by all items, without that of the temperature, and by strength alone [N m]."""
+    by_life = tuple(key for key in guess if not (is_momentary(key) or is_strength(key)))
+    left_out = ((), ("temperature", "other"), by_life)
+    return [np.where(guess["other"] > 0.0, capacity(guess, keys), 0.0) for keys in left_out]
 
 
 def first_drive(requirement: Requirement) -> Reducer | None:
-    """Return the first drive of the sequence that can be built, for its materials and friction."""
+    """Return the first drive of the sequence that can be built; None if there is none."""
     guess = 1e3 * requirement.diameter**3
     _, sizes = decode(requirement, _sequence(SETTINGS.start))
     return next((drive for row in sizes[:200] if (drive := build_drive(requirement, row, guess))), None)

@@ -9,7 +9,7 @@ from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, lightest, pool_of, strongest
+from cycloid_mj.sizing.search import SETTINGS, Pool, Rated, pool_of, strongest
 
 MAX_RATIOS = 7
 """Number of ratios tried in a range, evenly spaced: 1.5 s of CPU each."""
@@ -17,70 +17,67 @@ MAX_RATIOS = 7
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Discs and clearances that were searched: their pool, and the best drive, the strongest if none is feasible."""
+    """A pool and its best drive, which meets the requirement."""
 
     pool: Pool
-    best: Rated | None
+    best: Rated
 
     @property
     def requirement(self) -> Requirement:
         """The requirement with its discs and clearances."""
         return self.pool.requirement
 
-    @property
-    def is_feasible(self) -> bool:
-        """Whether the best drive meets the requirement."""
-        return bool(self.best and self.best.passed and self.best.capacity >= self.requirement.torque)
 
-    @property
-    def most(self) -> float:
-        """Largest torque that a drive carries within all limits [N m]; 0 if there is none."""
-        return self.best.torque if self.best and self.best.passed else 0.0
-
-
-def solve(requirement: Requirement) -> tuple[Trial | None, Answer, list[Pool]]:
-    """Find the lightest drive of a requirement; else a refusal with the maximum torque and its limit, and the pools."""
+def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
+    """Find the best drive of a requirement; else a refusal with the maximum torque and its limit, and its pool."""
     failed: list[Pool] = []
-    for trial in _trials(requirement):
-        if trial.is_feasible:
-            best = trial.pool.best(lightest(trial.requirement)) or trial.best
-            return Trial(trial.pool, best), Answer(trial.requirement, ()), []
-        failed.append(trial.pool)
+    for pool in pools_of(requirement):
+        best = pool.lightest() if has_drive(pool, study=False) else None
+        if best:
+            return Trial(pool, best), Answer(pool.requirement, ()), None
+        failed.append(pool)
     if not failed:
-        return None, Answer(requirement, (), 0.0, _no_room(requirement)), []
-    failed.sort(key=lambda pool: -pool.promise(pool.requirement))
-    first = failed[0]
-    trial = Trial(first, first.best(strongest(first.requirement)))
-    return None, Answer(requirement, (), trial.most, _limit(trial)), failed
+        return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
+    pool = max(failed, key=lambda pool: pool.promise)
+    one = pool.best(strongest(pool.requirement))
+    most = one.torque if one and one.passed else 0.0
+    return None, Answer(requirement, (), most, _limit(pool, one)), pool
 
 
-def is_feasible(requirement: Requirement, *, study: bool = True) -> bool:
-    """Return whether the search finds a drive; without a `study`, whether one is rated for the torque."""
-    return any(trial.is_feasible or (trial.best and not study) for trial in _trials(requirement, study=study))
+def has_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> bool:
+    """Return whether a drive of a pool carries the torque within the limits, by its tolerance `study` or a rating."""
+    requirement = pool.requirement
+    goal = -requirement.torque
+    one = pool.best(strongest(requirement), goal, only_goal=True, study=study, max_ratings=max_ratings)
+    return bool(one and one.capacity >= requirement.torque and (one.passed or not study))
 
 
-def _trials(requirement: Requirement, *, study: bool = True) -> Iterator[Trial]:
-    """Yield the trials of a requirement for each of its numbers of discs, each with the first drive found.
+def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
+    """Yield the pools of a requirement for each of its numbers of discs, of the candidates of a `source` if any.
 
     Clearances that are not required are the usual ones, then the largest of the finer ones with which estimates promise
     the torque within the backlash; more teeth carry with them.
     """
     for discs in requirement.numbers_of_discs:
-        fixed: Requirement | None = requirement.but(discs=discs)
-        while fixed:
-            pool = pool_of(fixed)
-            if not pool:
-                break
-            yield Trial(pool, pool.best(strongest(fixed), -fixed.torque, only_goal=True, study=study))
-            finer = [fixed.but(clearance=clearance, tightened=True) for clearance in fixed.finer_clearances]
-            likely = (other for other in finer if pool.promise(other) >= SETTINGS.likely * fixed.torque)
-            fixed = next(likely, finer[-1] if finer else None)
+        fixed = requirement.but(discs=discs)
+        pool = source.changed(fixed) if source else pool_of(fixed)
+        while pool:
+            yield pool
+            finer = (pool.changed(changed) for changed in finer_requirements(pool.requirement))
+            pools = [other for other in finer if other]
+            promising = (other for other in pools if other.promise >= SETTINGS.likely * fixed.torque)
+            pool = next(promising, pools[-1] if pools else None)
 
 
-def _limit(trial: Trial) -> str:
-    """Return what limits the torque of a trial without a solution."""
-    requirement, one = trial.requirement, trial.best
-    rated = [drive for drive in trial.pool.rated.values() if drive and drive.items]
+def finer_requirements(requirement: Requirement) -> list[Requirement]:
+    """List the requirement with the finer clearances that may be used, the largest first."""
+    return [requirement.but(clearance=clearance, tightened=True) for clearance in requirement.finer_clearances]
+
+
+def _limit(pool: Pool, one: Rated | None) -> str:
+    """Return what limits the torque of the best drive of a pool, or of those that were rated."""
+    requirement = pool.requirement
+    rated = [drive for drive in pool.rated.values() if drive and drive.items]
     if not one and rated:
         return max(rated, key=lambda drive: drive.capacity).weakest.name
     if not one:
@@ -133,8 +130,7 @@ def best_ratio(requirement: Requirement, low: int, high: int) -> Requirement:
     ratios = [round(low + (high - low) * number / max(count - 1, 1)) for number in range(count)]
 
     def torque(ratio: int) -> float:
-        changed = requirement.but(ratio=ratio, discs=requirement.numbers_of_discs[0])
-        pool = pool_of(changed)
-        return pool.promise(changed) if pool else 0.0
+        pool = pool_of(requirement.but(ratio=ratio, discs=requirement.numbers_of_discs[0]))
+        return pool.promise if pool else 0.0
 
     return requirement.but(ratio=max(ratios, key=torque))

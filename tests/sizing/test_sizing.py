@@ -4,8 +4,10 @@ import functools
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from requirements_grid import draw_requirements
 
@@ -28,8 +30,9 @@ from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.drives import size_drive
+from cycloid_mj.sizing.estimate import capacity
 from cycloid_mj.sizing.requirement import Requirement, required
-from cycloid_mj.sizing.search import first_drive
+from cycloid_mj.sizing.search import Rated, first_drive, lightest, most_efficient, pool_of, rate_candidate
 from cycloid_mj.sizing.solve import best_ratio, length_parts, solve
 from cycloid_mj.statics.sheet import sheet
 
@@ -293,7 +296,7 @@ def test_missing_parts_in_stock_are_reported_with_a_feasible_alternative() -> No
 def test_too_little_space_for_parts_in_stock_is_reported_with_a_length_too() -> None:
     refused = size_drive(Requirement(5, 0.0926, 13.6, length=0.0425))
     (way,) = refused.remedies
-    assert re.fullmatch(r"a length of more than 42.5 mm and \d+ mm", way.words)  # a change of length comes first
+    assert re.fullmatch(r"a length of [\d.]+ mm and \d+ mm", way.words)  # a change of length comes first
     assert way.requirement.diameter > 0.0926
     assert way.requirement.length > 0.0425
 
@@ -342,7 +345,7 @@ def test_the_stated_maximum_is_the_maximum(share: float) -> None:
     assert refused.most > 1700.0
     other, *_ = solve(asked.but(torque=share * refused.most))
     assert (other is not None) == (share < 1.0) or share == 1.1
-    assert other is None or not other.best or other.best.capacity <= 1.1 * refused.most
+    assert other is None or other.best.capacity <= 1.1 * refused.most
 
 
 @pytest.mark.slow
@@ -351,22 +354,79 @@ def test_a_shorter_length_limit_that_a_drive_meets_finds_a_drive() -> None:
     asked = Requirement(30, 0.06, 0.3, life=10.0, process="printed", speed=100.0 * RPM)
     longest, *_ = solve(asked.but(length=0.058))
     assert longest
-    assert longest.best
     length = math.ceil(1e4 * longest.best.figures["length"]) / 1e4
     again, *_ = solve(asked.but(length=length))
     assert again
-    assert again.best
     assert again.best.figures["length"] <= length
 
 
 @pytest.mark.slow
-def test_the_lightest_drive_is_lighter_than_by_coordinate_search() -> None:
-    """It wrote a drive of 6.77 kg with covers; `optimize` found one of 4.74 kg."""
-    found, *_ = solve(Requirement(29, 0.09, 40.0, speed=2000.0 * RPM, discs=2))
+def test_the_joint_of_90_mm_carries_half_of_what_perfect_parts_were_rated_for() -> None:
+    """At 40 N m, heat limits perfect parts, and pitting parts within their tolerances."""
+    asked = Requirement(29, 0.09, 40.0, speed=2000.0 * RPM, discs=2)
+    refused, answer, _ = solve(asked)
+    assert refused is None
+    assert 18.0 < answer.most < 24.0
+    found, *_ = solve(asked.but(torque=18.0))
     assert found
-    assert found.best
-    assert found.best.figures["mass"] < 5.2
+    assert found.best.figures["mass"] < 2.4
     assert found.best.study["yield_percent"] >= 99.0
+
+
+@pytest.mark.slow
+def test_the_maximum_of_the_size_of_a_strain_wave_gear_is_stated() -> None:
+    """Four studies of nearly identical drives ended with 21.8 N m, two steps below what they carried."""
+    asked = Requirement(50, 0.107, 36.4, life=7000.0, speed=2000.0 * RPM)
+    _, refused, _ = solve(asked)
+    assert 24.0 < refused.most < 36.4
+    less, *_ = solve(asked.but(torque=0.9 * refused.most))
+    assert less
+    more, *_ = solve(asked.but(torque=1.1 * refused.most))
+    assert more is None
+
+
+def test_the_most_efficient_drive_with_nearly_the_lowest_mass_is_chosen() -> None:
+    """The lightest drive saved 5 g, and lost 5 points of efficiency and a quarter of the stiffness."""
+    figures = dict.fromkeys(("length", "backlash"), np.zeros(4)) | {
+        "mass": np.array([1.0, 1.01, 1.019, 1.2]),
+        "pin_gear_pitting": np.array([5.0, 5.0, 2.0, 5.0]),
+        "temperature": np.array([6.0, 8.0, 9.0, 20.0]),
+    }
+    asked = SMALL.but(torque=4.0)
+    assert np.argmin(lightest(asked)(figures)) == 0
+    assert np.argmin(most_efficient(asked, 1.02)(figures)) == 1
+
+
+def test_estimates_of_the_torque_count_the_errors_of_the_pins() -> None:
+    """Estimates for perfect teeth were three to ten times what drives within their tolerances carry."""
+    pool = pool_of(SMALL.but(torque=1e3))
+    assert pool
+    estimated = capacity(pool.guess)
+    rated = {row: rate_candidate(pool.requirement, pool.sizes[row], estimated[row]) for row in estimated.argsort()[-3:]}
+    ratios = [one.capacity / estimated[row] for row, one in rated.items() if one]
+    assert ratios
+    assert all(0.5 < ratio < 1.5 for ratio in ratios)
+
+
+def test_a_study_after_one_at_too_much_torque_is_slightly_below_its_capacity(monkeypatch) -> None:
+    """After a study at 26.7 N m with a capacity of 24.9 N m, the next was at 22.4 N m."""
+    pool = pool_of(SMALL.but(torque=40.0))
+    assert pool
+    rated = Rated(candidate(SMALL), 26.7, {}, 24.94, study={"yield_percent": 100.0})
+    pool.rated[0] = rated
+    torques = []
+
+    def rate(requirement: Requirement, reducer: Reducer, torque: float) -> Rated:
+        torques.append(torque)
+        return replace(rated, torque=torque, capacity=23.5)
+
+    monkeypatch.setattr("cycloid_mj.sizing.search.rate_drive", rate)
+    study = {"turning_percent": 100.0, "yield_percent": 100.0, "backlash_p99_arcmin": 1.0}
+    monkeypatch.setattr("cycloid_mj.sizing.search.tolerance_study", lambda requirement, reducer: study)
+    one = pool.study(0)
+    assert one
+    assert one.passed
+    assert torques == [pytest.approx(23.3)]
 
 
 @pytest.mark.slow
@@ -375,7 +435,6 @@ def test_conditions_change_what_is_feasible() -> None:
     assert solve(asked)[0] is None
     cooled, *_ = solve(asked.but(torque=1.0, film=30.0, duty_share=0.5))
     assert cooled
-    assert cooled.best
     assert cooled.best.reducer.design.service.film_coefficient == 30.0
     assert cooled.best.reducer.design.service.duty_share == 0.5
 
