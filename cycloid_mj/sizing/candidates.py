@@ -93,7 +93,7 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     teeth, discs, free = requirement.ratio + 1, requirement.discs or 1, requirement.custom
     u = points.T
     rings = _rings(requirement)
-    if not rings:
+    if not (rings and len(points)):
         return points[:0], np.rec.fromarrays([np.empty(0)] * len(SIZES), dtype=SIZES_DTYPE)
     chosen = _choose(u[1], len(rings))
     pin, outer, wall, widest = np.array(rings)[chosen].T
