@@ -19,7 +19,7 @@ STEP = 1.04
 MAX_DIAMETER, MIN_LIFE, MIN_SHARE, MIN_SPEED = 3.0, 100.0, 0.05, 30.0 * RPM
 """Largest diameter [m], shortest life [h], smallest share of the time and slowest crank [rad/s] of a remedy."""
 
-MAX_PROBES, MAX_REMEDIES = 3, 4
+MAX_PROBES, MAX_REMEDIES = 4, 4
 """Largest number of values that are searched for a remedy, and of remedies; a diameter is among them."""
 
 Changes = Sequence[FeasibleChange]

@@ -377,20 +377,30 @@ class Pool:
         expected = 1.5 * one.capacity - 0.5 * one.torque if one.study else float(self.bias[row]) * one.capacity
         lower = floor_digits(SETTINGS.study_share * max(expected, 0.5 * one.capacity))
         torque = self.requirement.torque if expected >= self.requirement.torque else lower
-        full = rate_drive(self.requirement, one.reducer, torque)
+        full = self._study_at(one.reducer, torque)
         if full and full.capacity >= self.requirement.torque > torque:
-            torque = self.requirement.torque
-            full = rate_drive(self.requirement, one.reducer, torque)
+            full = self._study_at(one.reducer, self.requirement.torque)
+        if full and not one.study:
+            self.biases[tuple(self.points[row])] = math.log(full.capacity / one.capacity)
+        self.rated[row] = full
+        return full
+
+    def nearer_to_capacity(self, one: Rated) -> Rated:
+        """Return a drive that passed its study after another at a torque nearer to its capacity, if it passes that."""
+        torque = floor_digits(min(SETTINGS.study_share * one.capacity, self.requirement.torque))
+        full = self._study_at(one.reducer, torque) if torque > one.torque else None
+        return full if full and full.passed else one
+
+    def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
+        """Rate a drive as on its design file at a torque [N m], with its tolerance study; None if samples jam."""
+        full = rate_drive(self.requirement, reducer, torque)
         study = tolerance_study(self.requirement, full.reducer) if full else {}
-        if full and study["turning_percent"] >= SETTINGS.min_yield:
-            if not one.study:
-                self.biases[tuple(self.points[row])] = math.log(full.capacity / one.capacity)
-            passed = full.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
-            figures = {**full.figures, "backlash": study["backlash_p99_arcmin"]}
-            self.rated[row] = replace(full, figures=figures, study=study, passed=passed)
-        else:
-            self.rated[row] = None
-        return self.rated[row]
+        if not full or study["turning_percent"] < SETTINGS.min_yield:
+            return None
+        passed = full.capacity >= torque and study["yield_percent"] >= SETTINGS.min_yield
+        return replace(
+            full, figures={**full.figures, "backlash": study["backlash_p99_arcmin"]}, study=study, passed=passed
+        )
 
     def _values(self, objective: Objective) -> tuple[Array, Mask, Array]:
         """Return the objective of each candidate, whether it is rated, and its estimated capacity [N m].

@@ -40,7 +40,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
     pool = max(failed, key=lambda pool: pool.promise)
     one = pool.best(strongest(pool.requirement))
-    most = one.torque if one and one.passed else 0.0
+    most = pool.nearer_to_capacity(one).torque if one and one.passed else 0.0
     return None, Answer(requirement, (), most, _limit(pool, one)), pool
 
 

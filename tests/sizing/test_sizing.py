@@ -427,6 +427,9 @@ def test_a_study_after_one_at_too_much_torque_is_slightly_below_its_capacity(mon
     assert one
     assert one.passed
     assert torques == [pytest.approx(23.3)]
+    nearer = pool.nearer_to_capacity(replace(one, torque=20.0))
+    assert nearer.torque == torques[-1] == pytest.approx(22.7)
+    assert pool.nearer_to_capacity(one) is one  # its capacity is not above the torque of its study by a margin
 
 
 @pytest.mark.slow
