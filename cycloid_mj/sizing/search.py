@@ -444,9 +444,13 @@ def floor_digits(value: float) -> float:
     return significant(math.floor(value / scale) * scale)
 
 
-def pool_of(requirement: Requirement) -> Pool | None:
-    """Return the elites of the kind of drive that is required, under its conditions; None if there are none."""
-    return Pool.of(requirement, _find_elites(requirement.kind))
+def pool_of(requirement: Requirement, source: Pool | None = None) -> Pool | None:
+    """Return the elites of the kind of drive that is required, under its conditions; None if there are none.
+
+    They share the corrections of a `source`, if any.
+    """
+    pool = Pool.of(requirement, _find_elites(requirement.kind))
+    return replace(pool, corrections=source.corrections, biases=source.biases) if pool and source else pool
 
 
 def _estimate(requirement: Requirement, sizes: Sizes) -> Estimate:

@@ -53,14 +53,15 @@ def has_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -
 
 
 def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
-    """Yield the pools of a requirement for each of its numbers of discs, of the candidates of a `source` if any.
+    """Yield the pools of a requirement for each of its numbers of discs, with the ratings of a `source` if any.
 
     Clearances that are not required are the usual ones, then the largest of the finer ones with which estimates promise
     the torque within the backlash; more teeth carry with them.
     """
     for discs in requirement.numbers_of_discs:
         fixed = requirement.but(discs=discs)
-        pool = source.changed(fixed) if source else pool_of(fixed)
+        same_size = source and source.requirement.diameter == fixed.diameter
+        pool = source.changed(fixed) if source and same_size else pool_of(fixed, source)
         while pool:
             yield pool
             finer = (pool.changed(changed) for changed in finer_requirements(pool.requirement))
