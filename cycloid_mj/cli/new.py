@@ -2,7 +2,7 @@
 
 import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
@@ -134,6 +134,14 @@ DiscsFlag = Annotated[
 ]
 
 
+LayoutFlag = Annotated[
+    Literal["central", "rv"],
+    Parameter(
+        help="Layout of a new drive: one central crank, or rv, an RV reducer with a planetary stage. Default: central."
+    ),
+]
+
+
 @dataclass(frozen=True, kw_only=True)
 class NewDelivery(Delivery):
     """The same; design files are always written."""
@@ -161,6 +169,7 @@ COLUMNS = {
 class SizeFlags:
     """Requirements that a new drive is sized for."""
 
+    layout: LayoutFlag = "central"
     ratio: RatioFlag = None
     ratio_range: RatioRangeFlag = ""
     diameter_mm: DiameterFlag = None
@@ -212,6 +221,8 @@ class SizeFlags:
                 f"--ratio {self.ratio} and --ratio-range {self.ratio_range} cannot be used together: remove one of the "
                 "two"
             )
+        if self.layout == "rv":
+            return self._rv_requirement(changes)
         low, high = _parse_ratio_range(self.ratio_range) if self.ratio_range else (self.ratio or 0, self.ratio or 0)
         requirement = required(
             ratio=low,
@@ -235,6 +246,34 @@ class SizeFlags:
             custom=self.custom,
         )
         return best_ratio(requirement, low, high) if self.ratio_range else requirement
+
+    def _rv_requirement(self, changes: tuple[str, ...]) -> "Requirement":
+        """Return the requirement of an RV reducer; raise UsageError for a flag that its search does not support."""
+        from cycloid_mj.sizing.requirement import required
+        from cycloid_mj.sizing.rv import OUTPUT_RPM, RvRequirement
+
+        unused = ("ratio_range", "motor", "backlash_arcmin", "process", "material", "fit", "custom", "discs")
+        for name in unused:
+            if getattr(self, name) != getattr(SIZE, name):
+                raise UsageError(f"--{name.replace('_', '-')} does not support --layout rv: remove it")
+        assert self.ratio is not None
+        assert self.diameter_mm is not None
+        assert self.torque_nm is not None
+        return required(
+            ratio=self.ratio,
+            diameter_mm=self.diameter_mm,
+            torque_nm=self.torque_nm,
+            life_h=self.life_h,
+            speed_rpm=self.speed_rpm,
+            output_rpm=OUTPUT_RPM if self.speed_rpm is None and self.output_rpm is None else self.output_rpm,
+            duty=self.duty or None,
+            cooling=self.cooling,
+            ambient_c=self.ambient_c,
+            changes=changes,
+            length_mm=self.length_mm,
+            clearance_um=self.clearance_um,
+            kind=RvRequirement,
+        )
 
     def _crank_speed(self, ratio: int) -> float | None:
         """Return the required crank speed at a ratio [rpm]; None if none is required.
@@ -288,9 +327,10 @@ def new(
     Changes by --set apply to every drive that the search tries. Printed drives are for 500 h at 300 rpm and 25 % of
     the time unless set otherwise.
 
-    A new size has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. For an
-    RV reducer with a planetary stage, copy rv80e (--from rv80e). Tooth differences of 2 or more, and hypocycloid
-    drives with the pins on the disc are not supported.
+    A new size has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. --layout
+    rv searches for an RV reducer with a planetary stage and two discs: teeth that can be assembled, crank bearings
+    and widths, rated by `cycloid-mj rate`; speeds are those of the sun (default: 15 rpm of the output). Tooth
+    differences of 2 or more, and hypocycloid drives with the pins on the disc are not supported.
     """
     stem = _file_stem(name)
     if len(size.missing) == 3:
@@ -299,12 +339,10 @@ def new(
         raise UsageError(
             f"--from {source} copies a design, whereas --ratio sizes a new drive: remove one of the two flags"
         )
-    from cycloid_mj.sizing.drives import size_drive
-
     requirement = size.requirement(set_)
     destination = _claim_files(stem, delivery)
     with show_activity("searching for a drive", delivery.quiet):
-        answer = size_drive(requirement, lambda drives: None if delivery.quiet else tell(_best_so_far(drives)))
+        answer = _search(requirement, lambda drives: None if delivery.quiet else tell(_best_so_far(drives)))
     if answer.drives:
         return _deliver_drives(stem, answer, destination, delivery)
     if delivery.json:
@@ -313,6 +351,16 @@ def new(
         return deliver(outcome, destination, delivery)
     best = f"of the ratios {size.ratio_range}, {requirement.ratio} allows the highest torque: "
     raise DesignError((best if size.ratio_range else "") + answer.refusal)
+
+
+def _search(requirement: "Requirement", on_progress: "Callable[[Answer], None]") -> "Answer":
+    """Search for drives of the layout of a requirement."""
+    from cycloid_mj.sizing.drives import size_drive
+    from cycloid_mj.sizing.rv import RvRequirement, size_rv
+
+    if isinstance(requirement, RvRequirement):
+        return size_rv(requirement, on_progress)
+    return size_drive(requirement, on_progress)
 
 
 def _file_stem(name: str) -> str:
@@ -382,7 +430,8 @@ def _deliver_drives(stem: str, answer: "Answer", destination: Destination, deliv
         for drive in answer.drives
     ]
     heading = f"{answer.drives[0].figures['ratio']:.0f}:1, {answer.requirement.torque:g} N m"
-    table = Table(heading, ("drive", *COLUMNS.values()), tuple(map(_tabulate_drive, answer.drives)))
+    columns = [text for key, text in COLUMNS.items() if key in answer.drives[0].figures]
+    table = Table(heading, ("drive", *columns), tuple(map(_tabulate_drive, answer.drives)))
     reasons_for_choice = [
         f"  {drive.title}{'' if index else ' (default)'}: {drive.why}" for index, drive in enumerate(answer.drives)
     ]
@@ -420,7 +469,7 @@ def _tabulate_drive(drive: "SizedDrive") -> tuple[str, ...]:
     """Format title and figures of a drive for the columns of `COLUMNS`."""
     from cycloid_mj.life.duration import format_life
 
-    cells = {key: f"{drive.figures[key]:.3g}" for key in COLUMNS}
+    cells = {key: f"{drive.figures[key]:.3g}" for key in COLUMNS if key in drive.figures}
     return drive.title, *(cells | {"life_h": format_life(drive.figures["life_h"])}).values()
 
 

@@ -10,7 +10,7 @@ SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "rv": (
         "analyze",
         "build",
-        "design new --from",
+        "design new",
         "design show",
         "design check",
         "export",

@@ -79,13 +79,7 @@ def _bearing_speed(reducer: RvReducer, speed: float) -> float:
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     """Yield the crank bearings, in the discs then in the flanges, with ratings and forces at each torque [N m]."""
-    cranks, stated_ratings = reducer.cranks, reducer.design.bearing
-    width = reducer.design.gear.face_width
-    needles = RollerRow(
-        cranks.needles, 2.0 * cranks.needle_radius, width, 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
-    )
-    outer = 2.0 * cranks.taper_radius
-    tapers = RollerRow(TAPERS.rollers, TAPERS.diameter * outer, TAPERS.length * outer, TAPERS.pitch * outer)
+    stated_ratings, (needles, tapers) = reducer.design.bearing, crank_bearing_rollers(reducer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
     disc_bearing_forces = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
     flange_bearing_forces = tuple(flange_forces(reducer, force) for force in forces)
@@ -107,6 +101,16 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
         stated_ratings.shaft_static_capacity or tapers.static,
         source_text if stated_ratings.shaft_dynamic_capacity else f"assumed: {tapers} of a light series",
         flange_bearing_forces,
+    )
+
+
+def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
+    """Return the rollers of the bearings of a crank: needles in a disc, and assumed ones in a flange."""
+    cranks, outer = reducer.cranks, 2.0 * reducer.cranks.taper_radius
+    pitch = 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
+    return (
+        RollerRow(cranks.needles, 2.0 * cranks.needle_radius, reducer.design.gear.face_width, pitch),
+        RollerRow(TAPERS.rollers, TAPERS.diameter * outer, TAPERS.length * outer, TAPERS.pitch * outer),
     )
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import UsageError
@@ -80,12 +80,14 @@ def required(
     ambient_c: float = 20.0,
     motor: MotorName = "auto",
     changes: tuple[str, ...] = (),
+    kind: "type[Requirement] | None" = None,
 ) -> "Requirement":
     """Return a requirement from values in the units of the command line; see `Requirement`.
 
     Where they are not set, life, speed and share of the time are those of the process. `duty` is a share of the time,
     or a CSV file of a duty cycle with torques relative to their largest; `cooling` one of `COOLING`, or a heat transfer
-    coefficient [W/(m2 K)]. Raises UsageError if two values exclude each other, or one is out of range.
+    coefficient [W/(m2 K)], `kind` the class of the requirement. Raises UsageError if two values exclude each other, or
+    one is out of range.
     """
     if speed_rpm is not None and output_rpm is not None:
         raise UsageError(
@@ -94,7 +96,7 @@ def required(
     limits = PROCESSES[process]
     speed = output_rpm * ratio if output_rpm is not None else limits.speed_rpm if speed_rpm is None else speed_rpm
     share, points = _duty(duty, limits.duty_share)
-    return Requirement(
+    return (kind or Requirement)(
         ratio=ratio,
         diameter=1e-3 * diameter_mm,
         torque=torque_nm,
@@ -226,6 +228,9 @@ class Requirement:
     motor: MotorName = "auto"
     changes: tuple[str, ...] = ()
 
+    RATIOS: ClassVar[tuple[int, int]] = (LEAST_RATIO, MOST_RATIO)
+    STAGES: ClassVar[str] = "a single stage"
+
     def __post_init__(self) -> None:
         """Check the ranges of all values.
 
@@ -240,10 +245,11 @@ class Requirement:
                     f"the {what} is {number}, but must be a whole number: choose {math.floor(number)} or "
                     f"{math.ceil(number)}"
                 )
-        if not LEAST_RATIO <= self.ratio <= MOST_RATIO:
+        least, most = self.RATIOS
+        if not least <= self.ratio <= most:
             raise UsageError(
-                f"the ratio is {self.ratio}, which is out of range: choose a ratio from {LEAST_RATIO} to {MOST_RATIO} "
-                f"for a single stage{self._two_stages()}"
+                f"the ratio is {self.ratio}, which is out of range: choose a ratio from {least} to {most} "
+                f"for {self.STAGES}{self._two_stages()}"
             )
         if not 0 <= self.discs <= MAX_DISCS:
             raise UsageError(
@@ -263,7 +269,7 @@ class Requirement:
 
     def _two_stages(self) -> str:
         """Return the way to a larger ratio: two stages, as nearly alike as their product allows."""
-        if not MOST_RATIO < self.ratio <= MOST_RATIO**2:
+        if self.RATIOS[1] != MOST_RATIO or not MOST_RATIO < self.ratio <= MOST_RATIO**2:
             return ""
         stages = range(LEAST_RATIO, math.isqrt(self.ratio) + 1)
         low = max((item for item in stages if self.ratio % item == 0), default=0)

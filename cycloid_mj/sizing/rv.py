@@ -1,0 +1,371 @@
+"""RV reducers for a requirement: a catalogue-like search over teeth, crank bearings and widths, then the rating.
+
+Proportions are those of `rv80e`. For each assembly of sun, planets and pins, closed forms estimate the torque for which
+crank bearings and pins last. The shortest candidate that should carry the torque is checked and rated; each rating
+corrects the estimates of the others, until a drive passes or none is left.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.units import HOUR, MILLIMETRES
+from cycloid_mj.checks import soundness
+from cycloid_mj.design import PRESETS, Design, override, stock
+from cycloid_mj.geometry.rv_loads import ideal_rv_loads, mean_force
+from cycloid_mj.life.item import ItemKind, RatedItem, Rating
+from cycloid_mj.life.rated import is_momentary
+from cycloid_mj.life.rolling import EXPONENT
+from cycloid_mj.life.rv import crank_bearing_rollers, flange_forces, rate_rv
+from cycloid_mj.life.surfaces import AGMA_2001, pitting_limit
+from cycloid_mj.life.thermal import thermal
+from cycloid_mj.parts.export.rv_assembly import rv_mass
+from cycloid_mj.parts.rv import axial_layout
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer.gaps import mesh_gaps
+from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
+from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.statics.rv_sheet import motion_figures
+
+MODULES = tuple(1e-3 * item for item in (0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0))
+"""Modules of sun and planets [m]: ISO 54, series I, and 1.75 mm of series II."""
+
+
+@dataclass(frozen=True)
+class RvShares:
+    """Proportions of a drive over the radius E of its pin circle, from `rv80e` unless they are searched.
+
+    Attributes
+    ----------
+    pin_circle
+        E over the outer radius.
+    crank_circle
+        Smallest and largest radius of the circle of cranks.
+    bores, widths, trochoids
+        Searched radii of the crank bores, widths of a disc, and eccentricities times pins over E (K1).
+    pitch
+        Distance of pins over their radius.
+    wall
+        Smallest wall between holes.
+    """
+
+    pin_circle: float = 0.815
+    crank_circle: tuple[float, float] = (0.46, 0.6)
+    bores: tuple[float, ...] = (0.15, 0.18, 0.21, 0.24)
+    widths: tuple[float, ...] = (0.13, 0.16, 0.19, 0.23, 0.28, 0.34)
+    trochoids: tuple[float, ...] = (0.65, 0.75)
+    pitch: float = 3.0
+    wall: float = 0.05
+    needle: float = 0.15
+    needle_gap: float = 1.12
+    taper: float = 1.12
+    flange: float = 0.23
+    planet_width: float = 0.8
+    disc_gap: float = 2e-3
+
+
+SHARES = RvShares()
+
+TEETH = {"ring": range(28, 61, 2), "sun": range(10, 31), "planet": range(15, 121)}
+"""Numbers of teeth that are searched; an even number of pins balances two discs."""
+
+MAX_RATINGS, MAX_GROWTH, GROWTH = 8, 2.0, 1.06
+"""Largest number of candidates that are rated, and factor on the diameter of a remedy at most and per step."""
+
+RESERVE = 1.25
+"""Power of the motor over that of torque and speed."""
+
+ESTIMATE_ANGLES = 48
+"""Crank angles of an estimate."""
+
+
+OUTPUT_RPM = 15.0
+"""Usual speed of the output [rpm], at which catalogues state the rated torque."""
+
+CLEARANCE = 0.5e-6
+"""Clearance of pins on discs and in their sockets, if none is required [m]: parts are matched."""
+
+
+class RvRequirement(Requirement):
+    """Requirement of an RV reducer: its ratio is that of sun and carrier, its speed that of the sun."""
+
+    RATIOS: ClassVar[tuple[int, int]] = (31, 321)
+    STAGES: ClassVar[str] = "an RV reducer"
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An RV reducer of a requirement."""
+
+    reducer: RvReducer
+    requirement: RvRequirement
+
+    @cached_property
+    def estimate(self) -> float:
+        """Estimated torque for which crank bearings and pins last [N m], with ideal sharing of the load."""
+        return _estimate(self.reducer, self.requirement)
+
+    @cached_property
+    def length(self) -> float:
+        """Length from the outer flange to the planets [m]."""
+        along = axial_layout(self.reducer)
+        return along.flanges[1][1] - along.planets[0]
+
+
+@dataclass(frozen=True, eq=False)
+class RatedRv:
+    """A candidate with its rating at the required torque, the torque that it carries [N m], and what limits it."""
+
+    candidate: Candidate
+    rating: Rating
+    torque: float
+    momentary: float
+    weakest: RatedItem
+
+
+def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
+    """Find the shortest RV reducer that meets a requirement, and the longest-lived; else the largest torque.
+
+    `on_progress` receives a refusal as soon as the largest torque is known.
+    """
+    pool = list(candidates(requirement))
+    if not pool:
+        ratio, size = requirement.ratio, MILLIMETRES * requirement.diameter
+        return Answer(requirement, (), 0.0, f"no planets and discs with a ratio of {ratio} fit into {size:g} mm")
+    best, strongest = _search(requirement, pool)
+    if best is None:
+        most = float(f"{strongest.torque:.3g}") if strongest else 0.0
+        limit = strongest.weakest.name if strongest else "no candidate passes its checks"
+        refused = Answer(requirement, (), most, limit)
+        on_progress(refused)
+        return replace(refused, remedies=tuple(_remedies(requirement, strongest)))
+    drives = [_sized_drive(requirement, best, "lightest", "shortest of the candidates that pass, hence the lightest")]
+    if strongest and strongest.rating.shortest_life > 1.5 * best.rating.shortest_life:
+        drives.append(_sized_drive(requirement, strongest, "longest life", "longest life of the rated candidates"))
+    return Answer(requirement, tuple(drives))
+
+
+def candidates(requirement: RvRequirement) -> Iterator[Candidate]:
+    """Yield the candidates of a requirement that have room for their bearings, the shortest first."""
+    pool = [
+        candidate
+        for cranks in (2, 3)
+        for sun, planet, ring in assemblies(requirement.ratio, cranks)
+        for trochoid in SHARES.trochoids
+        for bore in SHARES.bores
+        for width in SHARES.widths
+        if (candidate := _candidate(requirement, cranks, (sun, planet, ring), trochoid, bore, width))
+        and candidate.length <= requirement.length
+    ]
+    yield from sorted(pool, key=lambda item: item.length)
+
+
+def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
+    """Yield teeth of sun, planet and ring that have a ratio, 1 + ring planet/sun, and close with the planets.
+
+    For each ring it is the smallest sun; planets are larger than the sun.
+    """
+    for ring in TEETH["ring"]:
+        quotient = Fraction(ratio - 1, ring)
+        for sun in TEETH["sun"]:
+            planet = quotient * sun
+            is_usual = planet > 1.5 * sun and planet in TEETH["planet"]
+            if is_usual and planet.denominator == 1 and (sun + planet) % cranks == 0:
+                yield sun, int(planet), ring
+                break
+
+
+def _candidate(
+    requirement: RvRequirement, cranks: int, teeth: tuple[int, int, int], trochoid: float, bore: float, width: float
+) -> Candidate | None:
+    """Return the candidate of some teeth and shares with its estimate; None if parts do not fit."""
+    sun, planet, ring = teeth
+    circle = round(SHARES.pin_circle * requirement.diameter / 2.0, 4)
+    pin = _nearest_pin(2.0 * math.pi * circle / (ring * SHARES.pitch))
+    eccentricity = round(trochoid * circle / ring, 5)
+    low, high = (share * circle for share in SHARES.crank_circle)
+    modules = [item for item in MODULES if low <= item * (sun + planet) / 2.0 <= high]
+    if not modules:
+        return None
+    module, wall = max(modules), SHARES.wall * circle
+    radius, bore_radius = module * (sun + planet) / 2.0, bore * circle
+    root = circle - pin - eccentricity
+    needle = round(SHARES.needle * bore_radius, 4)
+    eccentric = bore_radius - 2.0 * needle
+    chord = 2.0 * radius * math.sin(math.pi / (2.0 * cranks))
+    taper, journal = SHARES.taper * bore_radius, eccentric - eccentricity
+    middle = radius - taper - wall
+    post = min(chord - taper, chord - bore_radius - eccentricity - 0.5e-3, root - radius - eccentricity) - wall
+    post = min(post, radius - middle - wall - eccentricity)
+    if min(root - wall - radius - taper, middle, post - 0.06 * circle, journal - 0.4 * bore_radius) < 0.0:
+        return None
+    needles = math.floor(2.0 * math.pi * (eccentric + needle) / (2.0 * needle * SHARES.needle_gap))
+    face = round(width * circle, 4)
+    stiffness = 2e8 * needles * face / (14 * 15e-3)
+    design = PRESETS["rv80e"].but(
+        name="rv",
+        ring={"teeth": ring, "pin_circle_radius": circle, "pin_radius": pin},
+        gear={"eccentricity": eccentricity, "face_width": face, "disc_gap": SHARES.disc_gap},
+        planet={"sun_teeth": sun, "planet_teeth": planet, "module": module, "face_width": SHARES.planet_width * face},
+        cranks={
+            **{"count": cranks, "eccentric_radius": eccentric, "needle_radius": needle, "needles": needles},
+            **{"needle_stiffness": stiffness, "taper_stiffness": stiffness, "taper_radius": taper},
+            **{"middle_hole_radius": middle, "post_radius": post, "flange_thickness": SHARES.flange * circle},
+        },
+        housing={"outer_radius": requirement.diameter / 2.0},
+        clearance=dict.fromkeys(("pin_gear", "pin_socket"), requirement.usual_clearance),
+        stiffness=dict.fromkeys(("pin_gear", "pin_socket"), 600000000.0 * face / 0.015),
+        drive={
+            "speed": requirement.speed,
+            "torque": requirement.torque / requirement.ratio,
+            "power": RESERVE * requirement.torque / requirement.ratio * requirement.speed,
+        },
+        load={"torque": requirement.torque},
+        service={
+            **{"life": requirement.life, "duty_share": requirement.duty_share},
+            **{"film_coefficient": requirement.film, "ambient_temperature": requirement.ambient},
+        },
+    )
+    reducer = RvReducer(override(design, requirement.changes))
+    return Candidate(reducer, requirement)
+
+
+def _nearest_pin(radius: float) -> float:
+    """Return the radius of the dowel in stock that is nearest to a radius [m]."""
+    return min((0.5 * diameter for diameter in stock.dowel_diameters()), key=lambda size: abs(size - radius))
+
+
+def _estimate(reducer: RvReducer, requirement: RvRequirement) -> float:
+    """Estimate the torque for which crank bearings and pins last [N m]: ISO 281 and AGMA 2001-D04."""
+    crank = np.linspace(0.0, reducer.crank_turn, ESTIMATE_ANGLES, endpoint=False)
+    loads = ideal_rv_loads(reducer.stage, reducer.share, crank)
+    forces = loads.bearings.reshape(crank.size, -1), flange_forces(reducer, loads.cranks)
+    turns = requirement.life * requirement.duty_share * HOUR * reducer.crank_speed / (2.0 * math.pi)
+    bearings = (
+        rollers.dynamic * (1e6 / turns) ** (1.0 / EXPONENT) / max(map(mean_force, force.T))
+        for rollers, force in zip(crank_bearing_rollers(reducer), forces, strict=True)
+    )
+    kind = reducer.design.tooth_pair
+    curvature = mesh_gaps(reducer, crank).relative_curvature
+    pressure = float(reducer.contacts[kind].pressure(loads.pins.reshape(crank.size, -1), curvature).max())
+    allowed = min(pitting_limit(material)[0] for material in reducer.design.partners(kind))
+    return min(*bearings, (AGMA_2001.factor * allowed * turns**-AGMA_2001.power / pressure) ** 2)
+
+
+def _search(requirement: RvRequirement, pool: list[Candidate]) -> tuple[RatedRv | None, RatedRv | None]:
+    """Rate candidates until the shortest that carries the torque is known; return it, and the strongest.
+
+    Each rating corrects the estimates by its ratio of torque and estimate.
+    """
+    strongest, bias, left = None, 1.0, list(pool)
+    for _ in range(MAX_RATINGS):
+        likely = next((item for item in left if bias * item.estimate >= requirement.torque), None)
+        tried = likely or max(left, key=lambda item: item.estimate, default=None)
+        if tried is None:
+            break
+        left.remove(tried)
+        rated = rate_candidate(requirement, tried)
+        if rated is None:
+            continue
+        strongest = rated if strongest is None or rated.torque > strongest.torque else strongest
+        if rated.torque >= requirement.torque:
+            return rated, strongest
+        if likely is None:
+            break
+        bias = min(bias, rated.torque / tried.estimate)
+    return None, strongest
+
+
+def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv | None:
+    """Check and rate a candidate at the required torque; None if it cannot be built or balanced."""
+    if any(item.severity == "error" and not item.passed for item in soundness(candidate.reducer)):
+        return None
+    torque = requirement.torque
+    try:
+        rating = rate_rv(candidate.reducer, requirement.duty_at(torque), requirement.life * requirement.duty_share)
+    except CycloidError:
+        return None
+    items = [item for item in rating.items.values() if item.decisive]
+    limits = [(_torque_limit(item, torque, rating.life), item) for item in items if not is_momentary(item.key)]
+    momentary = min(2.0 * _torque_limit(item, torque, rating.life) for item in items if is_momentary(item.key))
+    least, weakest = min(limits, key=lambda pair: pair[0])
+    return RatedRv(candidate, rating, min(least, momentary), momentary, weakest)
+
+
+def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
+    """Extrapolate the torque at which an item, rated at another one [N m], reaches its limit or life [h].
+
+    Forces are in proportion to the torque, Hertz pressures to its root; safety factors of RV reducers are by torque.
+    """
+    if item.safety is not None:
+        return float(torque * item.safety)
+    power = 1.0 / EXPONENT if item.kind is ItemKind.BEARING else 2.0 * AGMA_2001.power
+    return torque * float(item.margin(life) ** power)
+
+
+def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator[FeasibleChange]:
+    """Yield a larger diameter and a shorter life that make a requirement feasible, each verified by the rating."""
+    if strongest and (life := math.floor(strongest.rating.shortest_life / requirement.duty_share)) >= 100:
+        shorter = requirement.but(life=float(f"{life:.2g}") if life < requirement.life else requirement.life)
+        if shorter.life < requirement.life and _search(shorter, list(candidates(shorter)))[0]:
+            yield FeasibleChange(f"a life of {shorter.life:g} h", shorter)
+    factor = GROWTH
+    if strongest:
+        factor = max(factor, (requirement.torque / strongest.torque) ** (1.0 / 3.0))
+    while factor <= MAX_GROWTH:
+        larger = requirement.but(diameter=round(factor * requirement.diameter, 3))
+        if _search(larger, list(candidates(larger)))[0]:
+            yield FeasibleChange(f"a diameter of {MILLIMETRES * larger.diameter:g} mm", larger)
+            return
+        factor *= GROWTH
+
+
+def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: str) -> SizedDrive:
+    """Return a drive to show, with its figures and reasons."""
+    reducer, torque = rated.candidate.reducer, requirement.torque
+    motion = {item.key: item.value for item in motion_figures(reducer, torque)}
+    figures = {
+        "ratio": reducer.design.reduction,
+        "outer_diameter_mm": 2e3 * reducer.design.housing.outer_radius,
+        "drive_length_mm": MILLIMETRES * rated.candidate.length,
+        "mass_kg": rv_mass(reducer),
+        "rated_torque_nm": rated.torque,
+        "momentary_torque_nm": rated.momentary,
+        "life_h": rated.rating.shortest_life / requirement.duty_share,
+        "temperature_c": thermal(reducer.design, requirement.duty_at(torque)).temperatures["housing"],
+        "stiffness_nm_per_arcmin": motion["stiffness_ideal"],
+        "backlash_arcmin": motion["backlash"],
+    }
+    return SizedDrive(title, why, reducer.design, figures, dict(_reasons(reducer.design, rated.weakest.name)))
+
+
+def _reasons(design: Design, weakest: str) -> Iterator[tuple[str, str]]:
+    """Yield the reasons of searched values, by ``table.value``; `weakest` is the item that fails first."""
+    assert design.planet is not None
+    teeth = f"1 + {design.ring.teeth} x {design.planet.planet_teeth}/{design.planet.sun_teeth}"
+    yield "ring.teeth", f"by the search: ratio {teeth}; an even number balances two discs"
+    yield "ring.pin_circle_radius", f"{SHARES.pin_circle:.1%} of the outer radius, as of rv80e"
+    yield "ring.pin_radius", "dowel in stock nearest to a third of the distance of the pins"
+    ratio = design.gear.eccentricity * design.ring.teeth / design.ring.pin_circle_radius
+    yield "gear.eccentricity", f"by the search; K1 = c N / E = {ratio:.3g}"
+    yield "gear.face_width", f"by the search; at the required torque {weakest} fails first"
+    for key in ("sun_teeth", "planet_teeth"):
+        yield f"planet.{key}", f"by the search: ratio {teeth}; the planets mesh with the sun"
+    yield "planet.module", "the largest of ISO 54 for which the cranks fit next to the pins"
+    yield "cranks.count", "by the search"
+    for key in ("eccentric_radius", "needle_radius", "needles", "taper_radius"):
+        yield f"cranks.{key}", "by the search: the crank bearings decide the life"
+    for key in ("needle_stiffness", "taper_stiffness"):
+        yield f"cranks.{key}", "that of rv80e, in proportion to number and length of the needles"
+    for key in ("middle_hole_radius", "post_radius", "flange_thickness"):
+        yield f"cranks.{key}", "by proportions of rv80e and walls between the holes"
+    for key in ("speed", "torque"):
+        yield f"drive.{key}", "required"
+    yield "drive.power", f"{RESERVE:g} times the power of torque and speed"
+    yield "load.torque", "required"

@@ -1,0 +1,83 @@
+"""RV reducers for a requirement."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.units import RPM
+from cycloid_mj.cli import main
+from cycloid_mj.design import load
+from cycloid_mj.geometry.rv import planet_misfit
+from cycloid_mj.life import rate
+from cycloid_mj.sizing.rv import RvRequirement, assemblies, candidates, rate_candidate
+
+
+def _requirement(ratio: int, diameter: float, torque: float) -> RvRequirement:
+    return RvRequirement(ratio=ratio, diameter=diameter, torque=torque, speed=15.0 * ratio * RPM)
+
+
+@pytest.mark.parametrize("cranks", [2, 3])
+def test_assemblies_have_the_ratio_and_close(cranks: int) -> None:
+    found = list(assemblies(153, cranks))
+    assert (10, 38, 40) in found
+    for sun, planet, ring in found:
+        assert 1 + ring * planet / sun == 153
+        assert planet_misfit(sun, planet, cranks) == 0
+
+
+def test_candidates_have_the_ratio_and_diameter_and_come_by_length() -> None:
+    pool = list(candidates(_requirement(121, 0.16, 412.0)))
+    lengths = [item.length for item in pool]
+    assert lengths == sorted(lengths)
+    assert {item.reducer.design.reduction for item in pool} == {121.0}
+    assert {item.reducer.design.housing.outer_radius for item in pool} == {0.08}
+    assert list(candidates(_requirement(121, 0.16, 412.0).but(length=0.05))) == []
+
+
+def test_an_estimate_is_that_of_the_rating_with_ideal_sharing() -> None:
+    """Where crank bearings fail first, both have the forces of ideal sharing."""
+    requirement = _requirement(121, 0.16, 412.0)
+    candidate = max(list(candidates(requirement))[::60], key=lambda item: item.estimate)
+    rated = rate_candidate(requirement, candidate)
+    assert rated
+    assert rated.weakest.key == "crank_tapers"
+    assert rated.torque == pytest.approx(candidate.estimate, rel=2e-3)
+
+
+def test_a_ratio_that_no_teeth_have_is_refused() -> None:
+    with pytest.raises(UsageError, match="from 31 to 321 for an RV reducer"):
+        _requirement(400, 0.2, 100.0)
+
+
+def test_flags_without_use_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["design", "new", "my", "--layout", "rv", "--ratio", "121", "--diameter-mm", "160", "--torque-nm", "412"]
+    assert main([*words, "--backlash-arcmin", "1"]) == 2
+    assert "--backlash-arcmin does not support --layout rv" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_sized_drive_passes_its_rating_and_a_smaller_one_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["design", "new", "my", "--layout", "rv", "--ratio", "121", "--torque-nm", "412", "--json"]
+    assert main([*words, "--diameter-mm", "160"]) == 0
+    drive = json.loads(capsys.readouterr().out)["designs"][0]
+    assert set(drive) == {"file", "title", "figures", "why", "reasons"}
+    design = load(Path(drive["file"]))
+    assert design.ratio == 121
+    assert not rate(design).failing
+    assert drive["figures"]["rated_torque_nm"] >= 412.0
+    assert 3.0 < drive["figures"]["mass_kg"] < 9.3, "the RV-40E of the catalogue weighs 9.3 kg"
+    assert main(["design", "check", drive["file"]]) == 0
+    capsys.readouterr()
+    assert main([*words, "--diameter-mm", "110", "--force"]) == 1
+    refusal = json.loads(capsys.readouterr().out)
+    assert set(refusal) >= {"most", "limit", "ways", "why"}
+    assert 0.0 < refusal["most"] < 412.0
+    assert refusal["ways"][-1]["flags"][0] == "--diameter-mm"
