@@ -48,7 +48,15 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
 
 
 def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
-    """Yield the stiffest and the longest-lived of the rated candidates, if they differ from the lightest."""
+    """Yield the stiffest and the longest-lived of the rated candidates, if they are clearly better than the lightest.
+
+    Parameters
+    ----------
+    solution
+        Trial of the requirement, with its rated candidates.
+    first
+        The lightest drive.
+    """
     pool, requirement = solution.pool, solution.requirement
     strong = [
         row

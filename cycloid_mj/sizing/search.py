@@ -164,10 +164,25 @@ def rate_drive(
 
 
 def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rated | None:
-    """Rate a candidate at its capacity or the required torque, by a fixed-point iteration from a torque [N m].
+    """Rate a candidate at the torque that it carries, at most the required torque.
 
-    More teeth carry at larger loads, so that capacities by a rating far from them would be wrong. The errors are those
-    of its sample with a critical tooth force. None if it cannot be built, or has no equilibrium.
+    More teeth carry at larger loads, so a capacity that is rated at another torque would be wrong: the rating is
+    repeated at the capacity found (fixed-point iteration). Tooth forces are those of a critical sample of the
+    tolerances.
+
+    Parameters
+    ----------
+    requirement
+        Conditions of the rating, and the required torque.
+    sizes
+        Dimensions of the candidate.
+    torque
+        Torque of the first rating [N m].
+
+    Returns
+    -------
+    Rated or None
+        None if the candidate cannot be built, or has no equilibrium.
     """
     most = requirement.torque
     reducer, rated = build_drive(requirement, sizes, min(torque, most)), None
@@ -403,9 +418,13 @@ class Pool:
         )
 
     def _values(self, objective: Objective) -> tuple[Array, Mask, Array]:
-        """Return the objective of each candidate, whether it is rated, and its estimated capacity [N m].
+        """Evaluate an objective for all n candidates, rated and estimated.
 
-        Objectives of estimates are optimistic by their error.
+        Returns
+        -------
+        tuple
+            The objective (optimistic for estimates, by their error), whether the candidate is rated, and its estimated
+            capacity [N m]; shape (n,) each.
         """
         known = np.zeros(len(self.points), bool)
         known[list(self.rated)] = True
