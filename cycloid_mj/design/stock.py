@@ -68,6 +68,9 @@ _GAUGES, _LONG_GAUGES = _Gauges(0.2, 1.0, 40), _Gauges(1.0, 20.0, 70)
 """DIN 2269:1998 (0.1 to 20 mm), as sold: +-2 um; the lengths are those of the usual sets (assumed). The first is for
 ring pins below 1 mm, which ISO 8734 does not have."""
 
+ROLLER_LIMITS, GAUGE_LIMITS = (-2e-6, 0.0), (-1e-6, 1e-6)
+"""Deviations of the diameter of needle rollers (the first group of grade G2), and of pin gauges for free pins [m]."""
+
 _ROLLERS = {
     1: (5.8, 9.8),
     1.5: (5.8, 13.8),
@@ -262,13 +265,14 @@ class Dowel:
 
 @dataclass(frozen=True)
 class Roller:
-    """A free pin: a needle roller or a pin gauge, with designation, tolerance, diameter and length as sold [m].
+    """A free pin: a needle roller or a pin gauge, with designation, diameter and length as sold [m].
 
-    `count` of them stand in line, each cut to the length `cut` [m] if that is not 0.
+    `limits` are the lower and upper deviation of its diameter [m]; `count` of them stand in line, each cut to the
+    length `cut` [m] if that is not 0.
     """
 
     designation: str
-    tolerance: str
+    limits: tuple[float, float]
     diameter: float
     length: float
     count: int = 1
@@ -303,6 +307,11 @@ class StockBearing:
     dynamic: float
     static: float
     contact_angle: float = 0.0
+
+    @property
+    def load_centre_offset(self) -> float:
+        """Distance from its middle to the point at which its lines of contact meet the axis [m]."""
+        return 0.25 * (self.bore + self.outside) * math.tan(self.contact_angle)
 
 
 @dataclass(frozen=True)
@@ -410,14 +419,14 @@ def free_pin(diameter: float, width: float, play: float) -> Roller | None:
         cut_length = 0.0 if stock_length else width / count - 2.0 * play
         length = stock_length or next(item for item in lengths if item >= room_mm / count - 2.0 * play / MM - 1e-6)
         return Roller(
-            f"ISO 3096 - {size_mm:g} x {length:g} - G2", "0/-2 um", diameter, length * MM, int(count), cut_length
+            f"ISO 3096 - {size_mm:g} x {length:g} - G2", ROLLER_LIMITS, diameter, length * MM, int(count), cut_length
         )
     longest = next((gauges.length for gauges in (_GAUGES, _LONG_GAUGES) if gauges.includes(size_mm)), 0)
     if not longest:
         return None
     count = int(max(-(-(room_mm - 2.0 * play / MM) // longest), 1))
     designation = f"{GAUGES} - {size_mm:.2f} x {longest:g}"
-    return Roller(designation, "+-1 um", diameter, longest * MM, count, width / count - 2.0 * play)
+    return Roller(designation, GAUGE_LIMITS, diameter, longest * MM, count, width / count - 2.0 * play)
 
 
 def key_for(shaft: float, max_length: float) -> StockKey | None:

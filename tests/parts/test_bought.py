@@ -11,6 +11,7 @@ import pytest
 from designs import cases
 
 from cycloid_mj.design import PRESETS, stock
+from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export import BillLine, bill, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.bearings import output_pin
@@ -142,6 +143,18 @@ def test_free_pins_are_rollers_and_cut_if_too_long() -> None:
     fixed = next(line for line in bill(Reducer(design.but(ring={"pins": "fixed"}))) if line.item == "pin")
     assert fixed.designation.startswith("ISO 3096")
     assert fixed.fit.startswith("0/-2 um, glued")
+
+
+@pytest.mark.parametrize(
+    ("pins", "size", "middle"), [("free", 5.0, -0.5e-6), ("fixed", 5.0, -0.5e-6), ("free", 4.08, 0)]
+)
+def test_ring_pins_are_drawn_at_the_middle_of_their_tolerance_zone(pins: str, size: float, middle: float) -> None:
+    """Needle rollers are 0/-2 um on the diameter (ISO 3096, first group of G2); pin gauges +-1 um."""
+    design = PRESETS["pin"].but(ring={"pins": pins, "pin_radius": 0.5e-3 * size})
+    (outline,) = (item.outline for item in assembly_parts(Reducer(design), casing(Reducer(design)))["pin"].stretches)
+    circle = circle_of(outline)
+    assert circle
+    assert circle.radius - 0.5e-3 * size == pytest.approx(middle, abs=1e-10)
 
 
 def test_pins_on_which_a_disc_slides_are_not_dowels() -> None:

@@ -81,6 +81,19 @@ def free_pin(reducer: Reducer) -> stock.Roller | None:
     return stock.free_pin(2.0 * design.ring.pin_radius, 2.0 * ring_end(reducer), axial_play(reducer))
 
 
+def ring_pin_limits(reducer: Reducer) -> tuple[float, float]:
+    """Return the lower and upper deviation of the diameter of bought ring pins without sleeves [m]."""
+    roller = free_pin(reducer)
+    return roller.limits if roller else stock.ROLLER_LIMITS
+
+
+def ring_pin_radius(reducer: Reducer) -> float:
+    """Return the radius of ring pins or sleeves in a drive [m]; of bought pins the middle of their tolerance zone."""
+    ring = reducer.design.ring
+    is_made = ring.has_sleeves or is_printed(reducer, names.PIN)
+    return ring.pin_radius + (0.0 if is_made else 0.25 * sum(ring_pin_limits(reducer)))
+
+
 def sleeve_pin_depth(reducer: Reducer) -> float:
     """Compute how deep the pin inside a sleeve stands in each cover [m]: by its diameter."""
     return 2.0 * sleeve_core_radius(reducer)

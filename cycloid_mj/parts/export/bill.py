@@ -374,10 +374,16 @@ def _ring_pin_line(reducer: Reducer, material: Material) -> BillLine:
     diameter = (("diameter", ring.pin_radius),)
     if not roller:
         line = _round_line(names.PIN, ring.teeth, diameter, reducer.design.gear.stack_width, material)
-        return replace(line, fit=f"ground 0/-2 um, {seat}")
+        return replace(line, fit=f"ground {_format_limits(stock.ROLLER_LIMITS)}, {seat}")
     line = _round_line(names.PIN, ring.teeth * roller.count, diameter, roller.length, material, roller.cut)
-    fit = f"{roller.tolerance}, {seat}" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
+    fit = f"{_format_limits(roller.limits)}, {seat}" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
     return replace(line, designation=roller.designation, fit=fit)
+
+
+def _format_limits(limits: tuple[float, float]) -> str:
+    """Format lower and upper deviation of a size [m], such as ``0/-2 um`` or ``+-1 um``."""
+    low, high = (f"{1e6 * limit:.3g}" for limit in limits)
+    return f"+-{high} um" if low == f"-{high}" else f"{high}/{low} um"
 
 
 def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:

@@ -141,8 +141,7 @@ class Casing:
         The lines of contact of a pair back to back meet the axis outside of it (SKF, Rolling bearings, 2018).
         """
         inner, outer = (0.5 * sum(ends) for ends in self.bearings)
-        offset = 0.25 * (self.hub.bore + self.hub.outside) * math.tan(self.hub.contact_angle)
-        return inner - offset, outer + offset
+        return inner - self.hub.load_centre_offset, outer + self.hub.load_centre_offset
 
     @property
     def top(self) -> float:

@@ -8,7 +8,7 @@ from cycloid_mj.parts import Part, Stretch, lay_out_parts
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.contour import CircleContour
-from cycloid_mj.parts.export.bearings import pin_pieces, roller_bore, sleeve_pin_length
+from cycloid_mj.parts.export.bearings import pin_pieces, ring_pin_radius, roller_bore, sleeve_pin_length
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
@@ -111,7 +111,8 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
         return part.of(replace(stretch, z0=-half_pin_length, z1=half_pin_length) for stretch in stretches)
     if name == names.PIN:
         _, length = pin_pieces(reducer)
-        return part.of(replace(stretch, z0=-0.5 * length, z1=0.5 * length) for stretch in stretches)
+        outline = CircleContour(ring_pin_radius(reducer))
+        return part.of(replace(item, outline=outline, z0=-0.5 * length, z1=0.5 * length) for item in stretches)
     if family == names.GEAR and cam_bearing(reducer):
         bore = CircleContour(reducer.design.gear.bore_radius)
         return part.of(replace(stretch, holes=(bore, *stretch.holes[1:])) for stretch in stretches)
