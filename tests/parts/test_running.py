@@ -8,9 +8,10 @@ from designs import FOLDER, design_file
 from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, load, presets_for
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export import casing, place_parts
+from cycloid_mj.parts.export import Casing, casing, place_parts
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.bearings import shaft_bearing
+from cycloid_mj.parts.export.casing import bearing_width_of
 from cycloid_mj.parts.export.joints import JointKind, drive_joints
 from cycloid_mj.parts.export.running import running_gaps, swept_annuli
 from cycloid_mj.reducer import Reducer
@@ -20,6 +21,11 @@ NAMES = (*presets_for("measure"), *sorted(path.stem for path in FOLDER.glob("*.t
 
 def reducer_of(name: str) -> Reducer:
     return Reducer(PRESETS[name] if name in PRESETS else load(design_file(name)))
+
+
+def drive_of(name: str) -> tuple[Reducer, Casing]:
+    reducer = reducer_of(name)
+    return reducer, casing(reducer)
 
 
 def smallest(reducer, sizes, *parts):
@@ -87,6 +93,20 @@ def test_the_crank_floats_between_its_bearings_by_the_axial_play():
     (near,), (far,) = parts["crank_ring_1"].stretches, parts["crank_ring_2"].stretches
     assert near.z0 == pytest.approx(sizes.near[1])
     assert sizes.far[0] - far.z1 == pytest.approx(sizes.play)
+
+
+def test_spacers_keep_the_bearings_of_an_overhung_crank_apart():
+    """One is between the outer rings in the cover, one between the inner rings on the journal, of equal length."""
+    reducer = reducer_of("pin")
+    sizes = casing(reducer)
+    parts = assembly_parts(reducer, sizes)
+    (outer,), (inner,) = parts["bearing_spacer_1"].stretches, parts["bearing_spacer_2"].stretches
+    (first, second) = [place.origin[2] for place in place_parts(reducer, 0.0, sizes) if place.part == "shaft_bearing"]
+    half = 0.5 * bearing_width_of(reducer)
+    assert (outer.z0, outer.z1) == (inner.z0, inner.z1) == pytest.approx((first + half, second - half))
+    assert inner.outline.radius < outer.holes[0].radius < outer.outline.radius == sizes.seat
+    assert inner.holes[0].radius == reducer.design.shaft.radius
+    assert not {"bearing_spacer_1", "bearing_spacer_2"} & assembly_parts(*drive_of("twodisc")).keys(), "straddled"
 
 
 def test_the_flange_covers_open_bearings_with_a_gap():

@@ -31,7 +31,7 @@ from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
 )
 from cycloid_mj.parts.export.crank_joints import KEY
-from cycloid_mj.parts.export.crank_rings import CRANK_RING
+from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING
 from cycloid_mj.parts.export.edges import broken_edges
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.placement import place_discs, place_ring_pins, place_rotated, ring_pin_centres
@@ -52,7 +52,7 @@ COLOURS: Mapping[str, Colour] = {
     KEY: (0.45, 0.45, 0.45, 1.0),
     names.CAM: (0.8, 0.5, 0.35, 1.0),
     names.SPACER: (0.6, 0.6, 0.55, 1.0),
-    CRANK_RING: (0.7, 0.7, 0.6, 1.0),
+    **dict.fromkeys((CRANK_RING, BEARING_SPACER), (0.7, 0.7, 0.6, 1.0)),
     names.OUTPUT: (0.4, 0.6, 0.45, 1.0),
     names.ROLLER: (0.7, 0.8, 0.7, 1.0),
     OUTPUT_PIN: (0.5, 0.5, 0.5, 1.0),

@@ -21,7 +21,14 @@ from cycloid_mj.parts.export.casing_rules import (
     shoulder_radius,
 )
 from cycloid_mj.parts.export.crank_joints import cam_key
-from cycloid_mj.parts.export.crank_rings import CrankRing, counterweight_shift, crank_collars, crank_rings, hub_radius
+from cycloid_mj.parts.export.crank_rings import (
+    CrankRing,
+    bearing_spacers,
+    counterweight_shift,
+    crank_collars,
+    crank_rings,
+    hub_radius,
+)
 from cycloid_mj.parts.export.joint import PRESSED_PIN, Point
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
 from cycloid_mj.parts.export.keyway import KeywayContour
@@ -59,8 +66,8 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
         names.SHAFT: (names.SHAFT, ()),
     }
     parts = {}
-    for ring in crank_rings(reducer, sizes):
-        bore = AXIS, reducer.design.shaft.radius, ring.low, ring.high
+    for ring in (*crank_rings(reducer, sizes), *bearing_spacers(reducer, sizes)):
+        bore = AXIS, ring.bore, ring.low, ring.high
         parts[ring.name] = RoundPart(names.SHAFT, ((ring.radius, ring.low, ring.high),), (bore,))
     for name, (material, rounds) in bodies.items():
         holes = tuple(hole for joint in joints for hole in joint.holes_in(name))
@@ -75,8 +82,8 @@ def place_casing(reducer: Reducer, sizes: Casing) -> Iterator[CasingPosition]:
     for name in (MOTOR_COVER, OUTPUT_COVER):
         yield CasingPosition(name, name, (0.0, 0.0, 0.0), names.HOUSING)
     yield CasingPosition(FLANGE, FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
-    for ring in crank_rings(reducer, sizes):
-        yield CasingPosition(ring.name, ring.name, (0.0, 0.0, 0.0), names.SHAFT)
+    for ring in (*crank_rings(reducer, sizes), *bearing_spacers(reducer, sizes)):
+        yield CasingPosition(ring.name, ring.name, (0.0, 0.0, 0.0), ring.body)
     for part in bought_parts(drive_joints(reducer, sizes)):
         for number, origin in enumerate(part.origins, start=part.first):
             yield CasingPosition(names.numbered_name(part.item, number), part.item, origin, part.body)

@@ -3,6 +3,9 @@
 The ring next to the motor touches the inner ring of its bearing, or stands back from a drawn cup, whose whole face is
 at rest. The far ring stands back by the axial play, so that the length of the drive does not preload the bearings. On a
 crank in one piece the rings are its collars; on the plain shaft of several discs they are separate parts.
+
+Two rings of equal length keep both ball bearings of an overhung crank apart: one between their outer rings in the
+cover, one between their inner rings on the journal. So the cover's shoulder takes axial loads of both.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -11,29 +14,48 @@ from dataclasses import dataclass
 from cycloid_mj.base import names
 from cycloid_mj.design import stock
 from cycloid_mj.parts import Stretch, crank_stretches
+from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.export.bearings import cam_radius, shaft_bearing
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.casing_rules import RULES, shoulder_radius
-from cycloid_mj.parts.shaft import COUNTERWEIGHT
+from cycloid_mj.parts.shaft import COUNTERWEIGHT, bearing_seats
 from cycloid_mj.reducer import Reducer
 
 CRANK_RING = "crank_ring"
 """Family of the rings: 1 on the side of the motor, 2 beyond the discs."""
 
+BEARING_SPACER = "bearing_spacer"
+"""Family of the rings between the bearings of an overhung crank: 1 between the outer rings, 2 between the inner."""
+
 
 @dataclass(frozen=True)
 class CrankRing:
-    """A ring on the crank: its name, outer radius and ends along z [m]."""
+    """A ring about the axis: its name, outer radius, ends along z and bore radius [m], and body that it moves with."""
 
     name: str
     radius: float
     low: float
     high: float
+    bore: float
+    body: str = names.SHAFT
 
 
 def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
     """Return the rings on the shaft of several discs: before the first cam, beyond the last of a straddled shaft."""
     return tuple(_crank_rings(reducer, sizes, crank_stretches(reducer))) if reducer.design.gear.discs > 1 else ()
+
+
+def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
+    """Return the rings between the bearings of an overhung crank; none of a straddled one, or between drawn cups."""
+    far, near = bearing_seats(reducer, crank_stretches(reducer))
+    if sizes.far or near[0] - far[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
+        return ()
+    outer, inner = names.all_numbered(BEARING_SPACER, 2)
+    ends, shaft = (far[1], near[0]), reducer.design.shaft.radius
+    return (
+        CrankRing(outer, sizes.seat, *ends, shoulder_radius(sizes.seat, shaft), names.HOUSING),
+        CrankRing(inner, shoulder_radius(shaft, sizes.seat), *ends, shaft),
+    )
 
 
 def crank_collars(reducer: Reducer, sizes: Casing, stretches: Iterable[Stretch]) -> tuple[CrankRing, ...]:
@@ -66,6 +88,7 @@ def _crank_rings(reducer: Reducer, sizes: Casing, stretches: Mapping[str, Stretc
     retreat = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
     thinnest, max_radius = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
     if radius >= thinnest:
-        yield CrankRing(names.numbered_name(CRANK_RING, 1), radius, sizes.near[1] + retreat, ring_end)
+        yield CrankRing(names.numbered_name(CRANK_RING, 1), radius, sizes.near[1] + retreat, ring_end, shaft.radius)
     if sizes.far and max_radius >= thinnest:
-        yield CrankRing(names.numbered_name(CRANK_RING, 2), max_radius, cams[-1].z1, sizes.far[0] - sizes.play)
+        ends = cams[-1].z1, sizes.far[0] - sizes.play
+        yield CrankRing(names.numbered_name(CRANK_RING, 2), max_radius, *ends, shaft.radius)

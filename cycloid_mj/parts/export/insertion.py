@@ -34,7 +34,7 @@ from cycloid_mj.parts.export.casing import (
     Casing,
 )
 from cycloid_mj.parts.export.crank_joints import KEY
-from cycloid_mj.parts.export.crank_rings import CRANK_RING
+from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.step import PlacedPart
 from cycloid_mj.parts.polygon import rotate_points
@@ -147,7 +147,10 @@ def _list_moves(reducer: Reducer, sizes: Casing, placements: tuple[PlacedPart, .
     yield Move(_names_of_family(placements, SCREW_INSERT), MOTOR_COVER, DOWN)
     yield Move(_names_of_family(placements, MOTOR_INSERT), MOTOR_COVER, UP)
     yield Move(_names_of_family(placements, MOTOR_SCREW), MOTOR_COVER, DOWN)
-    yield Move(_names_of_family(placements, SHAFT_BEARING, DOWN), MOTOR_COVER, DOWN)
+    first, *second = sorted(_names_of_family(placements, SHAFT_BEARING, DOWN))
+    yield Move((first,), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placements, BEARING_SPACER), MOTOR_COVER, DOWN)
+    yield Move(tuple(second), MOTOR_COVER, DOWN)
     yield Move(_names_of_family(placements, DOWEL, DOWN), MOTOR_COVER, DOWN)
     yield Move((MOTOR_COVER,), DRIVE, UP)
     yield Move(_names_of_family(placements, SCREW), DRIVE, DOWN)

@@ -26,7 +26,7 @@ from cycloid_mj.parts.export.casing_rules import (
     is_plastic,
 )
 from cycloid_mj.parts.export.crank_joints import KEY, cam_key
-from cycloid_mj.parts.export.crank_rings import CRANK_RING, crank_rings
+from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING, bearing_spacers, crank_rings
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.motor_mount import motor_screw
 from cycloid_mj.reducer import Reducer
@@ -38,6 +38,7 @@ ALONG = (
     SCREW_INSERT,
     SHAFT_BEARING,
     names.SHAFT,
+    BEARING_SPACER,
     CRANK_RING,
     KEY,
     names.CAM,
@@ -82,8 +83,8 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{_describe_ring_pins(reducer)}.",
         _describe_discs(reducer, sizes),
         _describe_crank(reducer, sizes),
-        f"{_describe_motor_cover(sizes)}{'the' if sizes.far else 'both'} {SHAFT_BEARING} into the {MOTOR_COVER}, "
-        f"put it on{dowels} and tighten {len(screws.angles)} x {screws.bolt.designation} x "
+        f"{_describe_motor_cover(reducer, sizes)}, put it on{dowels} and tighten "
+        f"{len(screws.angles)} x {screws.bolt.designation} x "
         f"{MILLIMETRES * screws.length:g} crosswise from the output's side.",
         _describe_last_step(sizes),
     )
@@ -96,15 +97,17 @@ def _describe_preload(sizes: Casing) -> str:
     return "; grind its raised face until the hub turns without play and not harder than by hand"
 
 
-def _describe_motor_cover(sizes: Casing) -> str:
-    """Describe what precedes the bearing of the motor cover in its step: a tapped motor is bolted on from within."""
+def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
+    """Describe how bearings are pressed into the motor cover, after a tapped motor is bolted on from within."""
+    count = "the" if sizes.far else "both"
+    between = f", both {BEARING_SPACER} between them" if bearing_spacers(reducer, sizes) else ""
+    step = f"press {count} {SHAFT_BEARING} into the {MOTOR_COVER}{between}"
     if not sizes.motor.tapped:
-        return "Press "
+        return f"P{step[1:]}"
     bolt, length = motor_screw(sizes.motor, sizes.wall)
     screws = f"4 x {bolt.designation} x {MILLIMETRES * length:g}"
-    return (
-        f"Turn the crank by hand through one turn; bolt the motor on ({sizes.motor.name}, {screws} from within), press "
-    )
+    turn = "Turn the crank by hand through one turn"
+    return f"{turn}; bolt the motor on ({sizes.motor.name}, {screws} from within), {step}"
 
 
 def _describe_last_step(sizes: Casing) -> str:

@@ -21,7 +21,7 @@ from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
     is_printed,
 )
-from cycloid_mj.parts.export.crank_rings import CRANK_RING
+from cycloid_mj.parts.export.crank_rings import BEARING_SPACER, CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.round_part import RoundPart, cut_holes
 from cycloid_mj.parts.output import roller_part
@@ -70,7 +70,7 @@ def material_part(reducer: Reducer, part: str) -> str:
     Discs and flange of the output have the material of the housing, whatever the material of its pins.
     """
     family = names.family(part)
-    if family in (names.CAM, names.SPACER, CRANK_RING):
+    if family in (names.CAM, names.SPACER, CRANK_RING, BEARING_SPACER):
         return names.SHAFT
     if family == PRESSED_PIN:
         return names.PIN
