@@ -43,6 +43,10 @@ SPACING = 1e-4
 """Largest distance of points along a curve, for bounds of a distance [m]: a wider one leaves more to OpenCASCADE."""
 
 
+OBLIQUE = 1.0
+"""Angle [rad] by which outlines are rotated so that rays do not pass through the corners of symmetric parts."""
+
+
 @dataclass(frozen=True)
 class Distance:
     """The smallest distance of two parts [m], and whether it is along the axis."""
@@ -58,24 +62,49 @@ class Distance:
 
 
 @dataclass(frozen=True, eq=False)
-class Face:
-    """A plane face: its edges, points along them (n, 2) [mm], and the number of the edge that each is on (n,)."""
+class Outline:
+    """Edges of a plane face in its own frame, points along them (n, 2) [mm], and the edge of each point (n,)."""
 
-    shape: Any
     edges: tuple[Any, ...]
     points: Array
     owners: Array
 
+    @cached_property
+    def tree(self) -> cKDTree:
+        """Tree of its points."""
+        return cKDTree(self.points)
+
+    @cached_property
+    def chords(self) -> tuple[Array, Array]:
+        """Start and end points of the chords along all edges, shape (m, 2) each [mm], rotated by `OBLIQUE`."""
+        is_chord, points = self.owners[1:] == self.owners[:-1], rotate_points(self.points, OBLIQUE)
+        return points[:-1][is_chord], points[1:][is_chord]
+
+    def covers(self, point: Array) -> bool:
+        """Return whether its polygon covers a point (2,) [mm] (even-odd rule)."""
+        ((at_x, at_y),) = rotate_points(point[np.newaxis], OBLIQUE)
+        (x, y), (end_x, end_y) = (ends.T for ends in self.chords)
+        crosses = (y > at_y) != (end_y > at_y)
+        x, y, end_x, end_y = x[crosses], y[crosses], end_x[crosses], end_y[crosses]
+        return bool(np.count_nonzero(x + (at_y - y) / (end_y - y) * (end_x - x) > at_x) % 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A plane face in place: its outline, rotated by an angle [rad], then moved to an origin (2,) [mm]."""
+
+    outline: Outline
+    angle: float = 0.0
+    origin: tuple[float, float] = (0.0, 0.0)
+
     def moved(self, place: PlacedPart) -> "Face":
         """Return the face at a place of its part."""
-        motion = occ.gp_Trsf()
-        motion.SetRotation(occ.gp_Ax1(occ.gp_Pnt(), occ.gp_Dir(0.0, 0.0, 1.0)), place.angle)
-        at = MILLIMETRES * np.array(place.origin[:2])
-        motion.SetTranslationPart(occ.gp_Vec(*at.tolist(), 0.0))
-        where = occ.TopLoc_Location(motion)
-        edges = tuple(edge.Moved(where) for edge in self.edges)
-        points = rotate_points(self.points, place.angle) + at
-        return Face(occ.TopoDS.Face(self.shape.Moved(where)), edges, points, self.owners)
+        return Face(self.outline, place.angle, (MILLIMETRES * place.origin[0], MILLIMETRES * place.origin[1]))
+
+    @cached_property
+    def points(self) -> Array:
+        """Points along its edges (n, 2) [mm]."""
+        return rotate_points(self.outline.points, self.angle) + np.array(self.origin)
 
     @cached_property
     def box(self) -> tuple[Array, Array]:
@@ -83,16 +112,20 @@ class Face:
         margin = MILLIMETRES * SPACING
         return self.points.min(axis=0) - margin, self.points.max(axis=0) + margin
 
-    @cached_property
-    def tree(self) -> cKDTree:
-        """Tree of its points."""
-        return cKDTree(self.points)
+    def edge(self, number: int) -> Any:
+        """Return an edge in place."""
+        motion = occ.gp_Trsf()
+        motion.SetRotation(occ.gp_Ax1(occ.gp_Pnt(), occ.gp_Dir(0.0, 0.0, 1.0)), self.angle)
+        motion.SetTranslationPart(occ.gp_Vec(*self.origin, 0.0))
+        return self.outline.edges[number].Moved(occ.TopLoc_Location(motion))
 
-    def covers(self, point: Array) -> bool:
-        """Return whether it covers a point [mm]."""
-        position = occ.gp_Pnt(*point.tolist(), 0.0)
-        state = occ.BRepClass_FaceClassifier(self.shape, position, MILLIMETRES * SAME_LENGTH).State()
-        return bool(state == occ.TopAbs_State.TopAbs_IN)
+    def to_frame(self, points: Array) -> Array:
+        """Return points (n, 2) [mm] in the frame of its outline."""
+        return rotate_points(points - np.array(self.origin), -self.angle)
+
+    def gaps(self, points: Array) -> Array:
+        """Compute the distances of points (n, 2) from its points [mm], shape (n,)."""
+        return np.asarray(self.outline.tree.query(self.to_frame(points))[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,12 +167,18 @@ def planar_distance(first: Face, second: Face, limit: float = math.inf) -> float
     (low, high), (other_low, other_high) = first.box, second.box
     if np.hypot(*np.maximum(np.maximum(low - other_high, other_low - high), 0.0)) >= MILLIMETRES * limit:
         return math.inf
-    if first.covers(second.points[0]) or second.covers(first.points[0]):
+    may_contain = np.all(low <= other_low) and np.all(high >= other_high)
+    if not may_contain and np.all(low >= other_low) and np.all(high <= other_high):
+        first, second, may_contain = second, first, True
+    gaps = first.gaps(second.points)
+    if may_contain and first.outline.covers(first.to_frame(second.points[[np.argmax(gaps)]])[0]):
         return 0.0
-    upper = min(float(np.min(first.tree.query(second.points)[0])), MILLIMETRES * limit)
-    near = first.tree.sparse_distance_matrix(second.tree, upper + MILLIMETRES * SPACING, output_type="ndarray")
-    pairs = {*zip(first.owners[near["i"]].tolist(), second.owners[near["j"]].tolist(), strict=True)}
-    values = [occ.BRepExtrema_DistShapeShape(first.edges[i], second.edges[j]).Value() for i, j in pairs]
+    reach = min(float(gaps.min()), MILLIMETRES * limit) + MILLIMETRES * SPACING
+    near = np.flatnonzero(gaps <= reach)
+    neighbours = first.outline.tree.query_ball_point(first.to_frame(second.points[near]), reach)
+    owners, others = first.outline.owners, second.outline.owners[near]
+    pairs = {(owner, other) for found, other in zip(neighbours, others, strict=True) for owner in {*owners[found]}}
+    values = [occ.BRepExtrema_DistShapeShape(first.edge(i), second.edge(j)).Value() for i, j in pairs]
     return min(values, default=math.inf) / MILLIMETRES
 
 
@@ -165,7 +204,7 @@ def face_of(section: PartSection) -> Face:
         owners += [len(edges)] * len(values)
         edges.append(edge)
         explorer.Next()
-    return Face(shape, tuple(edges), np.array(points), np.array(owners))
+    return Face(Outline(tuple(edges), np.array(points), np.array(owners)))
 
 
 def _prisms(
