@@ -1,9 +1,9 @@
-"""Check that drives can be exported, turn without contact, and that their bills list what is drawn.
+"""Check that drives can be exported and assembled, turn without contact, and that their bills list what is drawn.
 
 For each design: `export` of solids, outlines, plates, assembly and drawings; the smallest distance of each two kinds
-of parts that move against each other, by OpenCASCADE at 12 crank angles; number and mass of each line of the bill
-against the solids in place. Arguments: names of presets, or design files; without, the presets. Half a minute to some
-minutes a design.
+of parts that move against each other, by OpenCASCADE at 12 crank angles; whether each part can pass those that are
+there before it; number and mass of each line of the bill against the solids in place. Arguments: names of presets, or
+design files; without, the presets. Half a minute to some minutes a design.
 """
 
 import sys
@@ -21,6 +21,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import presets_for, resolve
 from cycloid_mj.parts.export import Casing, bill, casing, place_parts
 from cycloid_mj.parts.export.drive import drive_mass
+from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.reducer import Reducer
 
 CRANK_ANGLES = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
@@ -37,6 +38,7 @@ def faults(name: str) -> Iterator[str]:
     reducer = Reducer(resolve(name))
     sizes = casing(reducer)
     yield from touching_parts(reducer, sizes)
+    yield from (f"{one.part} cannot pass {one.other}" for one in blockages(reducer, sizes))
     yield from bill_differences(reducer, sizes)
     yield from failed_exports(name)
 

@@ -112,6 +112,13 @@ def test_key_pressure_matches_worked_examples(
     assert key.torque(1e-3 * shaft, pressure / 0.9) == pytest.approx(torque, rel=1e-3)
 
 
+def test_key_length_matches_shigley() -> None:
+    """Shigley, example 7-6: square key of 3/8 in on 1 7/16 in, 4200 lbf in, 65 kpsi over 1.5: 0.720 in are crushed."""
+    inch, psi, pound_inch = 25.4e-3, 6894.757, 0.1129848
+    key = ParallelKey(0.375 * inch, 0.1875 * inch, 0.720 * inch)
+    assert key.pressure(4200.0 * pound_inch, 1.4375 * inch) == pytest.approx(65e3 / 1.5 * psi, rel=2e-3)
+
+
 def test_dowels_inserts_and_bent_pins() -> None:
     assert dowel_force(3e-3, 4e-3, 1e9) == pytest.approx(0.25 * math.pi * 9e-6 * 896e6)
     assert dowel_force(3e-3, 4e-3, 45e6) == pytest.approx(540.0), "the hole in a plastic yields first"
