@@ -57,8 +57,8 @@ def measures(line: BillLine) -> dict[str, float]:
 
 def sizes_in_stock(designation: str) -> dict[str, float]:
     """Look up the sizes of a designation in the tables of stock, in mm."""
-    bearings = (*stock.needle_bearings(), *stock.ball_bearings(), *stock.thin_ball_bearings())
-    for one in bearings:
+    balls = (*stock.ball_bearings(), *stock.thin_ball_bearings(), *stock.angular_contact_bearings())
+    for one in (*stock.needle_bearings(), *balls):
         if one.designation == designation:
             return {"outside diameter": 1e3 * one.outside, "bore": 1e3 * one.bore, "length": 1e3 * one.width}
     for insert in stock.inserts():
