@@ -167,7 +167,7 @@ def planar_distance(first: Face, second: Face, limit: float = math.inf) -> float
     (low, high), (other_low, other_high) = first.box, second.box
     if np.hypot(*np.maximum(np.maximum(low - other_high, other_low - high), 0.0)) >= MILLIMETRES * limit:
         return math.inf
-    may_contain = np.all(low <= other_low) and np.all(high >= other_high)
+    may_contain = bool(np.all(low <= other_low) and np.all(high >= other_high))
     if not may_contain and np.all(low >= other_low) and np.all(high <= other_high):
         first, second, may_contain = second, first, True
     gaps = first.gaps(second.points)
