@@ -219,7 +219,7 @@ def _candidate(
             **{"middle_hole_radius": middle, "post_radius": post, "flange_thickness": SHARES.flange * circle},
         },
         housing={"outer_radius": requirement.diameter / 2.0},
-        clearance=dict.fromkeys(("pin_gear", "pin_socket"), requirement.usual_clearance),
+        clearance=dict.fromkeys(("pin_gear", "pin_socket"), requirement.clearance or CLEARANCE),
         stiffness=dict.fromkeys(("pin_gear", "pin_socket"), 600000000.0 * face / 0.015),
         drive={
             "speed": requirement.speed,
