@@ -164,6 +164,15 @@ def wait_for_result(page: Tab) -> None:
     )
 
 
+def break_design(page: Tab) -> None:
+    """Enter the radius of the output circle as that of the bore, so that no wall is left, and wait for the refusal."""
+    circle = page.run("document.getElementById('k-output.pin_circle_radius_mm').value")
+    page.run("document.querySelector('[data-key=\"gear.bore_radius_mm\"] [type=number]').select()")
+    page.type(circle)
+    page.key("Enter")
+    page.wait("!document.querySelector('#wrong').hidden", "it cannot be built, and the picture says so")
+
+
 def looks(page: Tab, on_step: Shown) -> None:
     """Visit all tabs of a drive, set a value that cannot be built, and repair it by a remedy's button."""
     page.click("[role=tab]", "Loads")
@@ -184,9 +193,7 @@ def looks(page: Tab, on_step: Shown) -> None:
         page.listen(0.5)
         on_step(name)
     page.click("[role=tab]", "Figures")
-    page.run("document.getElementById('k-gear.bore_radius_mm').focus()")
-    page.key("End")
-    page.wait("!document.querySelector('#wrong').hidden", "it cannot be built, and the picture says so")
+    break_design(page)
     on_step("11-broken")
     page.click("#wrong .remedy")
     page.wait("document.querySelector('#wrong').hidden", "a button mends it")
