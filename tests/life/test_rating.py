@@ -208,7 +208,8 @@ def test_torsion_has_its_own_notch_constant() -> None:
 
 def test_pitting_states_the_upper_branch_beyond_ten_million_loads() -> None:
     """772.9 of 843.5 MPa: (2.466 x 1.0914)^(1/0.056) = 4.8e7 loads, (1.4488 x 1.0914)^(1/0.023) = 4.5e8."""
-    item = rate(PRESETS["twodisc"], stops=False).items["pin_gear_pitting"]
+    design = PRESETS["twodisc"].but(friction={"law": "coulomb"})
+    item = rate(design, stops=False).items["pin_gear_pitting"]
     assert item.life == pytest.approx(1279.0, rel=1e-3)
     assert "12020 h by the upper branch" in item.note
     assert upper_pitting_cycles(1.0, 1.0914) == pytest.approx(4.48e8, rel=0.01)
