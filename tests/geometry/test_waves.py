@@ -38,7 +38,7 @@ def waved(preset: str, size: float, *changes: str) -> Design:
     cosines = f"errors.profile_cos_um={{2 = {2.0 * size}, 3 = {-1.5 * size}}}"
     sines = f"errors.profile_sin_um={{5 = {1.0 * size}, {lobes} = {0.5 * size}}}"
     kinds = ("pin_gear", "pin_socket", "tooth", "cam", "cam_rolling", "output", "output_rolling")
-    free = [*(f"friction.{kind}=0" for kind in kinds), "environment.gravity_y_m_s2=0"]
+    free = ["friction.law=coulomb", *(f"friction.{kind}=0" for kind in kinds), "environment.gravity_y_m_s2=0"]
     slow = ["drive.speed_rpm=600", "drive.ramp_s=0", "drive.hold_s=0.12", "load.rise_s=0.01"]
     settings = [f"load.torque_nm={TORQUE}", "settings.timestep_us=10", "settings.log_rate_hz=4000"]
     return override(PRESETS[preset], [cosines, sines, *free, *slow, *settings, *changes])
