@@ -32,6 +32,9 @@ LINE_STIFFNESS = 0.26
 LOSSES = 2.0
 """All losses, with those of bearings and seals, over those of teeth, output pins and cams (median of 30 drives)."""
 
+LUBRICANT_FACTOR = 0.7
+"""Usual product of the factors of ISO 6336-2 for lubricant, speed and roughness, on the allowed pressure."""
+
 TOOTH_ERROR = 3.0 * math.sqrt(3.0) * TOLERANCE_SHARE
 """Error of a critical tooth over the clearance: three standard deviations of position, radius and seat of its pin."""
 
@@ -202,6 +205,8 @@ def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Lo
             allowed = factor * min(pitting_limit(part)[0] for part in partners) / cycles**power
             key = f"{kind}_pitting"
         limits[key] = loads.torque * (allowed / np.maximum(pressure, 1.0)) ** 2
+        if design.friction.law == "film" and key.endswith("pitting"):
+            limits[f"{key}_lubricated"] = LUBRICANT_FACTOR**2 * limits[key]
         if kind == "pin_gear":
             factor = SHAKEDOWN_PRESSURE if key.endswith("set") else YIELD_PRESSURE
             limits["peak_yield"] = loads.torque * 0.5 * (factor * strength / np.maximum(pressure, 1.0)) ** 2

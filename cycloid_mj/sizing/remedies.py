@@ -11,7 +11,7 @@ from cycloid_mj.life.heat import COOLING
 from cycloid_mj.sizing.answer import FeasibleChange
 from cycloid_mj.sizing.requirement import LARGEST_PAIR, MAX_DISCS, Requirement
 from cycloid_mj.sizing.search import SETTINGS, Pool, pool_of
-from cycloid_mj.sizing.solve import finer_requirements, has_drive, pools_of
+from cycloid_mj.sizing.solve import find_drive, finer_requirements, pools_of
 
 STEP = 1.04
 """Factor between values that are tried; with their rounding, a remedy is at most 5 % above the smallest."""
@@ -72,7 +72,7 @@ class _RemedySearch:
         """Return whether the search finds a drive, after a tolerance `study` or before; ratings are kept."""
         if changed not in self.pools:
             self.pools[changed] = list(pools_of(changed, self.pool))
-        return any(has_drive(pool, study=study, max_ratings=SETTINGS.few_ratings) for pool in self.pools[changed])
+        return any(find_drive(pool, study=study, max_ratings=SETTINGS.few_ratings) for pool in self.pools[changed])
 
     def smallest(self, changes: Changes) -> Iterator[FeasibleChange]:
         """Yield the smallest feasible change, if one is found.

@@ -298,16 +298,17 @@ class Pool:
     @property
     def corrected(self) -> Estimate:
         """The estimates, corrected by the ratings nearby, and capacities by a tolerance study."""
-        weight = _shepard_weights(self.points, self.corrections)
-        records, bias = self.corrections.values(), self.bias
-        factors = {key: np.exp(weight @ [one.get(key, 0.0) for one in records]) for key in self.guess}
+        records, bias = [*self.corrections.values()], self.bias
+        values = np.reshape([[one.get(key, 0.0) for key in self.guess] for one in records], (-1, len(self.guess)))
+        factors = dict(zip(self.guess, np.exp(_interpolate(self.points, self.corrections, values)).T, strict=True))
         factors |= {key: bias * factor for key, factor in factors.items() if key not in FIGURES}
         return {key: factors[key] * guess for key, guess in self.guess.items()}
 
     @property
     def bias(self) -> Array:
         """Expected ratios of capacities by a tolerance study to those by one sample."""
-        return np.asarray(np.exp(_shepard_weights(self.points, self.biases) @ [*self.biases.values()]))
+        values = np.reshape([*self.biases.values()], (-1, 1))
+        return np.asarray(np.exp(_interpolate(self.points, self.biases, values)[:, 0]))
 
     @property
     def promise(self) -> float:
@@ -450,11 +451,16 @@ class Pool:
         self.guess = _estimate(self.requirement, self.sizes)
 
 
-def _shepard_weights(points: Array, known: Iterable[Point]) -> Array:
-    """Return weights of known values at points, shape (points, known): inverse distances, and 1 for no correction."""
+def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
+    """Interpolate logarithms of factors (known, m) by inverse distances (Shepard), shape (points, m).
+
+    Far from all known points they are the median, with two factors of 1, as a single candidate may be an exception.
+    """
     places = np.reshape(list(known), (-1, DIMENSIONS))
     weight = 1.0 / (cdist(points, places, "sqeuclidean") + 1e-9) ** 2
-    return np.asarray(weight / (weight.sum(axis=1, keepdims=True) + 1.0))
+    weight /= weight.sum(axis=1, keepdims=True) + SETTINGS.reach**-4
+    middle = np.median(np.concatenate([np.zeros((2, values.shape[1])), values]), axis=0)
+    return np.asarray(weight @ values + (1.0 - weight.sum(axis=1, keepdims=True)) * middle)
 
 
 def floor_digits(value: float) -> float:

@@ -32,8 +32,8 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     """Find the best drive of a requirement; else a refusal with the maximum torque and its limit, and its pool."""
     failed: list[Pool] = []
     for pool in pools_of(requirement):
-        best = pool.lightest() if has_drive(pool, study=False) else None
-        if best:
+        found = find_drive(pool, study=False)
+        if found and (best := pool.lightest() or find_drive(pool, study=True)):
             return Trial(pool, best), Answer(pool.requirement, ()), None
         failed.append(pool)
     if not failed:
@@ -44,12 +44,12 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     return None, Answer(requirement, (), most, _limit(pool, one)), pool
 
 
-def has_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> bool:
-    """Return whether a drive of a pool carries the torque within the limits, by its tolerance `study` or a rating."""
+def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
+    """Return a drive of a pool that carries the torque within the limits, by its tolerance `study` or a rating."""
     requirement = pool.requirement
     goal = -requirement.torque
     one = pool.best(strongest(requirement), goal, only_goal=True, study=study, max_ratings=max_ratings)
-    return bool(one and one.capacity >= requirement.torque and (one.passed or not study))
+    return one if one and one.capacity >= requirement.torque and (one.passed or not study) else None
 
 
 def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
