@@ -350,7 +350,7 @@ def _cores(
     -------
     tuple
         Radius of the core [m], dynamic rating of the needles [N] (0 for sleeves), thickness of the output discs [m],
-        and whether there is a core that fits; shape (n,) each.
+        and whether dowels in stock reach that fits; shape (n,) each.
     """
     dowels = np.array(stock.dowel_diameters()) / 2.0
     fitting = dowels <= CORE_SHARE * stud[:, None]
@@ -370,13 +370,14 @@ def _cores(
     beside = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
     core = np.round(np.where(needles, 0.5 * bores[index], plain), 9)
     between, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _round_down(np.array(usual)))
+    reaches = core > 0.0
     for size in () if free else np.unique(core[core > 0.0]).tolist():
         rows = np.flatnonzero(core == size)
         reach = stock.stock_pin_lengths(2.0 * size, between[rows] + 2.0 * usual, max_count=1)
         thickness = np.round(0.5 * (reach - between[rows]), 9)
         near = (usual / 1.5 <= thickness) & (thickness <= 1.5 * usual)
-        disc[rows] = np.where(near, thickness, disc[rows])
-    return np.asarray(core, float), np.where(needles, beside ** (7.0 / 9.0) * dynamics[index], 0.0), disc, core > 0.0
+        disc[rows], reaches[rows] = thickness, near
+    return np.asarray(core, float), np.where(needles, beside ** (7.0 / 9.0) * dynamics[index], 0.0), disc, reaches
 
 
 def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
