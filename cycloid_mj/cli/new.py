@@ -208,7 +208,7 @@ class SizeFlags:
         UsageError
             A required flag is missing, or flags contradict each other.
         """
-        from cycloid_mj.sizing.requirement import required
+        from cycloid_mj.sizing.requirement import Requirement, required
         from cycloid_mj.sizing.solve import best_ratio
 
         if self.missing or self.diameter_mm is None or self.torque_nm is None:
@@ -221,8 +221,14 @@ class SizeFlags:
                 f"--ratio {self.ratio} and --ratio-range {self.ratio_range} cannot be used together: remove one of the "
                 "two"
             )
+        output_rpm, kind = None if self.motor else self.output_rpm, Requirement
         if self.layout == "rv":
-            return self._rv_requirement(changes)
+            from cycloid_mj.sizing.rv import OUTPUT_RPM, RvRequirement
+
+            self._refuse_unsupported_flags()
+            kind = RvRequirement
+            if self.speed_rpm is None and self.output_rpm is None:
+                output_rpm = OUTPUT_RPM
         low, high = _parse_ratio_range(self.ratio_range) if self.ratio_range else (self.ratio or 0, self.ratio or 0)
         requirement = required(
             ratio=low,
@@ -230,7 +236,7 @@ class SizeFlags:
             torque_nm=self.torque_nm,
             life_h=self.life_h,
             speed_rpm=self._crank_speed(low),
-            output_rpm=None if self.motor else self.output_rpm,
+            output_rpm=output_rpm,
             duty=self.duty or None,
             cooling=self.cooling,
             ambient_c=self.ambient_c,
@@ -244,36 +250,15 @@ class SizeFlags:
             clearance_um=self.clearance_um,
             fit=self.fit,
             custom=self.custom,
+            kind=kind,
         )
         return best_ratio(requirement, low, high) if self.ratio_range else requirement
 
-    def _rv_requirement(self, changes: tuple[str, ...]) -> "Requirement":
-        """Return the requirement of an RV reducer; raise UsageError for a flag that its search does not support."""
-        from cycloid_mj.sizing.requirement import required
-        from cycloid_mj.sizing.rv import OUTPUT_RPM, RvRequirement
-
-        unused = ("ratio_range", "motor", "backlash_arcmin", "process", "material", "fit", "custom", "discs")
-        for name in unused:
+    def _refuse_unsupported_flags(self) -> None:
+        """Raise UsageError for a flag that the search for RV reducers does not support."""
+        for name in ("ratio_range", "motor", "backlash_arcmin", "process", "material", "fit", "custom", "discs"):
             if getattr(self, name) != getattr(SIZE, name):
                 raise UsageError(f"--{name.replace('_', '-')} does not support --layout rv: remove it")
-        assert self.ratio is not None
-        assert self.diameter_mm is not None
-        assert self.torque_nm is not None
-        return required(
-            ratio=self.ratio,
-            diameter_mm=self.diameter_mm,
-            torque_nm=self.torque_nm,
-            life_h=self.life_h,
-            speed_rpm=self.speed_rpm,
-            output_rpm=OUTPUT_RPM if self.speed_rpm is None and self.output_rpm is None else self.output_rpm,
-            duty=self.duty or None,
-            cooling=self.cooling,
-            ambient_c=self.ambient_c,
-            changes=changes,
-            length_mm=self.length_mm,
-            clearance_um=self.clearance_um,
-            kind=RvRequirement,
-        )
 
     def _crank_speed(self, ratio: int) -> float | None:
         """Return the required crank speed at a ratio [rpm]; None if none is required.

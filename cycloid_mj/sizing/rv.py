@@ -30,6 +30,7 @@ from cycloid_mj.parts.rv import axial_layout
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.reducer.gaps import mesh_gaps
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
+from cycloid_mj.sizing.candidates import POWER_RESERVE, conditions
 from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.statics.rv_sheet import motion_figures
 
@@ -53,6 +54,14 @@ class RvShares:
         Distance of pins over their radius.
     wall
         Smallest wall between holes.
+    needle, needle_gap
+        Radius of the needles over that of their bore, and their pitch over their diameter.
+    taper
+        Outer radius of the tapered bearings over that of the crank bores.
+    flange, planet_width
+        Thickness of a flange over E, and face width of the planets over that of a disc.
+    post, journal
+        Smallest radius of the posts over E, and of the cranks' journals over that of the crank bores.
     """
 
     pin_circle: float = 0.815
@@ -67,10 +76,17 @@ class RvShares:
     taper: float = 1.12
     flange: float = 0.23
     planet_width: float = 0.8
-    disc_gap: float = 2e-3
+    post: float = 0.06
+    journal: float = 0.4
 
 
 SHARES = RvShares()
+
+MODEL = PRESETS["rv80e"]
+"""The drive whose proportions, gaps and stiffnesses the others have."""
+
+POST_PLAY = 0.5e-3
+"""Smallest play of a post in its window next to a crank bore [m]."""
 
 TEETH = {"ring": range(28, 61, 2), "sun": range(10, 31), "planet": range(15, 121)}
 """Numbers of teeth that are searched; an even number of pins balances two discs."""
@@ -78,12 +94,8 @@ TEETH = {"ring": range(28, 61, 2), "sun": range(10, 31), "planet": range(15, 121
 MAX_RATINGS, MAX_GROWTH, GROWTH = 8, 2.0, 1.06
 """Largest number of candidates that are rated, and factor on the diameter of a remedy at most and per step."""
 
-RESERVE = 1.25
-"""Power of the motor over that of torque and speed."""
-
 ESTIMATE_ANGLES = 48
 """Crank angles of an estimate."""
-
 
 OUTPUT_RPM = 15.0
 """Usual speed of the output [rpm], at which catalogues state the rated torque."""
@@ -201,36 +213,37 @@ def _candidate(
     chord = 2.0 * radius * math.sin(math.pi / (2.0 * cranks))
     taper, journal = SHARES.taper * bore_radius, eccentric - eccentricity
     middle = radius - taper - wall
-    post = min(chord - taper, chord - bore_radius - eccentricity - 0.5e-3, root - radius - eccentricity) - wall
+    post = min(chord - taper, chord - bore_radius - eccentricity - POST_PLAY, root - radius - eccentricity) - wall
     post = min(post, radius - middle - wall - eccentricity)
-    if min(root - wall - radius - taper, middle, post - 0.06 * circle, journal - 0.4 * bore_radius) < 0.0:
+    rooms = post - SHARES.post * circle, journal - SHARES.journal * bore_radius
+    if min(root - wall - radius - taper, middle, *rooms) < 0.0:
         return None
     needles = math.floor(2.0 * math.pi * (eccentric + needle) / (2.0 * needle * SHARES.needle_gap))
     face = round(width * circle, 4)
-    stiffness = 2e8 * needles * face / (14 * 15e-3)
-    design = PRESETS["rv80e"].but(
+    usual = MODEL.cranks
+    assert usual is not None
+    widened = face / MODEL.gear.face_width
+    row = widened * needles / usual.needles
+    design = MODEL.but(
         name="rv",
         ring={"teeth": ring, "pin_circle_radius": circle, "pin_radius": pin},
-        gear={"eccentricity": eccentricity, "face_width": face, "disc_gap": SHARES.disc_gap},
+        gear={"eccentricity": eccentricity, "face_width": face},
         planet={"sun_teeth": sun, "planet_teeth": planet, "module": module, "face_width": SHARES.planet_width * face},
         cranks={
             **{"count": cranks, "eccentric_radius": eccentric, "needle_radius": needle, "needles": needles},
-            **{"needle_stiffness": stiffness, "taper_stiffness": stiffness, "taper_radius": taper},
-            **{"middle_hole_radius": middle, "post_radius": post, "flange_thickness": SHARES.flange * circle},
+            **{"needle_stiffness": row * usual.needle_stiffness, "taper_stiffness": row * usual.taper_stiffness},
+            **{
+                "taper_radius": taper,
+                "middle_hole_radius": middle,
+                "post_radius": post,
+                "flange_thickness": SHARES.flange * circle,
+            },
         },
         housing={"outer_radius": requirement.diameter / 2.0},
         clearance=dict.fromkeys(("pin_gear", "pin_socket"), requirement.clearance or CLEARANCE),
-        stiffness=dict.fromkeys(("pin_gear", "pin_socket"), 600000000.0 * face / 0.015),
-        drive={
-            "speed": requirement.speed,
-            "torque": requirement.torque / requirement.ratio,
-            "power": RESERVE * requirement.torque / requirement.ratio * requirement.speed,
-        },
+        stiffness={pair: widened * getattr(MODEL.stiffness, pair) for pair in ("pin_gear", "pin_socket")},
         load={"torque": requirement.torque},
-        service={
-            **{"life": requirement.life, "duty_share": requirement.duty_share},
-            **{"film_coefficient": requirement.film, "ambient_temperature": requirement.ambient},
-        },
+        **conditions(requirement, requirement.torque),
     )
     reducer = RvReducer(override(design, requirement.changes))
     return Candidate(reducer, requirement)
@@ -367,5 +380,5 @@ def _reasons(design: Design, weakest: str) -> Iterator[tuple[str, str]]:
         yield f"cranks.{key}", "by proportions of rv80e and walls between the holes"
     for key in ("speed", "torque"):
         yield f"drive.{key}", "required"
-    yield "drive.power", f"{RESERVE:g} times the power of torque and speed"
+    yield "drive.power", f"{POWER_RESERVE:g} times the power of torque and speed"
     yield "load.torque", "required"
