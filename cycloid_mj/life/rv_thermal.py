@@ -11,7 +11,13 @@ from cycloid_mj.geometry.expansion import at_temperatures, tooth_play
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.heat import heat_transfer_coefficient
 from cycloid_mj.life.rv import TAPERS, flange_forces
-from cycloid_mj.life.thermal_network import Conductance, Network, line_contact_conductance, roller_conductance
+from cycloid_mj.life.thermal_network import (
+    Conductance,
+    Network,
+    convection_source,
+    line_contact_conductance,
+    roller_conductance,
+)
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv import RvLoads
 from cycloid_mj.statics.rv_sheet import balance_running, friction_powers
@@ -145,8 +151,7 @@ def _air_links(reducer: RvReducer, wall_temperature: float) -> Iterator[Conducta
     faces = 2.0 * math.pi * (outer**2 - design.ring.pin_circle_radius**2)
     yield Conductance("ring", "housing", design.thermal.joint_conductance * faces, "clamped faces of the ring, h A")
     coefficient = heat_transfer_coefficient(reducer, wall_temperature)
-    by = "service.film_coefficient_w_m2_k" if design.service.film_coefficient else "ISO/TR 14179-2"
     area = 2.0 * math.pi * outer * (outer + length) - 2.0 * ends
-    source = f"h A, h = {coefficient:.3g} W/(m2 K) by {by}"
+    source = f"h A, {convection_source(design, coefficient)}"
     yield Conductance("housing", "ambient", coefficient * area, source)
     yield Conductance("output", "ambient", coefficient * 2.0 * ends, f"ends of the carrier, {source}")

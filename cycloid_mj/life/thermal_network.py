@@ -271,21 +271,20 @@ def _housing_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conduc
     faces = 2.0 * math.pi * (outer**2 - design.ring.pin_circle_radius**2)
     yield Conductance("ring", "housing", design.thermal.joint_conductance * faces, "clamped faces of the ring, h A")
     coefficient = heat_transfer_coefficient(reducer, wall_temperature)
-    source = "service.film_coefficient_w_m2_k" if design.service.film_coefficient else "ISO/TR 14179-2"
+    source = convection_source(design, coefficient)
     area = cooling_area(reducer)
     if has_casing(reducer):
-        yield Conductance("housing", "ambient", coefficient * area, f"h A, h = {coefficient:.3g} W/(m2 K) by {source}")
+        yield Conductance("housing", "ambient", coefficient * area, f"h A, {source}")
         return
     end = math.pi * outer**2
-    yield Conductance(
-        "housing",
-        "ambient",
-        coefficient * (area - end),
-        f"h A without covers, h = {coefficient:.3g} W/(m2 K) by {source}",
-    )
-    yield Conductance(
-        "output", "ambient", coefficient * end, f"end of the output disc, h = {coefficient:.3g} W/(m2 K) by {source}"
-    )
+    yield Conductance("housing", "ambient", coefficient * (area - end), f"h A without covers, {source}")
+    yield Conductance("output", "ambient", coefficient * end, f"end of the output disc, {source}")
+
+
+def convection_source(design: Design, coefficient: float) -> str:
+    """Return the heat transfer coefficient to the air [W/(m2 K)] with its source, in words."""
+    source = "service.film_coefficient_w_m2_k" if design.service.film_coefficient else "ISO/TR 14179-2"
+    return f"h = {coefficient:.3g} W/(m2 K) by {source}"
 
 
 def heat_capacities(reducer: Reducer) -> dict[str, float]:
