@@ -84,24 +84,7 @@ class PrintPlate:
 
 
 def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None) -> PrintPlate:
-    """Place all printed parts on one plate, each on its larger end face, plastic parts with supports.
-
-    Parameters
-    ----------
-    reducer
-        The reducer; its clearances are in the outlines.
-    chord_error
-        Largest distance of a chord from its curve [m].
-    cam_seat
-        Radius of manufactured cams, that of the bore of their bearing [m]; 0: that of its outside, as drawn.
-    sizes
-        Sizes of the casing, to include covers and flanges.
-
-    Raises
-    ------
-    DesignError
-        A part cannot be manufactured, or its mesh is not watertight.
-    """
+    """Place all printed parts on one plate of any size, as `plates` does."""
     (single,) = plates(reducer, chord_error, cam_seat, sizes)
     return single
 
@@ -115,6 +98,8 @@ def plates(
 ) -> tuple[PrintPlate, ...]:
     """Lay out all printed parts on plates that fit on the bed of a printer, as many as it takes.
 
+    Each part lies on its larger end face; plastic parts have supports.
+
     Parameters
     ----------
     reducer
@@ -122,7 +107,7 @@ def plates(
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of manufactured cams [m]; 0: as drawn.
+        Radius of manufactured cams, that of the bore of their bearing [m]; 0: that of its outside, as drawn.
     sizes
         Casing, to include covers and flanges.
     bed
@@ -131,7 +116,7 @@ def plates(
     Raises
     ------
     DesignError
-        As `plate`, or a part is larger than the bed.
+        A part cannot be manufactured, its mesh is not watertight, or it is larger than the bed.
     """
     parts_to_print = printed_parts(reducer, chord_error, cam_seat, sizes)
     lying = [(name, part.count, *_lay_flat(part.solid)) for name, part in parts_to_print.items()]
