@@ -40,8 +40,12 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
         return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
     pool = max(failed, key=lambda pool: pool.promise)
     one = pool.best(strongest(pool.requirement))
-    most = pool.nearer_to_capacity(one).torque if one and one.passed else 0.0
-    return None, Answer(requirement, (), most, _limit(pool, one)), pool
+    if not (one and one.passed):
+        return None, Answer(requirement, (), 0.0, _limit(pool, one)), pool
+    one = pool.nearer_to_capacity(one)
+    if one.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
+        return Trial(pool, pool.lightest() or one), Answer(pool.requirement, ()), None
+    return None, Answer(requirement, (), one.torque, _limit(pool, one)), pool
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
