@@ -314,7 +314,7 @@ def test_a_search_that_was_stopped_continues_to_the_same_points(tmp_path: Path) 
     stopped.send_signal(signal.SIGINT)
     told = stopped.communicate(timeout=60)[1]
     assert stopped.returncode == 130
-    assert "run the same command again to continue" in told
+    assert "Run the same command again to resume" in told
     history = (tmp_path / "one" / HISTORY).read_text().splitlines()
     assert len(history) > 20
     kept = rows.read_bytes().splitlines()

@@ -390,10 +390,10 @@ def test_two_simultaneous_runs_do_not_share_a_folder(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_full_disk_is_reported_and_loses_nothing(tmp_path: Path) -> None:
-    """A limit on the size of files stands for a full disk."""
+    """A limit on the size of files stands for a full disk; the manifest fits, the rows do not."""
     code = (
         "import resource, sys; from cycloid_mj.cli import main;"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, resource.RLIM_INFINITY)); sys.exit(main(sys.argv[1:]))"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, resource.RLIM_INFINITY)); sys.exit(main(sys.argv[1:]))"
     )
     words = [sys.executable, "-c", code, *command(tmp_path, "--workers", "1", "--vary", "ring.kind=pin,nonpin")]
     words += ["--vary", "clearance.output_um=1:2:10"]
