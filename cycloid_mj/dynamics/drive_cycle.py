@@ -96,7 +96,7 @@ def rising(torque: float, rise: float) -> Signal:
 
 
 def initial_state(model: ReducerModel, reducer: Reducer, cycle: DriveCycle | None = None) -> Any:
-    """Return MuJoCo's data with the closed-form positions and speeds of all joints at the start of a drive cycle.
+    """Return a new ``MjData`` with the closed-form positions and speeds of all joints at the start of a drive cycle.
 
     The default is the cycle of the design, `ramp_and_hold`.
     """

@@ -97,8 +97,7 @@ def film_table(reducer: Reducer) -> Array:
     """Compute the friction coefficients of a drive by the law ``film`` [1], shape (4, phases, forces).
 
     Rows are `TEETH`, `SEAT`, `CAM` and `OUTPUT`; phases [rad] and forces [N] are those of `TABLE`. It is `NO_TABLE`
-    with the law ``coulomb``. A pin with a body of its own rolls or stops by its equation of motion, so that flank and
-    seat have a row each; for a massless pin, the first row has the smaller coefficient.
+    with the law ``coulomb``. For massless pins `TEETH` has the smaller coefficient of flank and seat.
     """
     if not reducer.design.has_film:
         return NO_TABLE

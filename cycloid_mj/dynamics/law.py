@@ -136,7 +136,8 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
     `laws` are the contact laws of each disc by kind of pair, `timestep` is in [s]. Below the Coulomb limit friction is
     creep v + impratio/R dv/dt, with the added mass 1/R of the normal force. At impratio/R = creep dt/2 it is centred in
     the step, like the damping; above, friction leads the sliding. The result is the smallest value that reaches this
-    for every kind of pair, and the coupling `FRICTION.max_coupling`.
+    for every kind of pair, and the coupling `FRICTION.max_coupling`. It is `FRICTION.impratio` without friction or
+    with the crank at rest.
     """
     sliding_laws = [law for disc_laws in laws for law in disc_laws.values() if law.friction]
     if not (sliding_laws and reducer.design.drive.speed):
@@ -149,12 +150,12 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
 
 
 def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
-    """Compute the tangent of the angle by which friction leads the sliding, on teeth, cams and seats of moving pins.
+    """Compute the tangent of the angle by which friction leads the sliding velocity, by kind of pair [1].
 
-    `laws` are the contact laws by kind of pair; the result has those of these kinds that have friction. Discs orbit at
-    the eccentricity c with the angular speed w: they slide at c w and accelerate by c w^2; on the cam, of radius r,
-    they slide at r w. The tangent is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working
-    force, so under a light load friction could point against the sliding.
+    `laws` are the contact laws by kind of pair, `impratio` [1] is MuJoCo's ratio of impedances. Kinds of the result are
+    teeth, cams (crank bearings of an RV reducer) and seats of moving pins, as far as they have friction. Discs orbit at
+    the eccentricity c with the angular speed w: teeth and seats slide at c w and accelerate by c w^2, a cam of radius r
+    slides at r w. The tangent is impratio w/(R creep), multiplied by c/r on the cam.
     """
     design = reducer.design
     gear, speed = design.gear, abs(reducer.orbit_speed)

@@ -34,16 +34,21 @@ from cycloid_mj.reducer.bodies import Role
 _SIGNATURE = types.int32(types.intp, types.intp, types.intp, types.int32, types.int32, types.float64)
 _ENTRY = CYLINDER * TYPES + CYLINDER
 _ORIGINAL = "cycloid_mj_original_cylinder_collider"
-_PINS = "cycloid_mj_pin_collider"
+_GENERAL = "cycloid_mj_general_collider"
 _original = types.ExternalFunction(_ORIGINAL, _SIGNATURE)
-_pins = types.ExternalFunction(_PINS, _SIGNATURE)
+_general = types.ExternalFunction(_GENERAL, _SIGNATURE)
 
 
 _PIN, _TEETH, _INNER, _OUTER, _LOBE, _SUN, _PLANET, _ECCENTRIC = (int(role) for role in Role)
 
 
-def _compile_pins(layout: Layout) -> Any:
-    """Compile or load the collider of all surfaces but lobes; other pairs go to the original collider."""
+def _compile_general_collider(layout: Layout) -> Any:
+    """Compile or load the collider of all exact pairs except teeth on lobes; return it as a numba ``cfunc``.
+
+    Its pairs are the teeth of a disc and a ring pin, a cylinder or ring pin in a bore or socket, an eccentric in its
+    bore, and the sun and a planet. It passes all others to MuJoCo's own collider. `layout` has the offsets of the
+    arrays in MuJoCo's memory.
+    """
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
@@ -74,10 +79,11 @@ def _compile_pins(layout: Layout) -> Any:
     return collide
 
 
-def _compile_lobes(layout: Layout) -> Any:
-    """Compile or load the collider of lobes and teeth; other pairs go to the collider of pins.
+def _compile_lobe_collider(layout: Layout) -> Any:
+    """Compile or load the collider of the teeth of a disc and the lobes of the internal gear; return a numba ``cfunc``.
 
-    It takes as long to compile as all others together, and pinwheels do not need it.
+    It passes all other pairs to the general collider. Its compilation takes as long as that of all other pairs
+    together; pinwheels do not need it.
     """
 
     @cfunc(_SIGNATURE, cache=cacheable())
@@ -92,14 +98,14 @@ def _compile_lobes(layout: Layout) -> Any:
             return write_lobe_contacts(layout, model, data, contacts, geom1, geom2, 1.0, margin)
         if role1 == _LOBE and role2 == _TEETH:
             return write_lobe_contacts(layout, model, data, contacts, geom2, geom1, -1.0, margin)
-        return _pins(model, data, contacts, geom1, geom2, margin)
+        return _general(model, data, contacts, geom1, geom2, margin)
 
     return collide
 
 
 @cache
-def _pin_collider() -> Any:
-    """Return the address of MuJoCo's cylinder collider and the compiled, self-tested collider of pins.
+def _general_collider() -> Any:
+    """Return the address of MuJoCo's own cylinder collider, and the general collider (``cfunc``) after its self-test.
 
     Raises
     ------
@@ -113,9 +119,9 @@ def _pin_collider() -> Any:
             "reinstall MuJoCo with `pip install --force-reinstall mujoco`"
         )
     llvmlite.binding.add_symbol(_ORIGINAL, original)
-    pins = _compile_pins(discover())
-    selftest.require_passed("collider", lambda: selftest.try_collider(pins.address))
-    return original, pins
+    collider = _compile_general_collider(discover())
+    selftest.require_passed("collider", lambda: selftest.try_collider(collider.address))
+    return original, collider
 
 
 @cache
@@ -127,19 +133,19 @@ def _compile_correction() -> Any:
 
 @cache
 def _lobe_collider() -> Any:
-    _, pins = _pin_collider()
-    llvmlite.binding.add_symbol(_PINS, pins.address)
-    return _compile_lobes(discover())
+    _, collider = _general_collider()
+    llvmlite.binding.add_symbol(_GENERAL, collider.address)
+    return _compile_lobe_collider(discover())
 
 
 def _install() -> None:
-    _, collider = _pin_collider()
+    _, collider = _general_collider()
     set_callback("mjcb_control", _compile_correction().address)
     collision_table()[_ENTRY] = collider.address
 
 
 def _uninstall() -> None:
-    original, _ = _pin_collider()
+    original, _ = _general_collider()
     collision_table()[_ENTRY] = original
     callback("mjcb_control").value = None
 
@@ -163,6 +169,6 @@ def install(lobes: bool = True) -> Iterator[None]:
     """
     with _installation.kept():
         if lobes:
-            # it stays until the last block ends: what it passes on is all that the one of pins takes
+            # It stays until the last block ends: it passes all pairs of the general collider on.
             collision_table()[_ENTRY] = _lobe_collider().address
         yield

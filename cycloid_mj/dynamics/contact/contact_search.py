@@ -178,7 +178,10 @@ def read_touch(address: int) -> Touch:
 
 @njit(inline="always")
 def _stiffness_factor(teeth: Teeth, curvature: float) -> float:
-    """Compute the factor on the stiffness at a relative curvature [1/m]; 1 where the law is switched off."""
+    """Compute the stiffness of a tooth contact relative to that of its pair [1], at a relative `curvature` [1/m].
+
+    It is at most 2, and 1 if `teeth.reference` is 0, which switches the curvature law off.
+    """
     if teeth.reference == 0.0:
         return 1.0
     least = math.exp(0.5 * teeth.reference - teeth.constant)
@@ -187,25 +190,30 @@ def _stiffness_factor(teeth: Teeth, curvature: float) -> float:
 
 @njit(inline="always")
 def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, margin: float) -> PinTouch:
-    """Compute the contact of the teeth and a pin at (px, py) [m], including clearance and seat of a massless pin.
+    """Compute the contact of the teeth and a ring pin, including clearance and seat of a massless pin.
 
-    A massless pin is a two-force body: it moves by its clearance, then both of its contacts carry the same force, and
-    their compliances add up. With the stiffness K f of a pin on the gear, f = 1 on a flat, and K/x of the seat, the
-    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A massless pin that is pressed towards the
-    opening of its socket has no contact.
+    A massless pin is a two-force body: it moves by its clearance, then its contacts with teeth and seat act as springs
+    in series. The contact with the teeth has the stiffness K f, with the factor f of their curvature, the seat has K/x,
+    with x = `pin.yielding`. The factor on the stiffness K/(1 + x) of the pair is therefore f (1 + x)/(1 + x f).
 
     Parameters
     ----------
     profile
         Teeth of the gear.
     pin
-        The pin; without a home direction it is where a ring that rotates about the origin has moved it.
+        The pin. If its `sine` and `cosine` are 0, its home direction is that of (px, py).
     gear
-        Pose of the gear.
+        Pose of the gear in the world.
     px, py
-        Centre of the pin [m].
+        Centre of the pin in the world [m].
     margin
         Largest gap of a contact [m].
+
+    Returns
+    -------
+    PinTouch
+        Contact in the world's frame. `exists` is False if the gap is `margin` or more, or if a massless pin is pressed
+        towards the opening of its socket.
     """
     offset = profile.flank.offset
     effective_radius, softness = pin.radius - pin.play, pin.yielding
@@ -237,10 +245,11 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
 @njit(inline="always")
 def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_graded: bool) -> float:
-    """Compute the phase [rad] at which a piece of a half root ends, at a fraction of the pieces from `bottom` to `top`.
+    """Compute the phase [rad] of an edge between pieces of a half root, from `bottom` to `top` [rad].
 
-    `is_own` for the half root of the lobe itself. If `is_graded`, pieces are short at the middle of the root and
-    shorter at its junction.
+    `fraction` [1] is the number of pieces between `bottom` and the edge, over all pieces. Pieces are equally long, or,
+    if `is_graded`, short at the middle of the root and shorter at its junction with the arc of a lobe. The junction is
+    at `bottom` if `is_own` (`HalfRoot.own`), else at `top`.
     """
     if not is_graded:
         return bottom + (top - bottom) * fraction
@@ -253,8 +262,8 @@ def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_gra
 def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clearance: float) -> bool:
     """Return whether a displacement (dx, dy) [m] of the gear leaves a gap at all normals between two directions.
 
-    The directions are (x1, y1) and, clockwise from it, (x2, y2); `clearance` is the smallest gap [m] of the undisplaced
-    gear there. False if this simple bound does not decide.
+    The directions are the unit vectors (x1, y1) and, clockwise from it, (x2, y2). `clearance` is the smallest gap [m]
+    between them without the displacement. False means that this simple bound does not decide.
     """
     shift = math.sqrt(dx * dx + dy * dy)
     clearance -= SETTINGS.second_order_share * shift
@@ -266,11 +275,28 @@ def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float
 
 @njit(inline="always")
 def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: float, margin: float) -> ArcTouch:
-    """Compute the contact of teeth, with a `profile`, and the arc of a lobe [m], which lies on +y of the ring's frame.
+    """Compute the contact of the teeth of the disc with the circular arc of a lobe of the internal gear.
 
-    `gear` is the pose of the teeth in that frame, `sn`, `cn` are sine and cosine of N times its angle, for N ring
-    teeth; there is no contact with a gap above `margin` [m]. Beyond the range of the arc's normals there is none
-    either: the gap decreases further along the flank of the root.
+    The frame has its origin on the axis of the internal gear, and the lobe on +y.
+
+    Parameters
+    ----------
+    profile
+        Teeth of the disc.
+    arc_radius
+        Radius of the lobe's arc [m].
+    gear
+        Pose of the disc in this frame.
+    sn, cn
+        Sine and cosine of N times the rotation of the disc, for N teeth of the internal gear.
+    margin
+        Largest gap of a contact [m].
+
+    Returns
+    -------
+    ArcTouch
+        Gap, stiffness factor and normal of the disc. `exists` is False if the gap is `margin` or more, or if the normal
+        points beyond an end of the arc, where the adjacent root is closer; the other fields are then not valid.
     """
     ring, offset = profile.ring, profile.flank.offset
     x, y = inwards(gear, -gear.x, ring.radius - gear.y)
@@ -284,9 +310,9 @@ def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: flo
 
 @njit(inline="always")
 def _write_arc(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> int:
-    """Write the contact on the arc of a lobe at an address, in the world's frame.
+    """Write the contact on the arc of a lobe at an address, in the world's frame; return the number written, 0 or 1.
 
-    Returns the number of contacts, 0 or 1. `lobe` is the pose of the lobe, `arc_radius` its radius [m].
+    `arc` is that of `_arc_touch`, `lobe` the pose of the lobe in the world, `arc_radius` the radius of its arc [m].
     """
     if not arc.exists:
         return 0
@@ -306,11 +332,20 @@ def _root_factor(profile: Teeth, arc_radius: float, least: Minimum) -> float:
 
 @njit(inline="always")
 def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
-    """Compute how separate the contacts of teeth on arc and root of a lobe are, from 0 (one patch) to 1.
+    """Compute the separation [1] of the contacts of the teeth on arc and root of a lobe, from 0 (one patch) to 1.
 
-    Contacts with less than a deflection of gap between them, at a `phase` half-way, are one patch. `profile` is that of
-    the teeth, `arc_radius` [m] that of the arc, `gear` the pose of the teeth in the frame of the lobe, and `larger_gap`
-    the larger of the two gaps [m].
+    It is the gap midway between both contacts less `larger_gap`, divided by the deflection of the teeth.
+
+    Parameters
+    ----------
+    profile, arc_radius
+        Teeth of the disc, and radius of the lobe's arc [m].
+    gear
+        Pose of the teeth in the frame of the root's lobe.
+    phase
+        Phase midway between both contacts [rad].
+    larger_gap
+        Larger gap of the two contacts [m].
     """
     x, y, _, _, _ = offset_root(phase, profile.ring)
     ex, ey = inwards(gear, x - gear.x, y - gear.y)
@@ -322,8 +357,19 @@ def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, lar
 def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
     """Find and write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots.
 
-    Contacts are written at an address, `STRIDE` bytes apart; their number is returned. `lobe` and `gear` are poses in
-    the world's frame, `arc_radius` [m] is the lobe's, `margin` [m] the largest gap.
+    Contacts are written at an address, in the world's frame, `STRIDE` bytes apart; see `read_touch`. Their number is
+    returned, at most ``SETTINGS.max_touches``.
+
+    Parameters
+    ----------
+    address
+        Address of the first contact.
+    profile, arc_radius
+        Teeth of the disc, and radius of the lobe's arc [m].
+    lobe, gear
+        Poses of the lobe and the disc in the world.
+    margin
+        Largest gap of a contact [m].
     """
     flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
     # The gear in the lobe's frame: axis of the ring at the origin, lobe on +y.
@@ -383,8 +429,8 @@ def _write_root(
 ) -> tuple[int, ArcTouch]:
     """Find and write the contacts of the teeth in half a root of the ring, after `count` others at an address.
 
-    The half root is divided into pieces, each of which is searched for a minimum of the gap. Contacts on arc and root
-    with less than a deflection of gap between them are one patch, which both share equally.
+    The half root is divided into pieces, each of which is searched for a minimum of the gap. If the gap between the
+    contacts on arc and root is below the deflection of the teeth, both share one patch: their stiffness is reduced.
 
     Parameters
     ----------
@@ -402,7 +448,7 @@ def _write_root(
     Returns
     -------
     tuple
-        The new number of contacts, and the contact on the arc, which may share a patch.
+        The new number of contacts, and the contact on the arc with its new stiffness factor.
     """
     flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.low
     gear_x, gear_y = inwards(frame, gear.x, gear.y)
@@ -475,7 +521,11 @@ def inner_touches(
 
 @njit(inline="always")
 def _write_inner(out: int, gap: float, x: float, y: float, nx: float, ny: float, radius: float, margin: float) -> int:
-    """Write the contact of a circle at (x, y) with the surrounding circle, if there is one."""
+    """Write the contact of a circle with the circle around it at the address `out`; return the number written, 0 or 1.
+
+    The inner circle has the centre (x, y) and the `radius` [m]; the unit normal (nx, ny) points outwards. A contact
+    with a `gap` of `margin` [m] or more is not written.
+    """
     if not gap < margin:
         return 0
     depth = radius + 0.5 * gap

@@ -62,7 +62,7 @@ _integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place
 
 
 def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
-    """Add the user sensor that calls `EachStep` in every step, and its user data, to an editable model.
+    """Add the user sensor that calls `EachStep` in every step, and its user data, to the editable model `spec`.
 
     With `changes_contacts` a second sensor is added, which is evaluated before the forces, to apply the law IMPACT or
     the friction law ``film`` to each contact.
@@ -260,7 +260,7 @@ _installation = Shared(_install, _uninstall)
 
 @cache
 def _compile_callback() -> Any:
-    """Compile or load the sensor callback that takes the steps of a run."""
+    """Compile or load the sensor callback that takes the steps of a run; return it as a numba ``cfunc``."""
     layout = discover_steps()
     bind_multiplication()
     for stage in _STAGES:
@@ -358,9 +358,10 @@ def _apply_impact(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _apply_film(run: StepState) -> None:
-    """Set the friction coefficient of every contact by the law ``film``, at its force K x of the depth x.
+    """Set the friction coefficient of every contact by the law ``film``, at its current normal force; else do nothing.
 
-    Teeth come first: the disc that presses a moving pin most determines the phase of the pin in its seat.
+    Contacts of teeth are set before those of seats: the disc with the largest force on a moving pin determines the
+    phase of the pin in its seat.
     """
     if not run.film:
         return
@@ -404,7 +405,11 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
 
 @compiling.njit(inner=True)
 def _phase_cosine(run: StepState, contact: int, pair: int) -> float:
-    """Compute the cosine of the phase of a ring pin or lobe against the eccentricity of a disc in contact."""
+    """Compute the cosine of the angle between the directions of a ring pin or lobe and of the disc's centre.
+
+    Both directions are seen from the reducer's axis. `contact` is the address of their contact, `pair` the index of
+    their mating pair.
+    """
     first, second = read_int(contact + run.geom), read_int(contact + run.geom + 4)
     mate = second if read_address(run.teeth + 8 * first) else first
     pin, disc = run.geom_xpos + 24 * mate, run.xpos + 24 * read_int(run.origin + 4 * pair)
@@ -451,7 +456,10 @@ def _update_peaks(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _write_sample(run: StepState) -> None:
-    """Write the row of a sample: sources, solver statistics, forces and powers of all pairs, powers of drags."""
+    """Write a sample at the address `run.rows`, advance it to the next row, and reset the peak forces.
+
+    A row has the copied sources, solver statistics, forces and powers of all pairs, and the powers of drags.
+    """
     row = run.rows
     run.rows += run.width
     for k in range(run.source_count):

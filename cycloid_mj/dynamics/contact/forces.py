@@ -69,13 +69,7 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Return `max_reach` and `teeth` of `PairIndex`: both are zero for a model without exact teeth.
-
-    Returns
-    -------
-    tuple
-        Radii of the mates of exact teeth [m], and addresses of the data of the teeth; an element for each surface.
-    """
+    """Return `reach` [m] and `teeth` of `PairIndex`, an element per geom; all are 0 in a model without exact teeth."""
     priority, user, max_reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     exact = priority == int(Role.TEETH)
     if exact.any():
@@ -181,10 +175,10 @@ def _penetration(state: StepState, contact: int) -> float:
 
 
 def drag_rows(model: Any, joint_by_loss: Mapping[str, str]) -> dict[str, int]:
-    """Return the index of the constraint that models each loss by seals and lubricant, by the name of the loss.
+    """Return the index of the constraint row that models each loss by seals and lubricant, by the name of the loss.
 
-    `joint_by_loss` maps losses to joints of the model. The models have no equalities: the rows of joint friction come
-    first, in the order of the degrees of freedom.
+    `joint_by_loss` maps losses to joints of the model. Losses without such a joint, or without friction there, are
+    omitted. The models have no equalities: joint friction has the first rows, in the order of the degrees of freedom.
     """
     has_drag = model.dof_frictionloss > 0.0
     joints = {model.joint(i).name: int(model.jnt_dofadr[i]) for i in range(model.njnt)}

@@ -172,8 +172,8 @@ def trochoid_foot(
 def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float, float, float]:
     """Compute the signed distance of a point (x, y) [m] from a trochoid `curve`.
 
-    Newton's method starts in closed form. Far from the curve, where it may find another foot point, it starts again
-    from the nearest point of a grid.
+    Newton's method starts in closed form. Far from the curve, where it may converge to another foot point, it starts
+    again from the nearest of equally spaced points of the curve.
 
     Returns
     -------
@@ -199,7 +199,7 @@ def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float
 
 @njit(inline="always")
 def trochoid_curvature(t: float, curve: Trochoid) -> float:
-    """Compute the signed curvature of the trochoid [1/m], positive where it is convex.
+    """Compute the signed curvature [1/m] of a trochoid `curve` at the parameter `t` [rad], positive where it is convex.
 
     From l^2 = E^2 + c^2 N^2 - 2 E c N cos B: kappa = (E^2 + c^2 N^3 - E c N (N+1) cos B) / l^3 with B = (N-1) t.
     """
@@ -267,11 +267,15 @@ def _speed_squared(t: float, curve: Trochoid) -> float:
 
 @njit
 def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
-    """Compute ``trochoid_distance`` for the curve at the inward offset w(t) from the trochoid, the waves of the flank.
+    """Compute the signed distance of a point (x, y) [m] from the trochoid of a flank, offset inwards by its waves w(t).
 
-    At a point whose foot is at t the gap is wider by w(t). Its gradient, along which the contact pushes, is the normal
-    less the tangent times w' over the rate at which the point moves along with its foot: the arc rate times one more
-    than curvature times distance. The true distance differs by half of the square of that turn, below 1e-4 of it.
+    For a foot point at t on the trochoid, w(t) is added to the distance, and the normal is that of the waved curve. The
+    error of the distance is below 1e-4 of it.
+
+    Returns
+    -------
+    tuple of float
+        As in `trochoid_distance`: parameter [rad], distance [m], positive outside, and outward unit normal (x, y).
     """
     t, distance, nx, ny = trochoid_distance(x, y, flank.curve)
     offset, offset_rate, _ = wave_offset(t, flank.waves)
@@ -299,9 +303,9 @@ def flank_curvature(t: float, flank: Flank) -> float:
 
 @njit
 def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
-    """Compute `flank_distance` for rotated flanks: the larger of both distances, or that of the corner between them.
+    """Compute the results of `flank_distance` for rotated flanks: the larger distance from both, or that from a corner.
 
-    The corner counts where the foot point on the flank is cut away by the other flank.
+    The corner between the flanks counts where the other flank cuts the foot point away.
     """
     sine, cosine = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
@@ -327,10 +331,10 @@ def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, fl
 
 @njit(inline="always")
 def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
-    """Compute the distance of a point from the gear's flanks, beyond their offset; the point is near the trochoid.
+    """Compute the distance of a point (x, y) [m] near the trochoid from the gear's flanks, less their offset.
 
     With rotated flanks the disc is the intersection of its profile rotated to either side: the larger of both distances
-    counts, and where its foot point is cut away, the distance of the corner between the flanks.
+    counts, or, where its foot point is cut away, the distance from the corner between the flanks.
 
     Returns
     -------

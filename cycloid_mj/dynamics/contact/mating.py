@@ -156,8 +156,8 @@ def write_bearing_contacts(
     """Write the contacts of an eccentric in its bore at an address, and return their number.
 
     `model`, `data` and `contacts` are addresses, `eccentric` and `bore` indices of geoms. `sign` is 1 if `eccentric` is
-    the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m]. With a preload, the
-    radius of the bore is the smaller one, and needles on the far side carry until they open.
+    the first geom, else -1, which reverses the normal; contacts have gaps below `margin` [m]. With a preload the bore
+    is smaller than the eccentric, and needles on the opposite side have a contact, too, until their gap opens.
     """
     (x, y, _), (bore_x, bore_y, z) = _position(data, layout, eccentric), _position(data, layout, bore)
     inner, outer = _radius(model, layout, eccentric), _radius(model, layout, bore)

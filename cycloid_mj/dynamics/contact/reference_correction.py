@@ -111,10 +111,10 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
 
 @compiling.njit(inner=True)
 def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, of_speeds: bool) -> None:
-    """Multiply the constraint Jacobian by the accelerations of the orbiting discs, or by errors of their mean speeds.
+    """Multiply the constraint Jacobian by the accelerations of the orbiting discs, or the errors of their mean speeds.
 
-    The latter with `of_speeds`: the mean of the speeds half a step before and after is smaller than the speed v by (w
-    dt)^2/6 v. The product is written to ``efc_force``.
+    With `of_speeds` the factor is the error: the mean of the speeds half a step before and after is smaller than the
+    speed v by (w dt)^2/6 v. The product is written to ``efc_force``.
     """
     half_timestep = read_float(run.half_timestep)
     for k in range(run.discs):

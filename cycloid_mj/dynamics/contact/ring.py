@@ -187,10 +187,19 @@ def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoi
 def root_start_phase(crank: float, min_phase: float, ring: Trochoid, is_modified: bool) -> float:
     """Compute the phase [rad] from which the search of a root starts; 0 where the root can have no contact.
 
-    `crank` is the clockwise crank angle [rad] from the lobe that the root belongs to; the ideal mesh has contact for
-    -B0 < crank < B0 - 2 pi/N, with `min_phase` for B0, and poses within the clearances differ from it by less than the
-    margin. The middle of a root is so nearly conformal that they move the contact there by many degrees, into either
-    half or into both. A modified gear is not conjugate to the ring, and touches it farther from there.
+    The ideal mesh has contact for -B0 < `crank` < B0 - 2 pi/N, where B0 is `min_phase`. A margin beyond this range
+    allows for clearances; it is larger for a gear that is not conjugate to the ring.
+
+    Parameters
+    ----------
+    crank
+        Clockwise crank angle from the lobe that the root belongs to [rad].
+    min_phase
+        Phase at which the root begins [rad].
+    ring
+        The trochoid of the ring.
+    is_modified
+        Whether the gear is not conjugate to the ring.
     """
     max_crank = min_phase - 2.0 * math.pi / ring.teeth
     margin = SETTINGS.modified_crank_margin if is_modified else SETTINGS.crank_margin

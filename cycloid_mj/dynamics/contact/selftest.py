@@ -172,7 +172,8 @@ def try_correction(address: int) -> str:
 def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, PairIndex, int], Any]) -> str:
     """Test the stepper of a run (``EachStep``, with its callback); return the failure, "" for none.
 
-    The sampled forces on two balls at rest are compared with their weights.
+    The sampled forces on two balls at rest are compared with their weights. `add_sensor` and `each_step` are the
+    function and the class of the module ``each_step``.
     """
     weights = {"light": TEST.gravity, "heavy": 3.0 * TEST.gravity}
     balls = "".join(

@@ -156,11 +156,12 @@ def _shaft_attributes(reducer: Reducer, joint: str) -> dict[str, Any]:
 
 
 def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
-    """Return the orientation and the user data of the geom of surface `i` of a group, which the collider reads.
+    """Return the attributes of the geom of surface `i` of a group that the collider reads: ``quat`` and ``userdata``.
 
     Teeth have the data of `teeth.user_data`; sockets the cosine and sine of half their arc; planets the numbers of
     their mesh. Ring pins have their outward direction, for the start of the contact search, or zeros if it varies in a
-    run; massless pins add play, compliance ratio and opening of their seats. Other surfaces have no data.
+    run; massless pins add play, compliance ratio and opening of their seats. Other surfaces have no data. Attributes
+    that a surface does not need are omitted.
     """
     design = reducer.design
     angle = float(surfaces.angle[i])
@@ -191,7 +192,7 @@ def collider_attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[st
 
 
 def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:
-    """Return the teeth of a disc with its errors and modification, in the format of the collider."""
+    """Return the teeth of a disc (index from 0) with its errors and modification, in the format of the collider."""
     curvature_law, gear, errors = reducer.contacts.teeth.curvature_law, reducer.gear_profile, reducer.deviations
     offset = reducer.profile_offset - float(errors.disc_radius[disc])
     rotation = reducer.design.modification.rotation

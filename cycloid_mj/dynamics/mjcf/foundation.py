@@ -23,7 +23,7 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
     factor
         Local stiffness over that of the law.
     part
-        The slice: a face wider than the patch, or a hull that carries alone, has the whole stiffness.
+        The slice; if it is wider than the patch, it has the full stiffness.
     force
         Working force F of the line contact [N]; its penetration is d = F/K.
     """

@@ -27,7 +27,7 @@ def keyframe_name(angle: int, speed: float) -> str:
 def add_keyframes(spec: Any, reducer: Reducer) -> None:
     """Add keyframes at the four crank angles `QUARTERS` [deg] to an editable model, without load.
 
-    There is one of each at rest, and one at the design's speed if that is not 0.
+    Each angle has a keyframe at rest, and another at the design's speed if that is not 0.
     """
     model = spec.compile()
     for speed in dict.fromkeys((0.0, reducer.design.drive.speed)):
@@ -47,7 +47,7 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
 
     Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output rotate at -speed/(N-1);
     or the gear does not rotate, and the ring does, at speed/N. If parts have errors or modified flanks, they and moving
-    pins are where they fit best. In an RV reducer, `crank` and `speed` are those of the sun, see `rv_motion`.
+    pins are in their `best_fit`. In an RV reducer, `crank` and `speed` are those of the sun, see `rv_motion`.
 
     Returns
     -------
@@ -86,7 +86,7 @@ def _resting_fit(reducer: Reducer, crank: float) -> Fit:
 def _fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
     """Compute the displacements of all joints from the ideal mesh in the best fit [m], [rad], by joint name.
 
-    They are seen from the foundation, at a crank angle [rad].
+    Directions are those of the foundation's frame. `crank` is the crank angle [rad].
     """
     fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
     cos, sin = math.cos(angle), math.sin(angle)

@@ -21,13 +21,13 @@ def stiffest(laws: Sequence[Laws]) -> Laws:
 
 
 def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
-    """Compute the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
+    """Compute the contact law of each kind of pair on a `disc`, for one line of contact at the working force.
 
-    With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, with the smaller
+    With massless pins the pair of gear and pin has the stiffness of both contacts of a pin in series, and the smaller
     friction. The bending of an output pin at its disc's plane is in series with its contact; its bending at another
-    disc's plane is neglected (docs/decisions/11-bent-output-pins.md). Of the law IMPACT these are secants at the
-    working force, which a run replaces at every step (`contact.each_step`). Contacts of moving pins whose oscillation
-    the step does not follow have `law.settling_law`, where they may.
+    disc's plane is neglected (docs/decisions/11-bent-output-pins.md). Laws of the kind IMPACT have the secant stiffness
+    and damping at the working force, which a run replaces at every step (`contact.each_step`). If the time step is too
+    long for the oscillation of moving pins, their contacts have `law.settling_law`, where `may_settle` allows it.
     """
     design, step = reducer.design, timestep(reducer)
     laws = {}

@@ -295,7 +295,7 @@ def _add_slices(
 ) -> None:
     """Add a default class for each slice of a surface on a disc, with its contact physics, and its geoms.
 
-    Slices with friction that know their mate collide by explicit pairs, all others by the bits of contype and
+    Slices of surfaces with friction, except teeth, collide by explicit pairs, all others by the bits of contype and
     conaffinity. `laws` are the contact laws by disc, `weights` MuJoCo's inverse weights by body [1/kg].
     """
     design, carriers, discs = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs

@@ -86,12 +86,12 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     design
         A design, or the name of a preset or a file.
     held
-        The shaft with a position servo; the actuator of the other shaft is a torque.
+        The shaft with a position servo; the actuator of the other shaft is a torque. Empty: both are torques.
 
     Returns
     -------
     ReducerModel
-        The compiled model, and the pairs of surfaces that touch.
+        The editable and the compiled model, and its mating pairs.
 
     Raises
     ------

@@ -29,7 +29,7 @@ _SCENE = """<mujoco model="{name} scene">
 
 
 def scene_xml(reducer: Reducer, model_file: str) -> str:
-    """Return the MJCF of a scene with lights, cameras and background that includes the file of the model."""
+    """Return the MJCF of a scene with lights, cameras and background that includes the file named `model_file`."""
     design = reducer.design
     housing_radius = design.housing.outer_radius
     lengths = {

@@ -76,7 +76,7 @@ def _shaft_sensors(stem: str, joint: str, torque: str, actuator: str) -> Iterato
 
 
 def _planar_sensors(body: Body, selected: slice = slice(0, 3)) -> Iterator[_Sensor]:
-    """Yield the sensors of a body in the plane along `selected` ones of x, y and rotation, named after the body.
+    """Yield the sensors of a body in the plane for the `selected` components of (x, y, rotation), named after the body.
 
     Positions come first, then speeds; pins have only the speed of their rotation.
     """

@@ -20,7 +20,7 @@ def set_solver(spec: Any, laws: Mapping[str, ContactParameters], loaded: bool) -
     matrices are sparse. Without moving pins there are five degrees of freedom, and Newton's method is as cheap as any.
 
     If `loaded`, the loaded pins form one island with gear and output, and the others stay out of its matrix: a step
-    costs 0.91 to 0.95 of one without islands. Without load, finding the islands costs more than they save, 1.17.
+    costs 0.91 to 0.95 of a step without islands. Without load it would cost 1.17 of it.
     """
     if loaded:
         spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_ISLAND)

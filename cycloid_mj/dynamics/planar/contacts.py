@@ -285,7 +285,7 @@ def _find_seat_contacts(
 
 @njit
 def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
-    """Return the cosine of the phase of a moving pin against the disc that presses it most [1]; 1 if none does.
+    """Return the cosine of the phase of a moving pin against the disc with the largest force on it [1]; 1 without any.
 
     `pin_unknown` is the index of the pin's first unknown. Only the first `count` contacts, those with discs, are
     considered.
@@ -449,11 +449,11 @@ def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float
 
 @njit
 def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step: float) -> float:
-    """Compute by how much a step overestimates the normal speed of a disc that circles about the axis [m/s].
+    """Compute the error of the normal speed of a disc that circles about the axis [m/s]: positive if it is too large.
 
-    In the middle of a step the disc is on a chord of its circle, where it circles with the speed v. The step's own
-    speed, chord over time, is v tan(w h)/(w h), with h half a step: (w h)^2/3 v too much against a gap that stays
-    constant. (`nx`, `ny`) is the normal of the contact, `half_step` is h [s].
+    In the middle of a step the disc is on a chord of its circle, where it circles with the speed v. The speed of the
+    step, chord over time, is v tan(w h)/(w h), with h half a step: it is too large by (w h)^2/3 v. (`nx`, `ny`) is the
+    normal of the contact, `half_step` is h [s].
     """
     x, y, vx, vy = q[disc], q[disc + 1], v[disc], v[disc + 1]
     angle = half_step * (x * vy - y * vx) / (x * x + y * y)
@@ -462,9 +462,10 @@ def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step
 
 @njit
 def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: float) -> tuple[float, float, float]:
-    """Compute the normal force of a contact law and its derivative by the speed, which may be negative.
+    """Compute the normal force of a contact law and its derivative by the speed; the force may be negative.
 
-    `gap` [m] is negative in contact, `factor` scales the stiffness, `speed` [m/s] is that along the normal.
+    `gap` [m] is negative in contact, `factor` [1] multiplies the stiffness of a line contact, `speed` [m/s] along the
+    normal is positive where the gap opens.
 
     Returns
     -------
@@ -487,7 +488,7 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
     Returns
     -------
     tuple of float
-        Speeds along normal and tangent [m/s].
+        Speeds along normal, positive where the gap opens, and tangent [m/s].
     """
     disc, pin, shaft, crank = contact.disc, contact.pin, contact.shaft, contact.crank
     nx, ny = contact.nx, contact.ny

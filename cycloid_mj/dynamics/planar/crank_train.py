@@ -119,7 +119,7 @@ def _set_bearing_arms(
     """Set the lever arms [m] of a crank bearing.
 
     The vector (ax, ay) [m] leads from the reducer's axis to that of the crank, (ex, ey) from there to the eccentric,
-    and (bx, by) from the disc's centre to the bore. Disc and crank rub at the `radius` [m] of the eccentric.
+    and (bx, by) from the disc's centre to the bore. Friction acts at the `radius` [m] of the eccentric.
     """
     nx, ny = contact.nx, contact.ny
     contact.disc_normal, contact.disc_centre = bx * ny - by * nx, bx * nx + by * ny

@@ -294,7 +294,7 @@ def _linearise_force(contact: Contact, predicted: Array, coupled_friction: bool)
 def _add_contacts(
     contacts: Contacts, count: int, equations: Equations, predicted: Array, coupled_friction: bool
 ) -> None:
-    """Add the forces of the closed ones of `count` contacts to the equations of their bodies.
+    """Add the forces of all closed contacts, among the first `count`, to the equations of their bodies.
 
     Without `coupled_friction`, sliding friction follows the `normal_force` of the previous iteration. `predicted` are
     the midpoint speeds at which the contacts were linearised.
@@ -435,7 +435,10 @@ def _couple_shaft(
 
 @njit
 def _condense_pins(system: System, equations: Equations) -> None:
-    """Eliminate the three unknowns of every pin from the equations of the other unknowns (Schur complement)."""
+    """Eliminate the three unknowns of every pin from the equations of the other unknowns (Schur complement), in place.
+
+    `pins_right` and `pin_rows` of the equations are multiplied by the inverse blocks of the pins, for `_recover_pins`.
+    """
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
     size = len(right)
@@ -495,7 +498,7 @@ def _invert(matrix: Array, row: int) -> Nine:
 
 @njit
 def _recover_pins(equations: Equations, v: Array) -> None:
-    """Compute the speeds of the condensed pins from the other speeds, and write them to v."""
+    """Compute the speeds of the pins, after `_condense_pins`, from the other speeds in v, and write them to v."""
     coupled, pin_rows, pins_right = equations.coupled, equations.pin_rows, equations.pins_right
     size = len(equations.right)
     for i in range(len(coupled)):
@@ -521,9 +524,10 @@ def _update_states(
 ) -> bool:
     """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
 
-    Of each moving pin only the first of its `count` contacts changes; of all other contacts the first, or all with
-    `change_all`. Without `coupled_friction`, the result is also True until friction agrees with the normal force.
-    `predicted` are the midpoint speeds at which the contacts were linearised, `half_step` [s] is half of the time step.
+    A moving pin changes the state of its first contact that would change, all other contacts together that of the
+    first, or with `change_all` all states. Without `coupled_friction`, the result is also True until friction agrees
+    with the normal force. `predicted` are the midpoint speeds at which the `count` contacts were linearised,
+    `half_step` [s] is half of the time step.
     """
     changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
     size, no_change = len(equations.right), equations.settled

@@ -11,8 +11,12 @@ from cycloid_mj.reducer import Reducer, RvReducer
 def start_state(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Array]:
     """Compute positions and speeds of all unknowns at a crank angle [rad] and speed [rad/s], by closed-form kinematics.
 
-    They are in the order of the unknowns of a ``System``, shape (unknowns,). Parts with errors are where they fit best.
-    In an RV reducer, angle and speed are those of the sun.
+    In an RV reducer, angle and speed are those of the sun. Parts with errors are in their best fit.
+
+    Returns
+    -------
+    tuple of Array
+        Positions [m], [rad] and speeds [m/s], [rad/s] in the order of the unknowns of a ``System``, shape (unknowns,).
     """
     position, velocity = joint_state(reducer, crank, speed)
     discs = [joint for disc in reducer.mechanism.discs for joint in disc.joints]

@@ -219,7 +219,10 @@ def _relax(predicted: Array, midpoint: Array, share: float) -> None:
 
 @njit
 def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, midpoint: Array) -> None:
-    """Advance the state to the end of a step."""
+    """Advance the state of a run to the end of a step, from the speeds at its midpoint.
+
+    The first `size` unknowns are not of pins; `timestep` and `pin_span` [s] are those of ``equations.solve_step``.
+    """
     of_pins = timestep / pin_span
     for i in range(len(midpoint)):
         motion.before[i], motion.midpoint[i] = motion.midpoint[i], midpoint[i]

@@ -227,9 +227,9 @@ def _disc_inertias(reducer: Reducer) -> list[float]:
 
 
 def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
-    """Return the ring's surfaces, the radii of inner and outer seat surfaces [m], and the arc of a `System`.
+    """Return the surfaces of the ring that pins or discs touch, and `inner`, `outer` and `arc` of a `System`.
 
-    With moving pins these are the seats, otherwise the surfaces that mate with the teeth.
+    Without moving pins the surfaces are `ring`, those that mate with the teeth, and `inner` and `outer` are empty.
     """
     design = reducer.design
     if not design.ring.has_pin_bodies:
