@@ -82,20 +82,22 @@ def main(
     Parameters
     ----------
     design
-        A sound design, or the name of a preset or a file.
+        A valid design, or the name of a preset or a file.
     parts
         Names of parts, such as ``"gear"`` or ``"shaft"``; by default all.
     load_nm
         Torque on the output [N m]; by default the design's load, or its rated torque if that is 0.
     quick
-        Whether to use every tenth degree and coarser grids: 15 s instead of 60 s of processor time for ``pin``.
+        Whether to use every tenth degree and coarser finite-element grids: 15 s instead of 60 s of processor time for
+        ``pin``.
     progress
-        Called with the numbers of finished and of all parts.
+        Called with the number of finished parts and that of all parts.
 
     Returns
     -------
     StressStudy
-        Largest stresses of each part over the turn; ``plot()`` draws a stress map.
+        Largest stresses [Pa] of each part over the turn in ``findings``, and its stress map in ``parts``; ``plot()``
+        draws a stress map.
 
     Raises
     ------

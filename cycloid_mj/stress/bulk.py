@@ -64,9 +64,9 @@ class Distances:
 
 
 def measure_distances(grid: Grid, case: LoadCase) -> Distances:
-    """Return the distances of a grid's nodes from narrow patches of its load case and from sharp corners.
+    """Return the distances [m] of a grid's nodes from narrow contact patches at each angle, and which are at corners.
 
-    Near both, the stress of the grid is not the bulk stress: it depends on the size of the elements.
+    Near narrow patches and sharp corners, the stress depends on the size of the elements and is not the bulk stress.
     """
     points = grid.points
     axial_distance = np.zeros(len(points))
@@ -82,10 +82,10 @@ def measure_distances(grid: Grid, case: LoadCase) -> Distances:
 
 
 def search_distances(distances: Distances, start: float) -> Array:
-    """Return increasing distances from patches [m], shape (s,), at which the search for the bulk looks at the stress.
+    """Return increasing distances from patches [m], shape (s,), for the search for the plateau of the largest stress.
 
-    They begin at half of `start` [m], grow by sqrt(2), and end where no node is left at some angle. If even that
-    farthest distance is below `start`, it is the last.
+    The first distance is half of `start` [m], and each next one is larger by the factor sqrt(2). The last is the
+    largest with a node of the part beyond it at every angle. If fewer than three remain, that limit itself is appended.
     """
     steps = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
     reached_distances = steps[steps <= distances.farthest()]
@@ -133,10 +133,10 @@ def largest_beyond(node_distances: Distances, distances: Array, angle: int, stre
 
 
 def find_plateau(stress_by_distance: Array, first_index: int) -> int:
-    """Return the index, from `first_index` on, at which the largest stresses by distance (s,) reach a plateau.
+    """Return the index of the distance at which the largest stress reaches a plateau, searched from `first_index` on.
 
-    It is the first index with a relative drop below `MAX_PLATEAU_DROP` to the next value; without any, that of the
-    smallest drop.
+    `stress_by_distance` [Pa], shape (s,), is the largest stress beyond each of s increasing distances. The result is
+    the first index with a relative drop below `MAX_PLATEAU_DROP` to the next value, or else that of the smallest drop.
     """
     first_index = min(first_index, len(stress_by_distance) - 1)
     drops = 1.0 - stress_by_distance[first_index + 1 :] / np.maximum(

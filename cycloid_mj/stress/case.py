@@ -64,10 +64,10 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise the stiffness of a part and return its load case: contact pressure, weight and inertia at all angles.
+    """Factorise the stiffness of a part and return its load case, whose `response` solves for any crank angles.
 
-    The supports carry the load torque of the output, which acts at its hub. Loads on a part without supports are
-    balanced by its acceleration (d'Alembert).
+    The loads at an angle are contact pressure, weight and inertia. The load torque of the output acts at its hub, where
+    the supports carry it. Loads on a part without supports are balanced by its acceleration (d'Alembert).
     """
     contact_patches = distribute_contacts(grid if grid.section is None else grid.section.grid, loads)
     contact_loads = contact_patches.loads if grid.section is None else _extrude_loads(grid.section, loads)
@@ -83,7 +83,7 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     )
 
     def solve_response(angles: Integers) -> Response:
-        """Solve the response to the loads at some angles, given by their indices."""
+        """Solve for the response to the loads at the angles with the indices `angles`, shape (c,)."""
         forces, contacts = mass_fields @ shares[:, angles], contact_loads[:, angles].tocoo()
         forces[contacts.row, contacts.col] += contacts.data
         displacement = elastic.displacements(part, forces)
@@ -94,9 +94,9 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
 
 def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
-    """Distribute the contact forces on the section over the heights of each disc on a solid.
+    """Return the nodal loads [N] of the contact forces on an extruded solid at k angles, a sparse matrix (n, k).
 
-    Returns the nodal loads of n unknowns at k angles, a sparse matrix (n, k) [N].
+    The forces of each disc are distributed over the width of that disc; n is the number of the solid's unknowns.
     """
     discs = np.array([disc_of(label) for label in loads.labels])
     disc_loads = [
@@ -110,5 +110,5 @@ def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
 
 
 def mass_coefficients(loads: PartLoads) -> Array:
-    """Compute the shares (4, k) of ``elastic.mass_loads`` in the loads of the mass."""
+    """Compute the factors (4, k) of the four columns of ``elastic.mass_loads`` in weight and inertia at k angles."""
     return np.vstack([loads.body_force.T, loads.spin**2, loads.spin_rate])

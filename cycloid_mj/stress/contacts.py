@@ -54,7 +54,7 @@ class Action:
 
     @property
     def size(self) -> Array:
-        """Size of the force [N], shape (k,)."""
+        """Magnitude of the force [N], shape (k,)."""
         return np.linalg.norm(self.force, axis=-1)
 
     @property
@@ -95,15 +95,17 @@ class Action:
         return self._on_circle(centre, radius, half_width, -1.0)
 
     def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
-        """Compute the middle of a contact patch on a circle [m], shape (k, 2).
+        """Compute the middle of a contact patch on a circle [m], shape (k, 2); NaN where there is no force.
 
         A narrow patch is where the line of action intersects the circle. The tractions of a wide patch have many
-        directions, so that for the same force their sum, and the moment of friction, is larger. The resultant then acts
-        at a larger radius (the friction radius of a journal bearing), which is intersected instead. A line that misses
-        the circle by rounding touches it.
+        directions, so that their sum and the moment of friction are larger than for a narrow patch with the same force.
+        The line of action is then intersected with a larger circle (the friction circle of a journal bearing), and the
+        intersection is projected on the circle. A line of action outside the circle counts as a tangent.
 
         Parameters
         ----------
+        centre, radius
+            Centre [m], shape (k, 2) or (2,), and radius [m] of the circle, in the frame of the action.
         half_width
             Half width of the patch along the circle [m].
         side
@@ -168,7 +170,10 @@ class PartFrame:
 
 
 def part_frame(turn: Turn, part: str) -> PartFrame:
-    """Return the moving frame of a part along a turn, which is that of its solid: origin [m] and angle [rad]."""
+    """Return the moving frame of a part along a turn: origin [m] (k, 2) and angle [rad] (k,), relative to the ring.
+
+    `part` is a name as in `list_contacts`. The frame of the ring does not move.
+    """
     zeros = np.zeros_like(turn.angle)
     origin = np.zeros((zeros.size, 2))
     if part in turn.reducer.gears:
@@ -215,10 +220,19 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
 
 
 def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
-    """Compute Hertz pressure and half width of the most loaded line contact of a kind of pair under forces [N] (k,).
+    """Compute Hertz's peak pressure [Pa] and half width [m] of the most loaded line contact in contacts of a kind.
 
-    `curvature` [1/m] is the relative curvature of a tooth; other kinds have a constant one. The line is that of
-    ``measure loads``: in a rolling cam, the most loaded roller.
+    Parameters
+    ----------
+    reducer
+        The reducer, for face width and material constants.
+    kind
+        Kind of the pair: "pin_gear", "tooth", "cam", "output" or "pin_socket".
+    force
+        Normal forces of the contacts [N], shape (k,). In a cam with a rolling bearing, the most loaded roller carries a
+        share of them.
+    curvature
+        Relative curvature of a tooth contact [1/m], shape (k,); None for other kinds, which have a constant curvature.
     """
     contact = reducer.contacts[kind]
     relative_curvature = contact.relative_curvature if curvature is None else curvature
@@ -245,10 +259,10 @@ def nominal_pin_centre(reducer: Reducer, pin: int) -> Array:
 
 
 def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
-    """Compute the relative curvature [1/m] of a pin (index from 0 on +y, clockwise) and the flank, shape (k,).
+    """Compute the relative curvature [1/m] of the flank and the pin of an index, shape (k,).
 
-    The pin's centre is the point T(t) of the trochoid with t its angle in the gear's frame: the pin's plus the gear's
-    angle [rad] (k,). `offset` is that of the flank from the trochoid [m].
+    Pins have indices from 0 on +y, clockwise. `gear_angle` [rad] (k,) is the angle of the disc's teeth, and `offset`
+    [m] that of the flank from the ideal profile.
     """
     t = profile.pin_angles(gear)[pin] + gear_angle
     return profile.curvature(gear, t, offset) + 1.0 / gear.pin_radius
@@ -289,9 +303,9 @@ def _in(seat: PartFrame, action: Action) -> Action:
 
 
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
-    """List the contacts of the disc of an index, in its frame: teeth, and the cam and the output pins in their holes.
+    """List the contacts of the disc with the index `disc`, in its frame: with the ring, the cam and the output pins.
 
-    In an RV reducer, cranks are in the holes.
+    In an RV reducer they are those with the ring and the cranks.
     """
     if isinstance(turn.reducer, RvReducer):
         return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), *_crank_contacts(turn, turn.reducer, disc)]
@@ -307,7 +321,11 @@ def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
 
 
 def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartContact]:
-    """List the contacts of the cranks with the bores of a disc, in its frame, with the most loaded needle of each."""
+    """List the contacts of the cranks with the bores of a disc (index from 0), in its frame.
+
+    Position and width of a contact are those of the load on the bore; its line contact is that of the most loaded
+    needle.
+    """
     frame, contacts = _disc(turn, disc), []
     bores = reducer.stage.crank_places([0.0])[0]
     for number, centre in enumerate(bores, start=1):
@@ -321,9 +339,10 @@ def _crank_contacts(turn: Turn, reducer: RvReducer, disc: int) -> list[PartConta
 
 
 def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -> HertzStrip:
-    """Compute the line contact of the most loaded needle of a crank under forces on a disc [N], shape (k,).
+    """Compute Hertz's pressure [Pa] and half width [m] of the most loaded needle between an eccentric and a disc.
 
-    `raceway_curvature` [1/m] is that of the eccentric, or of the bore, which is negative.
+    `force` [N] is that of the crank on the disc; the results have its shape. `raceway_curvature` [1/m] is that of the
+    eccentric, or the negative curvature of the bore.
     """
     cranks, material = reducer.cranks, reducer.design.material_of(GEAR)
     load = force * STRIBECK / cranks.needles
@@ -336,7 +355,7 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
 
 
 def _ring_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the ring: lobes, or the sockets of its pins."""
+    """List the contacts of the ring, in its frame: its lobes with the discs, or its sockets with the ring pins."""
     design = turn.reducer.design
     if design.ring.kind == "nonpin":
         return [contact for disc in _discs(turn) for contact in _tooth_contacts(turn, "ring", disc)]
@@ -346,7 +365,10 @@ def _ring_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _output_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the output's pins with the discs, or of their cores with the bores of rollers."""
+    """List the contacts of the output pins, in the output's frame: with the discs, or with the bores of their rollers.
+
+    Each pair of pin and disc is a contact.
+    """
     output, frame = turn.reducer.design.output, part_frame(turn, "output")
     contacts = []
     for disc, (pin_number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
@@ -360,7 +382,7 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _shaft_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the shaft: its cams in the bores of the discs."""
+    """List the contacts of the shaft, in its frame: each cam with the bore of its disc."""
     gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
@@ -373,7 +395,10 @@ def _shaft_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _pin_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of ring pin 1: each disc, and its socket (a single contact if the pin is free)."""
+    """List the contacts of ring pin 1, in its frame: with each disc, then with its socket.
+
+    The socket is a single contact if the pin is free, else there is a contact for the force of each disc.
+    """
     gear, frame, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
     contacts, sockets = [], []
     for disc, name in enumerate(turn.reducer.gears):
@@ -392,7 +417,10 @@ def _pin_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
-    """List the contacts between a disc and the ring, as seen by `part`, which is either of the two."""
+    """List the contacts between a disc (index from 0) and the ring, as forces on `part` and in its frame.
+
+    `part` is "ring" or the name of that disc; for a ring with pins it must be the disc.
+    """
     reducer = turn.reducer
     if reducer.design.ring.kind == "pin":
         return [_pin_contact(turn, pin, disc) for pin in range(reducer.design.ring.teeth)]
@@ -424,7 +452,7 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
 
 
 def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
-    """Return the contact of a ring pin with a disc, on the disc, in its frame; `pin` and `disc` are indices from 0."""
+    """Return the contact of a ring pin on a disc, in the frame of the disc; `pin` and `disc` are indices from 0."""
     gear, frame, name = turn.reducer.gear_profile, _disc(turn, disc), numbered_name(PIN, pin + 1)
     contact_force = _in(frame, _on_gear(turn, name, disc))
     position = contact_force.on_hole(
@@ -436,10 +464,10 @@ def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
 
 
 def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
-    """Return the contact of a ring pin and the wall of its socket, on the ring; `pin` and `disc` are indices from 0.
+    """Return the contact of a ring pin on the wall of its socket, in the frame of the ring.
 
-    The ring's wall is open towards the gear. A force on a closed socket where the ring has no wall is left out: end
-    plates carry it.
+    `pin` and `disc` are indices from 0; the force of a free pin does not depend on the disc. The wall is open towards
+    the gear: a force where the ring has no wall is set to zero, since end plates carry it.
     """
     ring = turn.reducer.design.ring
     contact_force = _socket_force(turn, pin, disc).reaction()
@@ -478,7 +506,7 @@ def _contact(
 
 
 def _round_radii(turn: Turn, kind: str) -> tuple[float, float]:
-    """Return the radius of a round part and of the hole around it [m]: that of the part plus the clearance.
+    """Return the radius of a round part [m], and that of the hole around it [m], which includes the clearance.
 
     `kind` is the kind of pair: "cam", "output" or "pin_socket".
     """

@@ -66,9 +66,10 @@ class Cost:
 
 
 def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
-    """Estimate processor time [s] and memory [B] of a part's study from the number of unknowns of its grids.
+    """Estimate processor time [s], peak and retained memory [B] of the stress study of a part.
 
-    These are its own grid, a finer one, and one for other supports, if it has any.
+    The study solves the finite-element `grid` of the part, a finer grid, and a grid with other supports for parts in
+    `SUPPORTS`; the estimate depends on their numbers of unknowns.
     """
     rates = COST.shaft if grid.part == "shaft" else COST.plane if grid.dimension == 2 else COST.space
     finer = grid.unknowns * settings.finer(grid) ** rates.growth
@@ -79,7 +80,10 @@ def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
 
 
 def add_costs(costs: Iterable[Cost]) -> Cost:
-    """Return the cost of parts that are studied in turn: the sum of their times, and the peak of their memory."""
+    """Return the cost of studies one after the other: total time [s], peak memory [B], and total retained memory [B].
+
+    While a part is studied, the memory that earlier parts retain is in use, too.
+    """
     seconds, memory, retained_memory = 0.0, COST.base_memory, 0.0
     for cost in costs:
         seconds, memory, retained_memory = (

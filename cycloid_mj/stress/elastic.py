@@ -62,19 +62,21 @@ class ElasticBody:
 def assemble_body(
     grid: Grid, material: Material, springs: Any = None, loose: tuple[int, ...] | None = None
 ) -> ElasticBody:
-    """Assemble and factorise the stiffness of a part.
+    """Assemble the stiffness and mass matrices of a part, and factorise the stiffness.
 
     Parameters
     ----------
     grid
-        Its grid, with n unknowns. Without `fixed_nodes` a planar part is free: three unknowns are fixed so that the
-        solution is unique, and have no reaction since the loads are in balance.
+        Finite-element grid of the part, with n unknowns. Without `fixed_nodes` and springs the part is free: as many
+        unknowns as it has rigid motions are fixed so that the solution is unique. They have no reaction, since the
+        loads are in balance.
     material
         Young's modulus, Poisson's ratio and density.
     springs
         Sparse (n, n) [N/m] of elastic supports, added to the stiffness.
     loose
-        Indices of the rigid motions that no support fixes; by default all of a free part.
+        Indices of the rigid motions that no support fixes, in the order of `rigid_motions`; by default all of a free
+        part, none of a supported part.
 
     Raises
     ------
@@ -117,8 +119,8 @@ def balance_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
     Returns
     -------
     tuple
-        Balanced loads (n, c) [N]; and the imbalance, the resultants (c, r) of the loads along all rigid motions before
-        balancing: forces [N] and moments [N m], 0 along motions that supports fix.
+        Balanced loads (n, c) [N]; and the imbalance (c, r): the resultants of the loads before balancing, forces [N]
+        and moments [N m] in the order of the r `rigid_motions`, 0 along motions that supports fix.
     """
     accelerations, imbalance = solve_accelerations(part, loads)
     return loads - part.carried @ accelerations, imbalance
@@ -153,9 +155,9 @@ def mass_product(mass: Any, fields: Array) -> Array:
 
 
 def displacements(part: ElasticBody, loads: Array) -> Array:
-    """Solve for the displacements of a part [m], shape (n, c), under c load cases, in blocks of load cases.
+    """Solve for the displacements of a part [m], shape (n, c), under nodal forces `loads` [N] of c load cases (n, c).
 
-    `loads` are nodal forces [N], shape (n, c).
+    The displacements of fixed unknowns are 0.
     """
     displacement = np.zeros(loads.shape)
     block = 32  # right-hand sides: more would need memory without saving time
@@ -166,9 +168,9 @@ def displacements(part: ElasticBody, loads: Array) -> Array:
 
 
 def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
-    """Compute the resultants (c, r) of all support forces on a part: forces [N], moments about the origin [N m].
+    """Compute the resultants (c, r) of all support forces on a part: forces [N], then moments about the origin [N m].
 
-    They are the forces that fixed nodes need for equilibrium, and those of the elastic supports.
+    Supports are fixed nodes and elastic supports. The order is that of the r `rigid_motions`.
 
     Parameters
     ----------
@@ -185,10 +187,10 @@ def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
 
 
 def mass_loads(part: ElasticBody, points: Array) -> Array:
-    """Compute the nodal loads (n, 4) [N] of a part under four unit fields of acceleration.
+    """Compute the nodal forces (n, 4) [N] of the mass of a part in four unit fields of acceleration.
 
-    The fields are 1 m/s2 along x and along y, then, with the position r in the plane, r and -z x r per s2, which
-    combine to the inertia forces of a plane motion. `points` are the part's nodes (p, d) [m].
+    The fields are 1 m/s2 along x, 1 m/s2 along y, and with the position r [m] from the z axis r/s2 and -z x r/s2. Sums
+    of them are the inertia forces of any plane motion. `points` are the part's nodes (p, d) [m].
     """
     x, y = points[:, 0], points[:, 1]
     fields = np.zeros((*points.shape, 4))
@@ -200,10 +202,10 @@ def mass_loads(part: ElasticBody, points: Array) -> Array:
 
 
 def rigid_motions(points: Array) -> Array:
-    """Compute the displacements (n d, r) of nodes in the r rigid motions: translations by 1, then rotations [m/rad].
+    """Compute the displacements (p d, r) of the nodes of a grid in its r rigid motions.
 
-    The rotations are about the origin. `points` are the nodes (n, d) [m]. In the plane r is 3 (x, y, about z), in space
-    6 (x, y, z, about x, y, z).
+    `points` are the p nodes (p, d) [m]. In the plane the motions are 1 m along x and y and 1 rad about z; in space 1 m
+    along x, y and z and 1 rad about x, y and z. Rotations are linearised, about the origin.
     """
     nodes, dimension = points.shape
     rotations = 1 if dimension == 2 else 3
@@ -217,12 +219,15 @@ def rigid_motions(points: Array) -> Array:
 
 
 def unknowns(nodes: Integers, dimension: int) -> Integers:
-    """Compute the unknowns of nodes."""
+    """Return the indices of the unknowns of nodes, all axes of a node after each other."""
     return (dimension * nodes[:, np.newaxis] + np.arange(dimension)).ravel()
 
 
 def basis_of(grid: Grid, vector: bool, order: int) -> Any:
-    """Return the scikit-fem basis of a grid: quadratic, and right for polynomials of an order on straight elements."""
+    """Return the scikit-fem basis of the quadratic elements of a grid.
+
+    `vector` selects displacements instead of scalars; the quadrature is exact up to the polynomial degree `order`.
+    """
     skfem = import_package("skfem")
     element = skfem.ElementTriP2() if grid.dimension == 2 else skfem.ElementTetP2()
     mapping = mapping_of(grid.mesh)
@@ -237,10 +242,9 @@ def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:
 
 
 def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = None) -> Any:
-    """Assemble the stiffness matrix (n, n) [N/m] of lambda (div u)(div v) + 2 mu eps(u) : eps(v), by Gauss quadrature.
+    """Assemble the sparse stiffness matrix (n, n) [N/m] of a linear elastic part, for all n unknowns without supports.
 
-    In the plane three points suffice for the patch test on curved edges, in space the rule of order 3. An `assembler`
-    of the grid is made unless one is given.
+    In the plane the part is in plane stress. An `assembler` of the same grid, if present, is reused to save time.
     """
     dimension = grid.dimension
     basis = basis_of(grid, vector=False, order=dimension)
@@ -279,7 +283,7 @@ class _Assembler:
     """Sums matrices of elements (m, a, a) over the pairs of nodes that share an element, in the order of the rows."""
 
     def __init__(self, grid: Grid) -> None:
-        """Find the pairs of nodes that share an element, in the order of the rows of the matrix."""
+        """Find the pairs of nodes that share an element of `grid`; `pairs` is their number."""
         cells, self._nodes = grid.cells, len(grid.points)
         keys = (cells[:, :, np.newaxis] * self._nodes + cells[:, np.newaxis]).ravel()
         pairs, self._slot = np.unique(keys, return_inverse=True)
@@ -288,7 +292,7 @@ class _Assembler:
         self.pairs = len(pairs)
 
     def sum_pairs(self, element: Array) -> Array:
-        """Compute the sums (pairs,)."""
+        """Sum the entries of element matrices (m, a, a) that belong to the same pair of nodes, shape (pairs,)."""
         return np.asarray(np.bincount(self._slot.ravel(), element.ravel(), self.pairs), np.float64)
 
     def matrix(self, blocks: Array) -> Any:
@@ -298,10 +302,10 @@ class _Assembler:
 
 
 def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
-    """Choose one unknown for each loose motion to be fixed, far from each other; return their indices.
+    """Choose unknowns, far from each other, whose fixation prevents the rigid motions with the indices `loose`.
 
-    Greedy: the unknown that moves most in the `motions` (n, r), after those that the chosen unknowns fix are projected
-    out.
+    `motions` (n, r) are all rigid motions. Returns the index of one unknown for each loose motion: greedily that which
+    moves most, after the motions that earlier unknowns fix are projected out.
     """
     remaining = motions[:, list(loose)]
     remaining = remaining / np.abs(remaining).max(axis=0, initial=np.finfo(float).tiny)
@@ -315,9 +319,10 @@ def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
 
 
 def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> None:
-    """Raise CycloidError unless a part is in one piece and its supports fix all of its rigid motions.
+    """Raise CycloidError unless the grid of a part is in one piece and its supports prevent all rigid motions.
 
-    `fixed` are the indices of the fixed unknowns, `springs` the elastic supports as in `assemble_body`.
+    `motions` are the displacements of `rigid_motions`, `fixed` the indices of the fixed unknowns, and `springs` the
+    elastic supports as in `assemble_body`.
     """
     cells = grid.mesh.t
     pairs = np.concatenate([np.stack([cells[0], corner]) for corner in cells[1:]], axis=1)
@@ -344,9 +349,9 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
 
 
 def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
-    """Factorise a symmetric matrix from its lower triangle; return the function that solves for loads (n, c).
+    """Factorise a symmetric stiffness matrix; return the function from loads (n, c) [N] to displacements (n, c) [m].
 
-    The method is LDL^T of rslab if that is installed, which is much faster, else LU of SuperLU.
+    The method is LDL^T of rslab if that is installed, or else LU of SuperLU, which is much slower.
 
     Parameters
     ----------
@@ -355,7 +360,7 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
     part
         Name of the part, for errors.
     dimension
-        2 for a planar grid, 3 for a solid; it decides on the order of elimination.
+        2 for a planar grid, 3 for a solid; it determines the order of elimination.
 
     Raises
     ------
@@ -375,7 +380,7 @@ def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array
 
 
 def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
-    """Factorise a symmetric matrix by SuperLU; arguments, result and errors are those of `_factorise`."""
+    """Factorise a symmetric stiffness matrix by SuperLU; arguments, result and errors are those of `_factorise`."""
     matrix = (lower + sparse.tril(lower, -1).T).tocsc()
     try:
         solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

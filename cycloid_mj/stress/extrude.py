@@ -36,11 +36,13 @@ _NODE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 
 
 def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
-    """Build the grid of a part other than the shaft as a solid body: "gear" (any disc), "ring", "output" or "pin_1".
+    """Mesh a part other than the shaft by solid finite elements (quadratic tetrahedra).
 
-    Contact forces of a disc are uniform over its face width. The output is a single body of its disc with the pins, and
-    the second disc at their other ends, if there is one. The bulk excludes the roots of its pins, which are sharp inner
-    corners without their fillets, and the faces of its rigid hubs.
+    `part` is the name of a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1". The output is one body of
+    its disc, its pins and, with support at both ends, its second disc. `section` of the result is its planar grid, from
+    which contact forces are distributed over the face width of each disc. Nodes near the roots of the output pins and
+    the rims of its hubs are excluded from the search for the bulk stress (`stress.bulk`), because fillets are not
+    meshed.
     """
     design = reducer.design
     length, gear = design.ring.pin_radius, design.gear
@@ -74,22 +76,24 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
 
 
 def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
-    """List the levels of each disc in those of all, of which so many come before the first."""
+    """Return the slice of each disc's levels in the concatenated levels of all discs, after `first` other levels."""
     ends = first + np.cumsum([0, *(len(levels) for levels in discs)])
     return [slice(int(start), int(end)) for start, end in pairwise(ends)]
 
 
 def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices: Sequence[slice]) -> Grid:
-    """Extrude a planar grid of m triangles along z into quadratic tetrahedra.
+    """Extrude a planar grid of m triangles along z into a solid grid of quadratic tetrahedra with the same supports.
 
     Parameters
     ----------
-    section, levels
-        The planar grid, and the faces of the l layers along z [m], (l + 1,), increasing.
+    section
+        The planar grid.
+    levels
+        Heights z of the l + 1 faces of the l layers [m], increasing.
     is_filled
-        Whether each layer has each triangle of the section, (l, m).
+        Whether there is material in each layer above each triangle of the section, (l, m).
     loaded_slices
-        Slices of `levels` over which the contact forces of each disc are distributed, in proportion to the layer
+        For each disc the slice of `levels` over which its contact forces are distributed, in proportion to the layer
         heights.
     """
     corner = np.full((len(levels), section.mesh.nvertices), -1, np.int64)
@@ -131,22 +135,23 @@ def extrude_section(section: Grid, levels: Array, is_filled: Mask, loaded_slices
 
 
 def _divide_prisms(section: Grid, is_filled: Mask, corner: Integers) -> tuple[list[Array], ...]:
-    """Divide the prism over each triangle of each layer into three tetrahedra.
+    """Divide the prism over each triangle of each layer into three quadratic tetrahedra.
 
     Parameters
     ----------
     section
         The planar grid.
     is_filled
-        Whether each layer has each triangle, (l, m).
+        Whether there is material in each layer above each triangle, (l, m).
     corner
-        Index of the vertex at each level and vertex of the section, (l + 1, v).
+        Index of the solid's vertex at each level and vertex of the section, (l + 1, v).
 
     Returns
     -------
     tuple
-        Lists of arrays: corners of the tetrahedra, ends of their edges, and for the middle of each edge its node of the
-        section and the index of its height.
+        Four lists of arrays, to be concatenated: corners of the tetrahedra (t, 4), vertices at both ends of their edges
+        (e, 2), and for the middle of each edge its node of the section (e,) and the index of its height (e,), where
+        level i has the height 2 i.
     """
     local = np.argsort(section.mesh.t.T, axis=1)
     tetrahedra, ends, nodes, heights = [], [], [], []
@@ -186,7 +191,7 @@ def _distribution_matrix(solid_nodes: Integers, weights: Array, unknowns: int) -
 
 
 def _simpson(levels: Array) -> Array:
-    """Compute the share (2 l + 1,) of each height in an even load: Simpson's rule in every layer."""
+    """Compute the share (2 l + 1,) of faces and middles of l layers in a uniform load, by Simpson's rule."""
     share, height = np.zeros(2 * len(levels) - 1), np.diff(levels) / np.ptp(levels)
     for offset, weight in enumerate((1 / 6, 2 / 3, 1 / 6)):
         share[offset : offset + 2 * len(height) : 2] += weight * height
@@ -209,7 +214,10 @@ def _within_pins(reducer: Reducer, section: Grid) -> Mask:
 
 
 def _output_corners(reducer: Reducer, face: float, back: float, spacing: float) -> Array:
-    """Return points on the roots of the output's pins, and along both rims of its hub, about a step [m] apart."""
+    """Return points (n, 3) [m] on the roots of the output pins and both rims of the hub, at distances of `spacing` [m].
+
+    `face` and `back` are the heights z [m] of the output disc's faces, that with the pins first.
+    """
     pin, hub = reducer.design.output.root_radius, reducer.design.shaft.radius
     roots = [_ring(pin, spacing, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
     return np.concatenate([*roots, _ring(hub, spacing, face), _ring(hub, spacing, back)])

@@ -116,7 +116,7 @@ def solve(
     loads: PartLoads,
     distance: float | None = None,
 ) -> PartStress:
-    """Solve a part at each crank angle of its loads, and return the maxima of its stress.
+    """Solve a part at each crank angle of its loads; return its largest stress, support reactions and imbalance there.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ class LoadedPart:
 
 
 def assemble_part(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadedPart:
-    """Factorise a part under its loads; raises as ``solve``."""
+    """Factorise a part under its loads, for `solve_maxima` and `evaluate_map`; raises as ``solve``."""
     operators = build_recovery(grid)  # first: with the factor its own needs would be the peak of memory
     case = part_case(reducer, grid, loads)
     return LoadedPart(grid, loads, material_of(reducer, grid.part), operators, case, measure_distances(grid, case))
@@ -203,12 +203,18 @@ def _collect_maxima(
     components: Callable[[Array], Array],
     on_state: StateObserver = ignore_state,
 ) -> PartStress:
-    """Find the largest bulk stress at each angle from the responses, and where it acts.
+    """Compute the largest bulk stress of a part at each crank angle, with its position, from responses to the loads.
 
     Parameters
     ----------
+    grid, loads
+        Finite-element grid of the part, and its loads.
+    distances
+        Distances of the grid's nodes from narrow patches and corners.
     distance
         Distance from patches at which bulk begins [m]; None: where the turn's largest stress reaches its plateau.
+    responses
+        Responses of the part, blocks of angles in the order of the loads.
     components
         Maps displacements (n d, c) [m] to stress components (components, n, c) [Pa].
     on_state
@@ -245,11 +251,11 @@ def _collect_maxima(
 
 
 def vary_corner_distance(part: LoadedPart, index: int, distance: float) -> tuple[tuple[float, float], ...]:
-    """Compute the bulk stress with other distances from sharp corners, at the crank angle of an index.
+    """Compute the bulk stress for several excluded distances from sharp corners, at the crank angle with `index`.
 
-    Returns pairs of the distance from corners [m], by `CORNER_DISTANCES`, and the largest von Mises stress [Pa] beyond
-    it and beyond `distance` [m] of narrow patches; none if the part has no such corners. A stress that varies with the
-    distance belongs to the corner, not to the bulk.
+    Returns pairs of the distance from corners [m], by `CORNER_DISTANCES`, and the largest von Mises stress [Pa] of the
+    nodes beyond it and beyond `distance` [m] from narrow patches; no pairs if the part has no such corners. A stress
+    that varies with the distance is that of the corner, not of the bulk.
     """
     grid = part.grid
     if not len(grid.keep_off):
@@ -293,7 +299,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
 
 
 def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) -> StressMap:
-    """Compute the fields on a part at the crank angle of an index; see `stress_map`.
+    """Compute the fields on a part at the crank angle with `index`: displacement and stresses, as `stress_map`.
 
     Bulk nodes are beyond a `distance` [m] from contacts and sharp corners, by default that of the grid.
     """

@@ -21,11 +21,11 @@ from cycloid_mj.stress.study import QUICK, part_study
 
 
 def for_one_turn(design: Design, load: float | None = None) -> Design:
-    """Return a design that runs at full speed from the start, for one settled crank turn in the frame of the ring.
+    """Return a design whose simulation lasts for one crank turn relative to the ring, after transients have settled.
 
-    The log has at least 720 samples per turn. `load` is the torque [N m]; by default the design's own, or its nominal
-    torque if that is 0. Without speed, the duration stays as it is. An RV reducer does not run, and only its load
-    changes.
+    It runs at full speed from the start, and logs at least 720 samples per turn. `load` is the output torque [N m]; by
+    default the design's own, or its rated torque if that is 0. With a speed of 0, the duration does not change. Of an
+    RV reducer, which is not simulated, only the load changes.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
 
 
 def run_for_one_turn(design: Design, load: float | None = None) -> tuple[Reducer, Run | None]:
-    """Simulate a design as of `for_one_turn`; return the reducer that ran, and its run, None for an RV reducer."""
+    """Simulate the design that `for_one_turn` returns; return its reducer, and the run, None for an RV reducer."""
     from cycloid_mj.dynamics.run import simulate
 
     reducer = reducer_of(for_one_turn(design, load))
@@ -91,8 +91,9 @@ def part_figure(reducer: Reducer, kind: str, name: str) -> float:
 def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
     """Compute the torsional compliance that each part adds at the output [rad/(N m)], by name of the part.
 
-    The forces on the parts are those of a run without friction under the design's load. Mounts add the seats of a
-    drawing, as in `part_compliance.compute_part_compliance`.
+    The forces on the parts are those of a run without friction under the design's load, or its rated torque if that is
+    0. `mounts` are the seats of output pins and crank, which add the entries of
+    `part_compliance.compute_part_compliance`.
 
     Raises
     ------
@@ -106,7 +107,10 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
 
 
 def study_quantities(findings: StressFindings) -> Mapping[str, Quantity]:
-    """Return the catalogue's figures of the findings of a study, by their keys; those that are NaN are left out."""
+    """Return stress, contact pressure and safety of each kind of part from a study, by key of the catalogue `figures`.
+
+    Values that are NaN are left out.
+    """
     figures = {}
     for kind in KINDS:
         parts = [part for part in findings.parts if names.family(part.part) == kind]

@@ -140,7 +140,7 @@ class Refinement:
         return self.change < MAX_CHANGE
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the study of refinement to JSON values in MPa and degrees."""
+        """Convert the comparison of both grids to JSON values in MPa and degrees."""
         return {
             "unknowns": list(self.unknowns),
             "angle_deg": np.degrees(self.angle).tolist(),

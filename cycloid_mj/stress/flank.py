@@ -10,13 +10,15 @@ from cycloid_mj.geometry.profile import CycloidGear
 
 
 def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
-    """Compute the ideal contact lines of each lobe at crank angles [rad], shape (k,).
+    """Compute the ideal contact lines between the disc and each of the n lobes of an internal gear.
+
+    `crank_angle` [rad] (k,) are the angles of the crank.
 
     Returns
     -------
     t, curvature
-        Parameter of the outline [rad] and relative curvature [1/m], each (k, N, 3). The three lines of a lobe are its
-        arc, and the flanks Sigma on its two sides; NaN where one does not touch.
+        Parameter of the disc's outline [rad] and relative curvature [1/m], shape (k, n, 3) each. The last axis is the
+        arc at the tip of the lobe, then the flank on either side; NaN where that part does not touch the disc.
     """
     count = gear.ring_teeth
     t, curvature = np.full((2, crank_angle.size, count, 3), np.nan)
@@ -39,10 +41,10 @@ def lobe_contact_point(
     rotation_error: Array,
     offset: float,
 ) -> tuple[Array, Array]:
-    """Compute where the force of a lobe acts on its flank [m] (k, 2), and the relative curvature there [1/m] (k,).
+    """Compute where the force of a lobe acts on the disc's flank [m] (k, 2), and the relative curvature [1/m] (k,).
 
-    The force of a lobe is the sum of up to three line contacts. Its position is where the line of action of the sum
-    intersects the flank: Newton's method solves (outline(t) - foot) x n = 0 from the nearest ideal contact line.
+    The force of a lobe is the sum of up to three line contacts. It acts where the line of action of the sum intersects
+    the flank, which Newton's method determines from the nearest ideal contact line.
 
     Parameters
     ----------
@@ -61,7 +63,8 @@ def lobe_contact_point(
     Returns
     -------
     tuple
-        Position of the force and relative curvature.
+        Position of the force in the frame of the gear [m], NaN without a contact line that faces the force, and
+        relative curvature at the nearest ideal contact line [1/m].
     """
     start_values = lines + rotation_error[:, np.newaxis]
     distances = np.abs(_miss(gear, start_values, foot[:, np.newaxis], direction[:, np.newaxis], offset))

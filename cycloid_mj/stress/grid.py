@@ -162,11 +162,22 @@ class SectionGrid:
 def planar_grid(
     region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None, section: bool = False
 ) -> Grid:
-    """Build the grid of a planar region; lengths of the settings are shares of ``length`` [m].
+    """Mesh a planar region by finite elements: quadratic triangles whose edges follow the curved outlines.
 
-    `focus` are rows (x, y, edge length) [m] of places with short edges. Where curved edges of an outline fold elements
-    next to them, shorter edges are added. A `section` that is extruded keeps the mesher's order of vertices, by which
-    its prisms are divided.
+    Where a curved edge would turn an element inside out, the region is meshed again with shorter edges there.
+
+    Parameters
+    ----------
+    region
+        The region.
+    settings
+        Edge lengths relative to `length`, and their growth.
+    length
+        Unit of the lengths in the settings [m].
+    focus
+        Rows (x, y, edge length) [m] of positions near which edges are as short as that.
+    section
+        Whether the vertices keep the mesher's order, because the grid will be extruded.
 
     Raises
     ------
@@ -184,25 +195,12 @@ def planar_grid(
 
 
 def _mesh_region(region: Region, settings: GridSettings, length: float, short_edges: Array, section: bool) -> Grid:
-    """Build the grid of a region from quadratic triangles, whose edges follow the curved outlines.
+    """Mesh a planar region once; parameters as of `planar_grid`, with `short_edges` (n, 3) [m] as its `focus`.
 
-    Parameters
-    ----------
-    region
-        The region with its outlines.
-    settings
-        Edge lengths relative to `length`, and their growth.
-    length
-        Unit of the lengths in the settings [m].
-    short_edges
-        Rows (x, y, edge length) [m] of positions near which edges are as short as that.
-    section
-        Whether the vertices keep the mesher's order, because the grid will be extruded.
-
-    Returns
-    -------
-    Grid
-        The grid.
+    Raises
+    ------
+    FoldedError
+        A curved edge turns an element inside out.
     """
     unit = length / settings.refinement
     loops = []
@@ -255,7 +253,7 @@ def quadratic_mesh(
     part
         Name of the part, for errors.
     keep_order
-        Whether the vertices keep their order; else neighbours are numbered near each other.
+        Whether the vertices keep their order; otherwise they are renumbered so that neighbours have close numbers.
 
     Returns
     -------
@@ -314,7 +312,7 @@ def _reverse_cuthill_mckee(count: int, cells: Integers) -> Integers:
 
 
 def find_edge_nodes(mesh: Any, edge_ends: Integers) -> Integers:
-    """Return the node in the middle of each edge of a quadratic mesh, by its end vertices (..., 2); -1 for none."""
+    """Return the middle node (...) of each edge of a quadratic mesh by its end vertices (..., 2); -1 for no edge."""
     known = np.sort(mesh.facets if mesh.dim() == 2 else mesh.edges, axis=0).astype(np.int64)
     key, wanted_key = known[0] * mesh.nvertices + known[1], np.sort(edge_ends, axis=-1) @ np.array([mesh.nvertices, 1])
     order = np.argsort(key)
@@ -334,7 +332,7 @@ def _triangulate(
     loops
         Divided outlines of the region, in the order of its boundaries.
     inner_edge, growth
-        Longest edge far from the outlines [m], and exponent by which edges grow up to it.
+        Longest edge far from the outlines [m], and exponent of the depth with which edges grow up to it.
 
     Returns
     -------

@@ -61,9 +61,10 @@ class PartLoads:
 
 
 def part_names(reducer: Reducer) -> tuple[str, ...]:
-    """Return the names of the parts of a design whose stress can be computed by finite elements.
+    """Return the names of the parts of a design whose stress can be computed by finite elements, in order of `PARTS`.
 
-    With sleeves these are without ring and pins: the housing supports such pins next to the disc, out of the plane.
+    With sleeves on the ring pins, ring and pin are left out, because the housing supports such pins next to the disc.
+    Of an RV reducer, shaft and output are left out.
     """
     design = reducer.design
     left_out = {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
@@ -74,12 +75,12 @@ def part_names(reducer: Reducer) -> tuple[str, ...]:
 
 
 def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
-    """Compute the loads on a part at crank angles from the forces that a run logged.
+    """Compute contact forces, weight and inertia of a part in its own frame at crank angles, from a logged run.
 
-    The samples nearest to the angles in the last turn of the settled hold are used. Each force, including friction,
-    acts where its line of action intersects the surface on which it presses; on a wide patch, so that its tractions
-    have the logged moment. Free parts, disc and pin 1, have the acceleration of their logged forces and gravity
-    (d'Alembert), so that they are in balance at each sample.
+    The samples nearest to the angles in the last turn at constant speed and load are used. Each force, including
+    friction, acts where its line of action intersects the surface on which it presses. On a wide patch it acts where
+    its tractions have the logged moment. Free parts (disc and pin 1) have the acceleration that their contact forces
+    cause (d'Alembert), so that they are in balance at each sample.
 
     Parameters
     ----------
@@ -102,7 +103,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
 
 
 def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
-    """Compute the loads on a part at the crank angles of a turn, as `part_loads`."""
+    """Compute contact forces, weight and inertia of a part in its own frame over a turn, as `part_loads`."""
     touching = list_contacts(sampled, part)
     return PartLoads(
         part=part,
@@ -119,12 +120,14 @@ def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
 
 
 def turn_of(run: Run | None, reducer: Reducer, angles: npt.ArrayLike) -> Turn:
-    """Return a turn of a run at crank angles [rad], shape (k,), or without a run that of the static balance.
+    """Return positions and contact forces over a turn at crank angles [rad], shape (k,), from a run.
+
+    For an RV reducer without a run (None) they are those of the static balance.
 
     Raises
     ------
     UsageError
-        Only an RV reducer has a static balance here; or the run is not that of the reducer.
+        There is no run and the reducer is no RV reducer, or the run is not that of the reducer.
     LogError
         The run contains no design or no forces, or its hold is too short or too coarse.
     """
@@ -143,10 +146,10 @@ def of_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
 
 
 def _motion_loads(turn: Turn, part: str, contact_sum: Action) -> dict[str, Array]:
-    """Compute gravity, inertia and the moment that is carried elsewhere, as fields of `PartLoads` by name.
+    """Compute the loads of a part other than its contact forces, as fields of `PartLoads` by name.
 
     They are "body_force" [m/s2] (k, 2), "spin" [rad/s], "spin_rate" [rad/s2] and "torque" [N m], (k,) each.
-    `contact_sum` is the sum of the contacts' forces, which accelerate a part that is free to move.
+    `contact_sum` is the sum of the contact forces, which accelerates a part that is free to move.
     """
     zeros = np.zeros_like(turn.angle)
     environment = turn.reducer.design.environment

@@ -80,7 +80,9 @@ class Mounts(Section):
 
 
 def read_mounts(path: Path) -> Mounts:
-    """Read a file of mounts: tables [studs] and [crank] with lengths in mm, [material] with modulus_mpa = [a, b].
+    """Read the seats of output pins and crank from a TOML file; the tables [studs], [crank], [material] are optional.
+
+    Lengths in the file are in mm; ``modulus_mpa`` of [material] is a list of the smallest and the largest modulus.
 
     Raises
     ------
@@ -113,12 +115,20 @@ def with_modulus(reducer: Reducer, modulus: float) -> Reducer:
 
 
 def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> dict[str, float]:
-    """Compute the compliance of the output pins in their plates, and of the second plate on them [rad/(N m)].
+    """Compute the torsional compliance at the output [rad/(N m)] of the output pins in the two plates around the disc.
 
-    A pin has the lateral compliance c with a fixed far plate. The forces F of a disc on its m pins at k crank angles,
-    shape (k, m, 2), do work on the pins, which is referred to the torque T = ``load.torque``, not 0: the compliance at
-    the output is mean(c sum F^2)/T^2, the mean over the k angles. A free far plate adds its rotation: it carries the
-    share s of the torque, and n pins with the lateral stiffness K on the radius r turn it by s^2/(n K r^2) per torque.
+    With the lateral compliance c of a pin between fixed plates, forces F of the disc on the pins, and torque T, the
+    compliance of the pins is sum(c F^2)/T^2, averaged over the crank angles. A far plate that can turn carries the
+    share s of the torque; n pins with the lateral stiffness K on the radius r add s^2/(n K r^2).
+
+    Parameters
+    ----------
+    reducer
+        The reducer; its ``load.torque`` T must not be 0.
+    studs
+        Lengths of the seats in both plates.
+    loads
+        Loads on the output under that torque.
 
     Returns
     -------
@@ -146,9 +156,9 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
 
 
 def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, float]:
-    """Solve an output pin that is seated in two elastic plates, as a Timoshenko beam by finite elements.
+    """Compute the deflection of an output pin between two elastic plates, a Timoshenko beam under the force of a disc.
 
-    The disc's force is uniform over its width. `studs` are the seats in both plates.
+    The force is uniform over the disc's width. `studs` are the lengths of the seats in both plates.
 
     Returns
     -------
@@ -175,10 +185,11 @@ def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, f
 
 
 def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
-    """Compute the lateral displacement of the cam per force [m/N], with elastic seats and the thin post of the crank.
+    """Compute the lateral compliance of a crank at the middle of its cam [m/N], with elastic seats of its bearings.
 
-    The post is a Timoshenko beam. Each bearing has the compliance 2/(E w), half in its bore and half on the shaft, the
-    cam's ring 1/(E w), with Young's modulus E of the housing and widths w. Both bearings allow the crank to tilt.
+    The thin section next to the cam (post) is a Timoshenko beam. Each bearing of width w has the compliance 2/(E w),
+    half of it in its bore and half on the shaft; the ring on the cam has 1/(E w). E is Young's modulus of the housing.
+    Both bearings allow the crank to tilt.
     """
     material, span = reducer.design.material_of("housing"), crank.to_hub + crank.to_housing
     hub_share, housing_share = crank.to_housing / span, crank.to_hub / span
@@ -190,9 +201,9 @@ def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
 
 
 def _beam_element(reducer: Reducer, length: float) -> Array:
-    """Compute the stiffness (4, 4) of a Timoshenko element of an output pin of a length [m].
+    """Compute the stiffness matrix (4, 4) of a Timoshenko beam element of an output pin with `length` [m].
 
-    Unknowns are displacement and slope of the first end, then of the second.
+    Unknowns are displacement [m] and slope [rad] of the first end, then those of the second; forces are [N] and [N m].
     """
     design = reducer.design
     bending, shearing = round_beam(design.material_of("output"), design.output.root_radius)

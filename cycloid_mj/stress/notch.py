@@ -76,10 +76,10 @@ class Notch:
 
 
 def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
-    """Return the most loaded root of the output pins over the turn, as a tuple of one notch.
+    """Return stresses and notch factors at the most loaded root of the output pins over the turn, a single `Notch`.
 
-    Forces are uniform over a disc's width. The nominal bending stress is 4 M/(pi R^3), with M by `root_arms` and the
-    radius R of the pin, or of its core under a roller.
+    Forces are uniform over a disc's width. The nominal bending stress is 4 M/(pi R^3), with the bending moment M at the
+    root and the radius R of the pin, or of its core under a roller.
     """
     design = reducer.design
     discs = np.array([disc_of(label) for label in loads.labels])
@@ -111,16 +111,17 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
 
 
 def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, angle: Array) -> tuple[Notch, ...]:
-    """Return the notches of the shaft: first the journal's most stressed section without a notch, then each shoulder.
+    """Return the largest stresses of the turn in the shaft: at the worst section of a journal, then at each shoulder.
 
-    `moments` (k, s, 3) [N m] about x, y and z are those at the shaft's stations, at crank angles `angle` (k,) [rad].
+    The section of the journals has no notch (factors of 1). `moments` (k, s, 3) [N m] are those about x, y and z at the
+    stations of `shaft`, of which the shoulders are the first, at crank angles `angle` (k,) [rad].
     """
     bending = 4.0 * np.hypot(moments[..., 0], moments[..., 1]) / (np.pi * shaft.radius**3)
     torsion = 2.0 * np.abs(moments[..., 2]) / (np.pi * shaft.radius**3)
     fillet = reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
-        """Return the notch at a station; `factors` are its notch factors in bending and torsion."""
+        """Return the largest stress at the station of an index; `factors` are those in bending and torsion."""
         bending_factor, torsion_factor = factors
         station_bending, station_torsion = bending[:, station], torsion[:, station]
         row = int(

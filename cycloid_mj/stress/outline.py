@@ -41,9 +41,10 @@ class QuadraticOutline:
 
 
 def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
-    """Divide a closed polygon (n, 2) [m] into quadratic edges of the target lengths, with nodes at its corners.
+    """Divide a closed polygon (n, 2) [m] into quadratic edges with the lengths of `sizing`, with nodes at its corners.
 
-    The number of edges between two corners is the integral of 1/length along the outline, rounded up.
+    The number of edges between two corners is the integral of 1/length along the outline, rounded up, and so large that
+    an outline has at least 12 edges.
     """
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
@@ -72,7 +73,7 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
 
 
 def _target_edges(points: Array, radius: Array, sizing: Sizing) -> Array:
-    """Compute the target edge length at each point, before grading."""
+    """Compute the target edge length [m] at each point (n, 2) with a radius of curvature [m] (n,), before grading."""
     size = np.minimum(sizing.edge, np.maximum(sizing.turn * radius, sizing.finest))
     for x, y, edge in sizing.focus:
         size = np.minimum(size, edge + sizing.growth * np.hypot(points[:, 0] - x, points[:, 1] - y))
@@ -80,7 +81,7 @@ def _target_edges(points: Array, radius: Array, sizing: Sizing) -> Array:
 
 
 def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
-    """Halve the polygon's edges until each is below half the target length.
+    """Halve the edges of a closed polygon (n, 2) [m] until each is at most half of the target length.
 
     Returns
     -------
@@ -108,9 +109,16 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
 
 
 def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
-    """Limit the growth of edge lengths (n,) [m] along the closed outline in both directions.
+    """Reduce edge lengths (n,) [m] so that they grow along a closed outline, in both directions, by at most `growth`.
 
-    `arc` is the arc length at each point, then of the whole outline, (n + 1,) [m]; `growth` is per length [1].
+    Parameters
+    ----------
+    edge_length
+        Edge lengths at the n points before the limitation [m].
+    arc
+        Arc length at each point, then that of the closed outline [m], (n + 1,).
+    growth
+        Largest growth per length of the outline [1].
     """
     repeated_lengths, repeated_arc = np.tile(edge_length, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
     forward_limit = np.minimum.accumulate(repeated_lengths - growth * repeated_arc) + growth * repeated_arc

@@ -16,18 +16,20 @@ from cycloid_mj.stress.shaftgrid import shaft_grid
 def part_grid(
     design: Design, part: str, settings: GridSettings | None = None, focus: npt.ArrayLike | None = None
 ) -> Grid:
-    """Build the grid of a part: "gear", "ring", "output", "pin_1" (planar, unless the settings say solid), or "shaft".
+    """Mesh a part by quadratic finite elements: planar triangles, or solid tetrahedra.
 
     Parameters
     ----------
     design
         The design.
     part
-        Name of the part.
+        "gear" (of several discs "gear_1", ...), "ring", "output" or "pin_1", which are planar unless `settings.solid`;
+        or "shaft", which is always solid.
     settings
-        How fine; the default has more than 150 000 unknowns for the default gear.
+        Edge lengths; the default results in more than 150 000 unknowns for the default gear.
     focus
-        Rows (x, y, edge length) [m]: outlines of planar grids are that fine there, e.g. to resolve a contact patch.
+        Rows (x, y, edge length) [m]: edges of planar grids near these positions are as short as that, e.g. to resolve a
+        contact patch. Solid grids ignore it.
 
     Raises
     ------
@@ -46,6 +48,6 @@ def part_grid(
 
 
 def part_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise a part with its loads; on the shaft they are superposed unit loads."""
+    """Factorise a part under its loads; the `response` of the result solves for any of their crank angles."""
     case = shaft_case if grid.part == "shaft" else patch_case
     return case(reducer, grid, loads)

@@ -21,23 +21,25 @@ from cycloid_mj.stress.study import QUICK, StudySettings
 def compute_part_compliance(
     run: Run | None, reducer: Reducer, settings: StudySettings = QUICK, mounts: Mounts | None = None
 ) -> dict[str, float]:
-    """Compute the compliance of each part at the output [rad/(N m)], as the mean over a turn of the crank.
+    """Compute the torsional compliance of each part at the output [rad/(N m)] by name, as the mean over a crank turn.
 
-    By Castigliano, the work of the forces on a part over the torque squared. In addition to the parts there are
-    ``bearing_seats`` of the shaft in the housing, and with mounts ``studs`` and ``far_plate``
-    (`mounts.studs_compliance`), and ``crank`` instead of shaft and seats (`mounts.crank_compliance`).
+    It is the work of the forces on the part along their displacements, divided by the square of the output torque
+    (Castigliano). Besides the parts the result contains ``bearing_seats`` of the shaft in the housing. With mounts
+    it contains ``studs`` and ``far_plate`` (`mounts.studs_compliance`), and ``crank`` (`mounts.crank_compliance`)
+    instead of the shaft and its seats.
 
     Parameters
     ----------
     run
         Run without friction under the torque ``load.torque`` on the output for one settled turn of the crank
-        (`figures.for_one_turn`). Its forces are in proportion to that torque once all contacts have closed.
+        (`figures.for_one_turn`); None for an RV reducer. The compliance assumes that the forces are proportional to the
+        torque.
     reducer
         The reducer of the run.
     settings
         Settings of the grids.
     mounts
-        Seats of output pins and crank, by a drawing.
+        Seats of output pins and crank in elastic plates, from a drawing; None: the entries of these seats are absent.
 
     Raises
     ------
@@ -74,7 +76,7 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     """Compute the work of the shaft's bearing forces on their elastic seats in the housing [J], by crank angle (k,).
 
     A seat of width w has the compliance 1/(E w) of a round part in the bore of a plate (Tate and Rosenfeld, NACA TN
-    1051, 1946), with E of the housing. The forces of both bearings are by statics.
+    1051, 1946), with Young's modulus E of the housing. The forces of both bearings follow from equilibrium.
     """
     seats = bearing_seats(reducer, crank_stretches(reducer))
     far_seat, near_seat = (0.5 * sum(seat) for seat in seats)

@@ -54,9 +54,9 @@ class _Edges:
 
 
 def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
-    """Distribute the contact forces of a part at all angles over the nodes of its planar grid, as elliptical pressure.
+    """Compute the nodal forces of the contacts of a part at k angles on its planar grid, by elliptical pressure.
 
-    Contacts without force at an angle are skipped there. A patch covers at most half of its outline.
+    The result also has the centres of narrow patches [m]. A patch covers at most half of its outline.
 
     Raises
     ------
@@ -115,8 +115,12 @@ def _distribute_pressure(
 
     Parameters
     ----------
+    edges
+        Edges of all outlines with contacts.
     edge, centre, half_width
         Index of the edge, arc length of the centre [m] and half width [m] of each patch, (a,).
+    force
+        Forces (a, 2) [N].
 
     Returns
     -------
@@ -149,7 +153,10 @@ def _unit_tangent(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[n
 
 
 def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> Array:
-    """Compute the arc length of the outline's nearest point to each position, by the tangent at the nearest sample."""
+    """Compute the arc length [m] of the outline's point that is nearest to each position (a, 2) [m].
+
+    `edge` and `xi` (a,) are edge and parameter of the nearest sample, whose tangent replaces the outline.
+    """
     chosen = np.einsum("ai,aix->ax", _shape(xi), edges.positions[edge])
     tangent = np.einsum("ai,aix->ax", _slope(xi), edges.positions[edge])
     ahead = np.sum((position - chosen) * tangent, axis=1) / np.sum(tangent**2, axis=1)
@@ -157,7 +164,7 @@ def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> A
 
 
 def _collect_edges(grid: Grid) -> _Edges:
-    """Collect the edges of all outlines with contacts, with their arc lengths by Gauss quadrature."""
+    """Return nodes, positions [m] and arc lengths [m] of the edges of all outlines with contacts."""
     nodes = np.concatenate(grid.loops)
     positions = grid.points[nodes]
     gauss, weight = np.polynomial.legendre.leggauss(4)

@@ -46,9 +46,9 @@ class Recovery:
 
 
 def build_recovery(grid: Grid) -> Recovery:
-    """Build the recovery operators of a grid: derivatives at the quadrature points, and their fit at the nodes.
+    """Build the sparse operators that compute stress from displacements on a finite-element grid.
 
-    The derivatives are computed for `CHUNK_ELEMENTS` elements at a time, to save memory.
+    They are derivatives at the quadrature points, and the fit of values at these points to the nodes.
     """
     # 3 Gauss points per triangle, 4 per tetrahedron: those with superconvergent stress
     basis = elastic.basis_of(grid, vector=False, order=2)
@@ -67,17 +67,17 @@ def build_recovery(grid: Grid) -> Recovery:
 
 
 def stresses_at_points(operators: Recovery, displacements: Array, material: Material) -> Array:
-    """Compute the stress components [Pa] (components, p, c) of displacements (n d, c) [m] at the quadrature points.
+    """Compute the stress components [Pa] (components, p, c) of displacements (n d, c) [m] at the p quadrature points.
 
-    By Hooke's law; in the plane this is plane stress.
+    The components are those of `PLANE`, by plane stress, or of `SPACE`.
     """
     return np.moveaxis(_point_stresses(operators, displacements, material, np.float64), 1, 0)
 
 
 def _point_stresses(operators: Recovery, displacements: Array, material: Material, precision: type) -> Array:
-    """Compute the stress components at the p quadrature points by Hooke's law [Pa], shape (p, components, c).
+    """Compute the stress components [Pa] at the p quadrature points by Hooke's law, shape (p, components, c).
 
-    The components are `PLANE` or `SPACE`.
+    The components are those of `PLANE`, by plane stress, or of `SPACE`.
 
     Parameters
     ----------
@@ -107,9 +107,10 @@ def _point_stresses(operators: Recovery, displacements: Array, material: Materia
 
 
 def stresses(operators: Recovery, displacements: Array, material: Material) -> Array:
-    """Compute the stress components at the nodes [Pa], shape (components, n, c), in c load cases.
+    """Compute the stress components [Pa] at the n nodes, shape (components, n, c), in c load cases.
 
-    They have single precision, which takes half the time: errors are about 1e-6 of the largest stress nearby.
+    The components are those of `PLANE` or `SPACE`, in single precision, with errors of about 1e-6 of the largest stress
+    nearby.
 
     Parameters
     ----------
@@ -149,10 +150,10 @@ def principal(stress: Array) -> Array:
 
 
 def _nodal_fit(grid: Grid, points: Array) -> Any:
-    """Return the sparse operator (n, p) from values at the quadrature points (p, d) [m], element by element, to nodes.
+    """Return the sparse operator (n, p) from values at the quadrature points (p, d) [m] to values at the nodes.
 
-    A vertex has the value of its own fitted polynomial, the middle of an edge the mean of those of its ends
-    (Zienkiewicz and Zhu 1992).
+    The points are in the order of the elements. A vertex has the value of the polynomial that is fitted to the points
+    of its elements; the middle of an edge has the mean of the polynomials of both ends (Zienkiewicz and Zhu 1992).
     """
     table, is_used = _points_around_vertices(grid, len(points))
     scale = np.zeros(len(table))
@@ -165,10 +166,17 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
 
 
 def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
-    """Fit a polynomial of t terms around each of some vertices (v, d) [m] to values at the quadrature points.
+    """Return the operator that fits a quadratic polynomial of t terms around each of v vertices, by least squares.
 
-    `table` and `used` (v, w) are the points around each vertex and which of them are no padding. Least squares, with a
-    small ridge on the quadratic terms.
+    The values to be fitted are those at the p quadrature points `points` (p, d) [m]. The quadratic terms have a small
+    ridge (Tikhonov regularisation).
+
+    Parameters
+    ----------
+    points, vertices
+        All quadrature points (p, d) [m], and the vertices (v, d) [m].
+    table, used
+        Indices of the points around each vertex (v, w), and whether each is a point and not padding.
 
     Returns
     -------
@@ -225,6 +233,6 @@ def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
 
 
 def _terms(x: Array) -> Array:
-    """Compute the monomials up to the second degree (..., 6 or 10) of places (..., d)."""
+    """Compute the monomials up to the second degree (..., 6 or 10) of coordinates (..., d)."""
     i, j = np.triu_indices(x.shape[-1])
     return np.concatenate([np.ones((*x.shape[:-1], 1)), x, x[..., i] * x[..., j]], axis=-1)

@@ -58,12 +58,12 @@ def material_of(reducer: Reducer, part: str) -> Material:
 
 
 def part_region(reducer: Reducer, part: str) -> Region:
-    """Build the region of a planar part in the frame of its solid.
+    """Return outlines, contacts, supports and thickness of a planar part, in the frame of its solid, for meshing.
 
-    The support of the housing is that of the design: circles clamped by its bolts, or its seat, the outer circle. The
-    output disc is fixed at its hub, a rigid circle of the shaft's radius (an assumption: the design has none), and its
-    pins, or their cores under rollers, are attached. Disc and pin are free. Ring and pin are as wide as all discs,
-    whose forces are distributed over that width.
+    `part` is one of `PLANAR_PARTS`, or a disc of several ("gear_2"). The ring, which is the housing, is fixed as the
+    design states: at the circles that its bolts clamp, or at its rim. The output disc is fixed at its hub, a circle of
+    the shaft's radius (an assumption), and forces act on its pins, or on their cores under rollers. Disc and pin have
+    no supports. Ring and pin are as thick as the stack of discs with its gaps.
 
     Raises
     ------
@@ -93,9 +93,10 @@ def part_region(reducer: Reducer, part: str) -> Region:
 
 
 def _touched_holes(reducer: Reducer, holes: int) -> Iterator[Touched]:
-    """Yield the contacts of the holes of a disc: bore and holes of output pins; of an RV reducer bores of cranks.
+    """Yield the kind of contact of each of the `holes` of a disc, in the order of the holes of its solid.
 
-    The other holes of the disc of an RV reducer are its middle hole, if any, and the windows for the posts.
+    The bore has a wide contact, the holes of output pins have line contacts. In the disc of an RV reducer, the bores of
+    the cranks have wide contacts; its middle hole, if any, and the windows for the posts have none.
     """
     if not isinstance(reducer, RvReducer):
         yield "wide"
@@ -108,7 +109,7 @@ def _touched_holes(reducer: Reducer, holes: int) -> Iterator[Touched]:
 
 
 def _bolt_circles(reducer: Reducer) -> tuple[Boundary, ...]:
-    """Return the circles that the bolts of the housing clamp; none if its rim is fixed."""
+    """Return the circles at which the bolts of the housing clamp it, as fixed boundaries; none if its rim is fixed."""
     design = reducer.design
     housing = design.housing
     if housing.support == "rim":
@@ -120,7 +121,10 @@ def _bolt_circles(reducer: Reducer) -> tuple[Boundary, ...]:
 
 
 def _output_region(reducer: Reducer, rim: Array) -> Region:
-    """Return the region of the output disc: rim, fixed hub and circles of the pins; raises as `part_region`."""
+    """Return the region of the output disc, for meshing: rim, fixed hub and circles of the pins.
+
+    `rim` is its outline (n, 2) [m]. Raises as `part_region`.
+    """
     output, hub = reducer.design.output, reducer.design.shaft.radius
     if not hub < output.pin_circle_radius - output.pin_radius:
         raise UsageError(

@@ -96,9 +96,9 @@ class RvStrength:
 
 
 def compute_rv_strength(reducer: RvReducer, angles: Array) -> RvStrength:
-    """Compute the stress of cranks and gears under the load of the design at crank angles [rad], shape (k,).
+    """Compute the largest stresses of the cranks and of sun and planets over a turn, under the load of the design.
 
-    The angles are those against the carrier, as of `static_turn`; raises as `balance_turn`.
+    `angles` [rad], shape (k,), are those of the cranks relative to the carrier. Raises as `balance_turn`.
     """
     springs, loads = balance_turn(reducer, angles)
     needles = needle_contact(reducer, loads.bearings, 1.0 / reducer.cranks.eccentric_radius)
@@ -111,7 +111,10 @@ def compute_rv_strength(reducer: RvReducer, angles: Array) -> RvStrength:
 
 
 def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, angles: Array) -> Iterator[Notch]:
-    """Yield the sections at the ends of the eccentrics of the most loaded crank."""
+    """Yield the largest stresses over all cranks and angles at both ends of each eccentric, in the order of z.
+
+    `angles` [rad] (k,) are the crank angles of `springs` and `loads`.
+    """
     gear, radius, fillet = reducer.design.gear, reducer.journal_radius, reducer.journal_fillet
     outer = reducer.cranks.eccentric_radius + gear.eccentricity
     factors = [shoulder_factor(radius, fillet, outer, terms) for terms in (BENDING, TORSION)]
@@ -127,10 +130,10 @@ def _crank_shoulders(reducer: RvReducer, springs: RvSprings, loads: RvLoads, ang
 
 
 def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, stations: Array) -> tuple[Array, Array]:
-    """Compute bending and torsional moments of the cranks [N m] at stations along z [m] (s,), shape (k, n, s) each.
+    """Compute the magnitudes of bending and torsional moments [N m] in n cranks at k angles, shape (k, n, s) each.
 
-    The shaft is a beam on supports in the middles of the flanges. From its planet on, each eccentric takes its part of
-    the torque.
+    `stations` [m] (s,) are positions along z. A crank is a beam on supports in the middles of the flanges. Its torque
+    acts at the planet, and decreases along each eccentric.
     """
     gear, along = reducer.design.gear, axial_layout(reducer)
     planes = np.array(gear.disc_planes)
@@ -153,7 +156,7 @@ def crank_moments(reducer: RvReducer, springs: RvSprings, loads: RvLoads, statio
 
 
 def planet_forces(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Array:
-    """Return the normal forces of the sun on the planets [N], shape (k, n, 2)."""
+    """Return the forces of the sun on the n planets, normal to the flanks [N], shape (k, n, 2), frame of the ring."""
     outward = reducer.stage.crank_places(springs.crank) / reducer.lever
     forward, angle = quarter_turned(outward), reducer.planet.pressure_angle
     signed = loads.flanks[:, 1] - loads.flanks[:, 0]
@@ -162,7 +165,10 @@ def planet_forces(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Arr
 
 
 def _tooth_roots(reducer: RvReducer, force: float) -> Iterator[ToothRootStress]:
-    """Yield the stress at the roots of sun and planet under a normal force [N]."""
+    """Yield the nominal stress [Pa] and its factors at the tooth root of the sun, then of a planet.
+
+    A single pair of teeth carries the normal `force` [N].
+    """
     planet, gears = reducer.planet, reducer.stage_gears
     tangential = force * math.cos(planet.pressure_angle)
     for part, gear, mate in zip((SUN, PLANET), gears, reversed(gears), strict=True):

@@ -79,10 +79,11 @@ class Pads:
 
 
 def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
-    """Return the spring-supported pads under a shaft, whose bearings have a radial stiffness [N/m] each.
+    """Return loads and springs of the pads into which the bearing seats of a shaft are divided.
 
-    Each bearing seat is divided into `MODEL.sectors` around the axis and `MODEL.strips` along it. Half of a bearing
-    presses: a bed of k per area has the force k R w pi/2 per radial displacement, with the radius R and width w.
+    Each seat has `MODEL.sectors` pads around the axis and `MODEL.strips` along it. `stiffness` [N/m] is the radial
+    stiffness of a bearing. Half of a bearing presses: an elastic bed of k per area has the force k R w pi/2 per radial
+    displacement, with the radius R and width w of the seat.
 
     Raises
     ------
@@ -114,10 +115,10 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
 
 
 def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) -> Array:
-    """Compute the outward forces (p,) [N] on open pads that cancel the tension of their springs (active-set method).
+    """Compute the outward forces [N] on the p pads that cancel the tension of springs, 0 where a pad is in compression.
 
-    The spring of an open pad, with mean inward displacement d, would pull with -k d, which the force k d cancels. d
-    depends on the forces on all open pads, so their set is iterated until it is that of the pads with d < 0.
+    A pad with the outward displacement d < 0 opens: the force k d cancels its spring of stiffness k. As d depends on
+    the forces on all open pads, an active-set method iterates their set.
 
     Parameters
     ----------
@@ -154,7 +155,9 @@ def solve_open_pads(pads: Pads, compliance: Array, loaded_displacements: Array) 
 
 
 def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Solve the unit loads of the shaft, and return its load case, in which each angle is a sum of them.
+    """Factorise the shaft on its bearings under its loads, and return its load case for any crank angles.
+
+    Each angle is a sum of unit loads, which are solved here. Bearings press on the shaft and do not pull.
 
     Raises
     ------
@@ -181,7 +184,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     moment_weights = section_moment_weights(grid.points, shaft.stations)
 
     def solve_response(angles: Integers) -> Response:
-        """Sum the unit loads at some angles, given by their indices, and open the pads in tension."""
+        """Solve for the response at the angles with the indices `angles`, shape (c,), without tension in the pads."""
         weights = shares[:, angles]
         open_forces = np.column_stack(
             [
@@ -204,10 +207,10 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
 
 def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) -> Iterator[Array]:
-    """Yield the factors (k,) by which the unit loads of `_cam_unit_loads` add up to those on a cam at k angles.
+    """Yield the factors (k,) of the unit loads of `_cam_unit_loads` whose sums are the loads on a cam at k angles.
 
-    The pressure is distributed as the cosine over half of the cam. Its harmonics come first, cosine and sine of each
-    [N], then the moment [N m].
+    Each harmonic of the pressure has the factor of its cosine and, except order 0, of its sine [N]; the last factor is
+    the moment about the centre of the cam [N m]. The pressure is distributed as the cosine over half of the cam.
 
     Parameters
     ----------
@@ -229,18 +232,18 @@ def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam_index: int) -> Ite
 
 
 def _half_cosine(order: int) -> float:
-    """Compute a Fourier coefficient of max(0, cos)."""
+    """Compute the Fourier coefficient of max(0, cos) of an order that is 0, 1 or even."""
     if order == 0:
         return 1 / np.pi
     return 0.5 if order == 1 else 2 / np.pi * (-1) ** (order // 2 + 1) / (order**2 - 1)
 
 
 def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple[Array, Array]:
-    """Compute the nodal forces of unit loads on the cam of an index: harmonic pressures (n, 11), and a couple (n, 1).
+    """Compute the nodal forces [N] of unit loads on the cam of an index: 11 pressures (n, 11), and a couple (n, 1).
 
-    The pressures vary as cos and sin (m phi) around the cam. Those of order 1 have a resultant of -1 N, the others
-    none: the remainder due to the grid is balanced by those of order 1. The couple of 1 N m about the axis is shear
-    around the cam.
+    The pressures vary around the cam as the cosine and sine of multiples of the angle, `MODEL.harmonics`. Those of
+    order 1 have the resultant -1 N along x and y, the others none. The couple of 1 N m about z is shear around the cam,
+    without resultant.
     """
     cam = select_surface(grid, lambda x: _on_cam(x, shaft, cam_index))
     x, y = shaft.cam_centres[cam_index]
@@ -278,10 +281,9 @@ def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array
 
 
 def section_moment_weights(points: Array, positions: Array) -> Array:
-    """Return the weights (3 n, s, 3) [m] by which nodal forces contribute to the moments in sections.
+    """Return the weights (3 n, s, 3) [m] by which nodal forces contribute to the moments about x, y, z in s sections.
 
-    The moments about x, y, z, with the origin on the axis in each section, are those of the forces on the nodes before
-    the section.
+    The moment in a section is that of the forces on all nodes with a smaller z, about the point of the axis in it.
 
     Parameters
     ----------

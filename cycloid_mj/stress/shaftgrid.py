@@ -19,7 +19,10 @@ CORNER_DISTANCE = 0.15
 
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
-    """Build the tetrahedral grid of the shaft in the frame of its solid: the reducer's axis, cam towards +y."""
+    """Mesh the shaft by solid finite elements (quadratic tetrahedra), in the frame of its solid.
+
+    The origin is on the reducer's axis, and the first cam is offset towards +y.
+    """
     shaft = shaft_dimensions(reducer)
     edge = settings.solid_edge * shaft.radius / settings.refinement
     return Grid(
@@ -58,9 +61,9 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
 
 
 def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
-    """Merge the shaft's cylinders with OpenCASCADE and mesh them with gmsh; edges are shorter at the inner corners.
+    """Mesh the shaft by gmsh: its cylinders merged to one solid, as a scikit-fem mesh of quadratic tetrahedra [m].
 
-    `edge` is the longest edge [m]. Returns a quadratic mesh.
+    `edge` is the longest edge [m]; edges are shorter near the inner corners.
     """
     with open_mesher("shaft", edge) as gmsh:
         occ = gmsh.model.occ
@@ -101,7 +104,10 @@ def _cylinder(occ: Any, centre: Sequence[float], radius: float, z0: float, z1: f
 
 
 def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
-    """Set gmsh's size field near positions (n, 3) [m]: edges grow from a third of `edge` [m] to all of it."""
+    """Set gmsh's target edge lengths: a third of `edge` [m] at positions (n, 3) [m], `edge` from 2 `edge` on.
+
+    Only every eighth position is used.
+    """
     field, longest = gmsh.model.mesh.field, edge * MILLIMETRES
     distance = field.add("Distance")
     points = [gmsh.model.geo.addPoint(*position) for position in positions[::8] * MILLIMETRES]
@@ -120,9 +126,9 @@ def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
 
 
 def _convert_mesh(tags: Any, points: Array, nodes: Any) -> Any:
-    """Convert gmsh's tetrahedra of ten nodes to a quadratic scikit-fem mesh.
+    """Return a quadratic scikit-fem mesh of gmsh's tetrahedra of ten nodes.
 
-    `tags` are gmsh's numbers of the `points` (p, 3) [m], `nodes` (m, 10) those of the nodes of the tetrahedra.
+    `tags` (p,) are gmsh's numbers of the `points` (p, 3) [m], `nodes` (m, 10) those of the nodes of the tetrahedra.
     """
     position = np.zeros(int(tags.max()) + 1, np.int64)
     position[tags.astype(np.int64)] = np.arange(len(tags))

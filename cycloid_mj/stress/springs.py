@@ -86,7 +86,7 @@ class PartSprings:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert design name, stiffness, compliances and springs to JSON values."""
+        """Convert design name, stiffness [N m/rad], compliances [rad/(N m)] and springs [N m/rad] to JSON values."""
         springs = self.design.springs
         return {
             "design": self.design.name,
@@ -99,11 +99,12 @@ class PartSprings:
 
 
 def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
-    """Compute the springs of a reducer by finite elements of its parts; raises as `stress.figures.wind_up_by_part`.
+    """Compute the compliance of each part by finite elements, and the design with springs for carrier, shaft, housing.
 
-    Each spring contains the compliance of its parts less that of the contacts, which statics computes. Carrier and
-    shaft twist in addition, by their shapes. Mounts are the seats of output pins and crank by a drawing; each limit of
-    their modulus needs a run and a set of finite elements.
+    A spring has the compliance of its parts by `SPRING_OF_PART`; carrier and shaft have their twist in addition. The
+    compliance of the contacts, which statics computes, is subtracted from that of the carrier. `mounts` are the seats
+    of output pins and crank from a drawing; each limit of their modulus needs another simulation. Raises as
+    `stress.figures.wind_up_by_part`.
     """
     parts = wind_up_by_part(reducer, mounts)
     moduli = mounts.material.modulus if mounts and mounts.material else ()

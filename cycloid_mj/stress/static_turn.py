@@ -37,7 +37,9 @@ from cycloid_mj.stress.turn import DEGREES, Turn
 
 
 def balance_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[RvSprings, RvLoads]:
-    """Balance the running drive under its load at crank angles against the carrier [rad], shape (k,).
+    """Solve the static equilibrium of the running drive under its load; return contact springs and loads at k angles.
+
+    `angles` [rad] (k,) are those of the cranks relative to the carrier. Friction acts as in rotation.
 
     Raises
     ------
@@ -49,7 +51,7 @@ def balance_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[R
 
 @once
 def _balance_turn(reducer: RvReducer, angles: tuple[float, ...]) -> tuple[RvSprings, RvLoads]:
-    """Balance a drive as `balance_turn`."""
+    """Solve the static equilibrium as `balance_turn`; cached."""
     design = reducer.design
     springs = compute_rv_springs(reducer, np.array(angles) * design.lobes / design.ring.teeth)
     torque = torque_on_carrier(reducer, design.load.torque)
@@ -63,9 +65,10 @@ def _friction(reducer: RvReducer, springs: RvSprings) -> RvFriction:
 
 
 def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
-    """Compute a turn of the cranks at angles against the carrier [rad], shape (k,), after which all loads repeat.
+    """Return positions and contact forces over a turn of the cranks in static equilibrium, as a run would log them.
 
-    Weight and inertia are left out. Raises as `balance_turn`.
+    `angles` [rad] (k,) are those of the cranks relative to the carrier. Weight and inertia are left out. Raises as
+    `balance_turn`.
     """
     crank = np.ravel(np.asarray(angles, dtype=np.float64))
     springs, loads = balance_turn(reducer, crank)
@@ -79,7 +82,7 @@ def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
 
 
 def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str, Array]]:
-    """Yield name and values of the positions and speeds of the discs, shape (k,)."""
+    """Yield name and values (k,) of the logged columns of each disc: x, y [m], angle [rad], and their speeds, all 0."""
     eccentrics = reducer.design.gear.eccentricity * reducer.stage.eccentrics(springs.crank)
     for disc, name in enumerate(reducer.gears):
         x, y, angle = planar_joints(name)
@@ -89,7 +92,10 @@ def _disc_columns(reducer: RvReducer, springs: RvSprings) -> Iterator[tuple[str,
 
 
 def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> Iterator[tuple[str, Array]]:
-    """Yield name and values of forces and moments on the discs, about their centres, and of sockets on pins, (k,)."""
+    """Yield name and values (k,) of the logged columns of contact forces [N] and moments [N m].
+
+    They are those on each disc, with moments about its centre, and those of the sockets on free ring pins.
+    """
     design, friction = reducer.design, _friction(reducer, springs)
     directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + friction.teeth
     owners = mesh_gaps(reducer.at_rated_load, springs.crank).owner

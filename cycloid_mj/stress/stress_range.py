@@ -44,10 +44,11 @@ def sample_angles(angles: int) -> Integers:
 
 
 def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distance: float) -> StressRange:
-    """Compute the stress range at a part's critical node, beyond a distance [m] from narrow patches.
+    """Return stress amplitude [Pa], mean stress [Pa] and position [m] of the node that is critical for fatigue.
 
-    `states` are the stress components (components, n) [Pa] at the angles of `sample_angles`, by index. The critical
-    node has the largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
+    `states` are the stress components (components, n) [Pa] at the angles of `sample_angles`, by index of the angle. A
+    state does not count for nodes within `distance` [m] of a narrow patch at that angle. The critical node has the
+    largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
     """
     all_nodes = np.arange(len(part.grid.points))
     candidate_nodes = [
@@ -60,16 +61,16 @@ def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distanc
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
-    """Compute stress amplitude and mean [Pa] of the m nodes with the largest stress ranges, and their indices.
+    """Compute stress amplitude [Pa], mean stress [Pa] and indices of the at most 1500 nodes with the largest ranges.
 
-    A range is the largest von Mises stress of the difference between two instants; the amplitude is half of it, the
-    mean the von Mises stress of the mean of both, with the sign of its trace. A node that is in the bulk only once has
-    the amplitude 0, one that never is is left out.
+    The stress range is the largest von Mises stress of the difference between two instants. The amplitude is half of
+    it. The mean is the von Mises stress of the mean of both instants, with the sign of its trace. A node with a single
+    state has the amplitude 0; a node without any state is left out.
 
     Parameters
     ----------
     states
-        Stress components at each of c instants (c, components, n) [Pa], NaN outside the bulk.
+        Stress components at each of c instants (c, components, n) [Pa], NaN where a state does not count.
 
     Returns
     -------
@@ -99,7 +100,10 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
 
 
 def rank_by_range(states: Array) -> Array:
-    """Compute a bound by which nodes are chosen: by range and level of each component, of states (c, components, n)."""
+    """Compute an estimate [Pa] (n,) by which nodes are ranked, from ranges and levels of their stress components.
+
+    `states` (c, components, n) [Pa] are the components at c instants, NaN where a state does not count.
+    """
     largest, smallest = np.fmax.reduce(states, axis=0), np.fmin.reduce(states, axis=0)  # no numbers are passed over
     level = np.maximum(np.abs(largest), np.abs(smallest))
     return np.asarray(np.sqrt(3.0) * np.linalg.norm(largest - smallest, axis=0) + 0.5 * np.linalg.norm(level, axis=0))

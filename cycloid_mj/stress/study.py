@@ -134,7 +134,7 @@ class StressStudy(Presented):
 
     @property
     def frame(self) -> Frame:
-        """The largest stresses of every part over the turn, a row each."""
+        """Table with the largest stresses [MPa], largest contact force [N] and yield strength [MPa], a row per part."""
         rows: list[dict[str, Cell]] = [
             {
                 "part": item.part,
@@ -169,7 +169,7 @@ def stress_study(
     grids: Mapping[str, Grid] | None = None,
     references: Mapping[str, Reference] | None = None,
 ) -> StressStudy:
-    """Compute the stress of parts along a crank turn of a run, under its logged forces.
+    """Compute the stress of each part over a crank turn by finite elements, under the logged forces of a run.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def stress_study(
     on_part
         Called before each part with its name, the number of finished parts, and that of all parts.
     grids, references
-        Existing grids, as of ``study_grids``, and published stresses, by the names of their parts.
+        Existing finite-element grids, as of ``study_grids``, and published stresses, by the names of their parts.
 
     Raises
     ------
@@ -240,9 +240,9 @@ def in_order(parts: Sequence[str]) -> list[str]:
 
 
 def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
-    """Compute the stress of one part over a turn: grid, loads, maxima, map and findings; raises as `stress_study`.
+    """Compute the stress of one part over a turn; return its grid, loads, maxima, map and findings.
 
-    An existing `grid` is used if it is given.
+    Without a `grid`, the part is meshed by `settings`. Raises as `stress_study`.
     """
     start = time.perf_counter()
     loads = loads_in_turn(turn, part)
@@ -288,8 +288,8 @@ def _solve_part(
 ) -> tuple[PartStress, StressMap, StressRange | None, tuple[tuple[float, float], ...]]:
     """Solve a part at all crank angles; return its maxima, map, stress range, and bulk stress by distance from corners.
 
-    `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. Parts other than
-    `RANGE_PARTS` have no stress range. The factorisation is freed before other grids are factorised.
+    `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. The stress range is None for
+    parts other than `RANGE_PARTS`. The last result is that of `field.vary_corner_distance`.
     """
     part = assemble_part(reducer, grid, loads)
     has_range = names.family(grid.part) in RANGE_PARTS
@@ -308,7 +308,7 @@ def _solve_part(
 
 
 def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
-    """Return the loads at some of their crank angles, given by their indices, in this order."""
+    """Return the loads at the crank angles with these indices, in their order."""
     index_array = np.asarray(indices)
     count = len(loads.angle)
     selected_fields: dict[str, Any] = {
@@ -322,9 +322,9 @@ def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
 def _check_convergence(
     reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> Refinement:
-    """Solve some crank angles on a finer grid, and return the bulk stresses of both grids.
+    """Solve `settings.checked` crank angles on a finer grid; return the bulk stresses [Pa] of both grids.
 
-    One of the angles is that of the largest bulk stress.
+    The first angle is that of the largest bulk stress in `stress`, the solution on `grid`.
     """
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
@@ -352,9 +352,10 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
 def _stress_with_other_supports(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
-    """Return each other support of a part as "key = value", and the largest bulk stress [Pa] with it at five angles.
+    """Compute the largest bulk stress [Pa] of a part at five angles with each support that the design does not have.
 
-    Empty for parts without a choice of supports. One of the angles is that of the largest bulk stress.
+    Returns pairs of the support as "key = value" and the stress; none for parts without a choice of supports. One of
+    the angles is that of the largest bulk stress in `stress`.
     """
     if part not in SUPPORTS:
         return ()
@@ -392,14 +393,17 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
 
 
 def _choice(stress: PartStress) -> float:
-    """Compute what the distance may change, as a share: how far the plateau falls to twice its distance."""
+    """Compute the relative drop [1] of the largest stress from the bulk distance to twice that distance."""
     return relative_drop(
         stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance)))
     )
 
 
 def corner_choice(corners: Sequence[tuple[float, float]]) -> float:
-    """Compute by what share the bulk changes from its distance from corners to half and twice it; 0 without corners."""
+    """Compute the larger relative change [1] of the bulk stress with half or twice the distance from corners.
+
+    `corners` are the pairs of `field.vary_corner_distance`; without any the result is 0.
+    """
     sizes = [size for _, size in corners]
     base = sizes[len(sizes) // 2] if sizes else 0.0
     return max(abs(size / base - 1.0) for size in sizes) if base > 0.0 else 0.0
@@ -412,7 +416,7 @@ def _largest(values: Array) -> Array:
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
-    """Return the largest von Mises stress below a contact over the turn, with crank angle, position and safety.
+    """Return the largest von Mises stress [Pa] below a contact over the turn, with crank angle, position and safety.
 
     `lines` are the stresses of the contacts under `loads`. The stress is NaN if all contacts are conformal.
     """

@@ -27,22 +27,29 @@ STRENGTH_HEADER = ("section", "nominal [MPa]", "factor", "stress [MPa]", "safety
 
 
 def bulk_table(findings: StressFindings) -> list[list[str]]:
-    """Return a row for each part; columns as in `BULK_HEADER`.
+    """Return the bulk stress of each part as a row of text; columns as in `BULK_HEADER`.
 
-    `from` is the distance d from narrow contacts at which the largest stress reaches its plateau. `choice` is its drop
-    to twice that distance, or its change with half or twice the distance from sharp corners. The safety is that of the
-    larger of bulk and fillet stress. `refined` is the change with a finer grid.
+    "from" is the distance d from narrow contacts at which the largest stress reaches its plateau. "choice" is its
+    relative drop to twice that distance, or its change with half or twice the distance from sharp corners, if that is
+    larger. The safety factor is that of the larger of bulk and fillet stress. "refined" is the relative change of the
+    stress with a finer grid.
     """
     return [_bulk_row(part) for part in findings.parts]
 
 
 def contact_table(findings: StressFindings) -> list[list[str]]:
-    """Return a row for each part; columns as in `CONTACT_HEADER`; `shakedown` is the safety of the contact pressure."""
+    """Return the contact stress of each part as a row of text; columns as in `CONTACT_HEADER`.
+
+    "shakedown" is the safety factor of the contact pressure against shakedown.
+    """
     return [[part.part, *_contact_row(part)] for part in findings.parts]
 
 
 def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
-    """Yield a row for each section of cranks and gears; columns as in `STRENGTH_HEADER`."""
+    """Yield the stress of each section of the cranks and gears of an RV reducer as a row of text.
+
+    The columns are those of `STRENGTH_HEADER`.
+    """
     sections = [(item.name, item.nominal, item.stress) for item in strength.shoulders]
     sections += [(f"tooth root of {item.part}", item.nominal, item.stress) for item in strength.roots]
     for name, nominal, stress in sections:
@@ -54,7 +61,7 @@ def strength_table(strength: "RvStrength") -> Iterator[tuple[str, ...]]:
 
 
 def part_notes(part: PartFindings) -> list[str]:
-    """Return notes on a part: stress at fillets, its range for fatigue, and the bulk stress with other supports."""
+    """Return lines of text on a part: stress at fillets, stress range for fatigue, bulk stress with other supports."""
     lines = []
     for notch in part.notches:
         nominal = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"

@@ -69,9 +69,10 @@ class Turn:
 
 
 def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
-    """Select the samples nearest to crank angles [rad], shape (k,), in the last turn of the settled hold of a run.
+    """Select the samples of a run that are nearest to crank angles [rad], shape (k,), in its last turn.
 
-    Angles and forces are those in the frame of the ring. Without a reducer the run may be of any design.
+    The turn is the last at constant speed and load. Angles and forces are relative to the ring. With a `reducer`, the
+    run must be that of its design.
 
     Raises
     ------
@@ -126,9 +127,9 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
 
 
 def list_differences(reducer: Reducer, logged_reducer: Reducer) -> list[str]:
-    """List the values in which a design differs from that of a log: "key (value in the design, value in the log)".
+    """List the values in which a design differs from that of a log, as text: key, value in the design and in the log.
 
-    Load, speed, environment and settings may differ. `logged_reducer` is that of the log.
+    Differences of load, speed, environment and settings are not listed. `logged_reducer` is the reducer of the log.
     """
     requested, logged_values = _compared_values(reducer), _compared_values(logged_reducer)
     return [
@@ -171,7 +172,7 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
 
 
 def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
-    """Raise LogError if a sample would be used for more than two of the requested angles.
+    """Raise LogError if the samples are too coarse: a sample would be used for more than two of the requested angles.
 
     `crank_angles` [rad] are those of the `rows` of the run, `requested` the angles [rad].
     """

@@ -59,9 +59,9 @@ def as_vtu(stress_map: StressMap) -> bytes:
 
 
 def _add_arrays(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) -> None:
-    """Add arrays by name to a group with the name `tag` below a piece of the XML, deflated and in base 64.
+    """Add arrays by name to a new XML element `tag` below `piece`, compressed by zlib and in base 64.
 
-    Each array is one block with a header: number of blocks and sizes [bytes].
+    Each array is a single block with a header: number of blocks, and their sizes [bytes].
     """
     group = ElementTree.SubElement(piece, tag)
     for name, values in arrays.items():
@@ -76,7 +76,7 @@ def _add_arrays(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) 
 
 
 def _orient_cells(stress_map: StressMap) -> np.ndarray:
-    """Return the nodes of each cell, shape (m, nodes), in VTK's order: with a positive area or volume."""
+    """Return the nodes of each cell, shape (m, nodes), in an order for which VTK computes a positive area or volume."""
     cells = stress_map.cells.copy()
     dimension = stress_map.points.shape[1]
     corners = stress_map.points[cells[:, : dimension + 1]]
