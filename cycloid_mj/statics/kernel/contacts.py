@@ -73,14 +73,18 @@ _EXPANSION, _FOOT_POINT = ExpansionSettings(), FootPointSettings()
 
 
 class KernelSprings(NamedTuple):
-    """Springs at k crank angles, n at each, on the unknowns of D discs and an output, u = 3 D + 1.
+    """Springs at k crank angles, n at each, on the u = 3 D + 1 displacements of D discs and an output.
+
+    Displacements z (u,) [m] are departures from the ideal pose: x, y and rotation of each disc, then the rotation of
+    the output. Rotations are arc lengths: angles times `radius` [m], that of the circle of output pins
+    (``reducer.gaps``).
 
     For most attributes see ``gaps.Gaps``; `clearance` [m] includes the clearance of the pins. Shapes: `clearance` (n,)
     [m]; `distance`, `shift`, `curvature`, `curvature_rate`, `phase`, `stiffness` (k, n) [m, m, 1/m, 1/m2, rad, N/m];
     `slope`, `shift_slope` (k, n, u) [1].
 
-    `radius` [m] is that of the circle of output pins: unknowns of rotation are angles times this radius. `trochoid`,
-    the path of ideal pin centres, is E u(t) - c u(N t): E and c [m], and N. `disc` (n,) is the disc of a contact;
+    `trochoid`, the path of ideal pin centres, is E u(t) - c u(N t): E is the pin-circle radius [m], c the eccentricity
+    [m], N the number of ring pins, and u(t) the unit vector at the angle t. `disc` (n,) is the disc of a contact;
     `rotates` (n,) marks contacts whose profile rotates with the disc: teeth, but not round holes. `cam_position`
     (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam with negative clearance is
     in contact on both sides. `rubbing` (k, n, u) and `cam_rubbing` [1] are the generalised friction per normal force,
@@ -129,7 +133,11 @@ class Gap(NamedTuple):
 
 
 class _Pose(NamedTuple):
-    """Displacements of a disc in x and y, by its rotation and by the output's [m]; both angles phi and psi [rad]."""
+    """Displacements of a disc and of the output from the ideal pose.
+
+    `x`, `y` are the position of the disc; `t` and `o` the rotations of disc and output as arc lengths (`KernelSprings`)
+    [m], and `phi` and `psi` the same rotations as angles [rad].
+    """
 
     x: float
     y: float
@@ -154,7 +162,7 @@ class _CurveOffset(NamedTuple):
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def largest_play(springs: KernelSprings) -> float:
-    """Return the largest clearance of all contacts and cams [m]."""
+    """Return the largest clearance of all contacts and cams [m], in magnitude for a cam, and at least 1 um."""
     play = max(abs(springs.cam_clearance), 1e-6)
     for i in range(springs.disc.size):
         play = max(play, springs.clearance[i])
@@ -163,9 +171,10 @@ def largest_play(springs: KernelSprings) -> float:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def scale_clearances(springs: KernelSprings, share: float, scaled_clearance: Array) -> KernelSprings:
-    """Return springs whose clearances are multiplied by a `share`; cams with negative clearance (a preload) keep it.
+    """Return springs whose clearances are multiplied by `share` [1]; a cam with negative clearance (preload) keeps it.
 
-    The clearances of the contacts are written to `scaled_clearance` (n,) [m], a workspace.
+    The clearances of the contacts are written to `scaled_clearance` (n,) [m], a workspace of the new springs, which
+    share all other arrays with `springs`.
     """
     for i in range(scaled_clearance.size):
         scaled_clearance[i] = share * springs.clearance[i]
@@ -196,16 +205,16 @@ def scale_clearances(springs: KernelSprings, share: float, scaled_clearance: Arr
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def gap(springs: KernelSprings, k: int, i: int, z: Array) -> Gap:
-    """Compute the gap of contact `i` at crank angle `k` and displacements z [m], shape (u,)."""
+    """Compute the gap of contact `i` and its gradients, at crank angle index `k` and displacements `z` (u,) [m]."""
     pose = disc_pose(springs, springs.disc[i], z)
     return gap_at(springs, k, i, pose, curve_offset(springs, k, i, pose), FALSE)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
-    """Return whether the gap of contact `i` at crank angle `k` is certainly open at displacements z (u,) [m].
+    """Return whether a lower bound of the gap of contact `i` is positive, at the crank angle of index `k`.
 
-    Its width is not computed, but bounded.
+    `z` (u,) [m] are the displacements. The contact is open if the result is true, and may be open or closed if not.
     """
     return bound_width(springs, k, i, curve_offset(springs, k, i, disc_pose(springs, springs.disc[i], z)), FALSE) > 0.0
 
@@ -216,7 +225,7 @@ def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
-    """Return the pose of a disc and of the output at displacements z [m], shape (u,)."""
+    """Return the displacements of the disc of index `disc` and of the output, from all displacements `z` (u,) [m]."""
     index, radius = 3 * disc, springs.radius
     rotation, output = z[index + 2], z[z.size - 1]
     return _Pose(z[index], z[index + 1], rotation, output, rotation / radius, output / radius)
@@ -226,10 +235,8 @@ def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveOffset:
     """Compute the offset of the two curves of a contact at displaced parts, with rotations to the second order.
 
-    The offset is that of the points where the curves touch in the ideal mesh. q is along the normal, p along the
-    tangent of the ideal contact [m]. In the frame of a profile that rotates with its disc by phi, its mate rotates the
-    other way, q + i p as e^(i phi); the centre of a round hole rotates about that of the disc, and the output pin about
-    that of the output.
+    The offset is that of the two points that touch in the ideal mesh: q along the normal and p along the tangent of the
+    ideal contact [m]. For a tooth, both are components in the frame that rotates with the disc.
 
     Parameters
     ----------
@@ -238,7 +245,7 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveO
     k, i
         Indices of the crank angle and of the contact.
     pose
-        Displacement of the contact's disc and of the output.
+        Displacements of the contact's disc and of the output.
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.rotates[i], pose.phi, pose.psi
@@ -261,7 +268,7 @@ def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveO
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOffset, use_foot_point: bool) -> Gap:
-    """Compute the width [m] of the gap of a contact at displaced parts, and its gradients.
+    """Compute the gap of a contact at displaced parts: width [m], negative if surfaces overlap, and gradients.
 
     Parameters
     ----------
@@ -270,10 +277,10 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOf
     k, i
         Indices of the crank angle and of the contact.
     pose, offset
-        Displacement of the contact's disc and of the output, and the result of `curve_offset` for it.
+        Displacements of the contact's disc and of the output, and the result of `curve_offset` for them.
     use_foot_point
-        Whether the foot point on the tooth profile is computed; else the profile is expanded to the third order, where
-        the expansion is accurate.
+        Whether the foot point on the tooth profile is computed; if not, the profile is expanded to the third order,
+        where the expansion is accurate.
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.rotates[i], pose.phi, pose.psi
@@ -370,7 +377,7 @@ def _is_expansion_valid(
     Parameters
     ----------
     trochoid
-        Radii E and c [m], and N, as in `KernelSprings`.
+        Pin-circle radius [m], eccentricity [m] and number of ring pins, as in `KernelSprings`.
     curvature, curvature_rate
         Relative curvature at the ideal contact [1/m], and its rate along the arc [1/m2].
     p
@@ -386,7 +393,7 @@ def _is_expansion_valid(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
-    """Return the curvature at the bottom of a valley [1/m], where the trochoid is most concave."""
+    """Return the curvature at the bottom of a valley of the `trochoid` (`KernelSprings`), negative [1/m]."""
     E, c, N = trochoid
     return (E - c * N * N) / (E - c * N) ** 2
 
@@ -395,7 +402,7 @@ def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
 def _find_foot_point(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, normal_component: float
 ) -> tuple[bool, float, float, float, float]:
-    """Find the foot point of a point on the trochoid E u(t) - c u(N t), the path of the centres of ideal pins.
+    """Find the foot point of a point on the trochoid E u(t) - c u(N t) of `KernelSprings`, and the distance from it.
 
     The point is at q along the normal and p along the tangent [m] from the curve's point at the `phase` (N - 1) t,
     where the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method,
@@ -464,8 +471,8 @@ def _find_foot_point(
 def bound_width(springs: KernelSprings, k: int, i: int, offset: _CurveOffset, use_foot_point: bool) -> float:
     """Compute a lower bound of the width of a contact's gap [m]; 0 if the gap may be closed.
 
-    It needs no square root for most gaps, which are open. The arguments are those of `gap_at`: indices of crank angle
-    `k` and contact `i`, the `offset` from `curve_offset`, and whether the gap is that of the foot point.
+    The arguments are those of `gap_at`: indices of crank angle `k` and contact `i`, and the `offset` from
+    `curve_offset`. With `use_foot_point`, the bound is valid for the gap at the foot point.
     """
     q, p = offset.q, offset.p
     curvature, curvature_rate, trochoid = springs.curvature[k, i], springs.curvature_rate[k, i], springs.trochoid

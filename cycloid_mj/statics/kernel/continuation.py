@@ -60,7 +60,7 @@ _CONTINUATION = ContinuationSettings()
 
 
 class Path(NamedTuple):
-    """A path with an `order` of its parameters, and arrays.
+    """Workspace of a continuation path with an `order` of its parameters (`search.PARAMETER_ORDERS`).
 
     Its points are the u displacements over a `unit` [m], and the parameter [1]. `point`, the `next_point`, the unit
     `tangent`, the `previous_tangent` and that at a corner, the Newton `step`, the `residual` and the unit vector
@@ -157,17 +157,31 @@ def solve_scaled(
     scaled_clearance: Array,
     system: System,
 ) -> float:
-    """Solve as `newton` with foot points and shares of `clearance` and `friction`; return the residual norm [N].
+    """Solve as `newton` with foot points, for scaled clearances and friction; return the residual norm [N].
 
-    `scaled_clearance` (n,) [m] is workspace. `newton` is compiled into each of its callers, this function is not.
+    Parameters
+    ----------
+    springs, k, load, z, tolerance, use_backtracking, system
+        As in `newton`, without damping and warm start.
+    clearance, friction
+        Factors on all clearances (`scale_clearances`) and on the friction [1].
+    scaled_clearance
+        Workspace for the clearances (n,) [m].
+
+    Notes
+    -----
+    `newton` is compiled into each of its callers, this function is not.
     """
     scaled_springs = scale_clearances(springs, clearance, scaled_clearance)
     return newton(scaled_springs, k, load, z, 1.0, friction, TRUE, tolerance, 0.0, FALSE, use_backtracking, system)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _shares(order: float, parameter: float) -> tuple[float, float]:
-    """Return the shares of friction and clearance at a parameter of the path; they also grow beyond its end."""
+def _friction_and_clearance(order: float, parameter: float) -> tuple[float, float]:
+    """Return the factors on friction and clearance [1] at a `parameter` of the path; they exceed 1 beyond its end.
+
+    `order` is that of `search.PARAMETER_ORDERS`.
+    """
     if order == 0.0:
         return parameter, parameter
     first, second = min(parameter, 1.0), max(parameter - 1.0, 0.0)
@@ -207,14 +221,14 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> P
 def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: Path, system: System) -> float:
     """Assemble the residual at a point of the path and its derivatives, `path.matrix`; return the residual norm [N].
 
-    `k` is the index of the crank angle, `load` (u,) [N] the generalised load. The point consists of displacements over
-    `path.unit` and the parameter, shape (u + 1,).
+    `k` is the index of the crank angle, `load` (u,) [N] the generalised load. The point (u + 1,) consists of
+    displacements over `path.unit`, and the parameter. The residual is written to ``path.residual``.
     """
     unknown_count, matrix, residual, z = load.size, path.matrix, system.residual, system.back
     for j in range(unknown_count):
         z[j] = point[j] * path.unit
     parameter, rate, order = point[unknown_count], path.rate, path.order
-    friction, clearance = _shares(order, parameter)
+    friction, clearance = _friction_and_clearance(order, parameter)
     scaled_springs = scale_clearances(springs, clearance, path.clearance)
     friction_grows = (parameter < 1.0) == (order > 0.0)
     # with more friction for the rate, and at the point: a second call would be compiled once more
@@ -334,10 +348,10 @@ def _predict_and_correct(
 def _correct(
     springs: KernelSprings, k: int, load: Array, length: float, tolerance: float, path: Path, system: System
 ) -> bool:
-    """Compute the next point at a `length` [1] from the predictor by Newton's method; return whether it converges.
+    """Compute `path.next_point` at a `length` [1] from `path.point` by Newton's method; return whether it converges.
 
-    It fails if the residual norm stays above `tolerance` [N], or the point deviates too far from the predictor. `k` is
-    the index of the crank angle, `load` (u,) [N] the generalised load.
+    It fails if the residual norm stays above `tolerance` [N], or the point deviates too far from the predictor along
+    `path.tangent`. `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
     """
     unknown_count, point, next_point, tangent, residual = (
         load.size,
@@ -374,8 +388,8 @@ def _pass_corner(
 ) -> float:
     """Find a point of the path beyond a corner, where a contact opens or closes and the path may turn back.
 
-    Tangents are taken at trial distances from 1e-7 to 1e-3, and steps of 1e-2 to 1e-6 along them are tried. Arguments
-    as in `_predict_and_correct`. Returns the length of the step [1], 0 if none succeeds.
+    Tangents are computed at trial distances from 1e-7 to 1e-3, and steps of 1e-2 to 1e-6 along them are tried.
+    Arguments as in `_predict_and_correct`. Returns the length of the step [1], 0 if none succeeds.
     """
     unknown_count = load.size
     tangent = path.corner_tangent

@@ -144,18 +144,30 @@ class _Increment(NamedTuple):
 def follow_path(
     springs: KernelSprings, rubbing: Rubbing, path: Array, max_motion: float, positions: Array, z: Array
 ) -> tuple[Residual, int]:
-    """Solve for equilibrium along a load path (m, u) [N] at the first crank angle, with elastoplastic friction.
+    """Solve for equilibrium along a load path at the first crank angle of the springs, with elastoplastic friction.
 
-    The displacements z (rows, u) [m] are filled in, with their `positions` (rows,) on the path, counted in loads from
-    0; the first of z is the initial state, at rest. Each step is an equilibrium with the friction forces at its end
-    (backward Euler). A step without solution is halved, and then solved by pseudo-transient continuation. A step in
-    which the output moves by more than `max_motion` [m] is halved, too, up to ``MAX_SUBSTEPS`` parts, while there are
-    rows for them: under a load that only grows, a reducer jumps across its backlash.
+    Each step is an equilibrium with the friction forces at its end (backward Euler). A step without solution is halved,
+    and then solved by pseudo-transient continuation. A step in which the output jumps, as across the backlash, is
+    halved too, into at most ``MAX_SUBSTEPS`` parts.
+
+    Parameters
+    ----------
+    springs, rubbing
+        Contact springs without friction, and friction elements.
+    path
+        Generalised loads (m, u) [N]. The first step leads from no load to the first of them.
+    max_motion
+        Displacement of the output [m], as an arc length at `springs.radius`, above which a step is halved.
+    positions, z
+        Output arrays (rows,) and (rows, u) [m], rows >= m: position on the path, counted in loads from 0, and
+        displacements there. On entry, the first row of z is the state at rest. Each load has a row; rows beyond m are
+        for the parts of halved steps.
 
     Returns
     -------
     tuple of Residual and int
-        Residual of force 0, or of a step without equilibrium relative to the largest load; and the number of rows.
+        Residual, and number of rows that are filled in. The residual force is 0 after the last load; if a step has no
+        equilibrium, it is that of this step relative to the largest load of the path.
     """
     elements, unknowns = rubbing.stick.size, path.shape[1]
     old, new = _allocate_state(elements, unknowns), _allocate_state(elements, unknowns)
@@ -175,7 +187,7 @@ def _follow_path(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[Residual, int]:
-    """Solve as `follow_path`, with workspace."""
+    """Solve as `follow_path`, with workspace from `_allocate_increment` and `_allocate_state`."""
     count, unknowns = path.shape
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     copy(z[0], old.z)
@@ -221,7 +233,10 @@ def _follow_path(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
-    """Write the load (u,) [N] at a share of the step to load `m` of a path; the first step begins without load."""
+    """Write the load at a `share` [1] of the step from load `m` - 1 to load `m` of a path (loads, u) to `load` [N].
+
+    The first step, `m` = 0, begins without load.
+    """
     for j in range(load.size):
         before = path[m - 1, j] if m else 0.0
         load[j] = before + (path[m, j] - before) * share
@@ -230,11 +245,11 @@ def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
 def assemble_after(
     springs: KernelSprings, rubbing: Rubbing, middle: Array, load: Array, z: Array, fixed_limits: bool
 ) -> State:
-    """Assemble residual and tangent of the second of two steps from rest: to `middle` (u,), then to z (u,) [m].
+    """Assemble residual and tangent of the second of two steps from rest: to `middle` (u,), then to `z` (u,) [m].
 
-    The load (u,) [N] acts at z. Neither displacement needs to be an equilibrium. The friction limits follow from the
-    normal forces at z, as in `follow_path`; with `fixed_limits` they are those at `middle`, and the residual is the
-    descent of the energy.
+    The `load` (u,) [N] acts at z. Neither displacement needs to be an equilibrium. The friction limits follow from the
+    normal forces at z, as in `follow_path`. With `fixed_limits` they are those at `middle`; then the residual is the
+    negative gradient of the energy, and the tangent is symmetric.
     """
     unknown_count, elements = z.size, rubbing.stick.size
     rest, old, new = (_allocate_state(elements, unknown_count) for _ in range(3))
@@ -254,7 +269,10 @@ def _assemble_two_steps(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Assemble as `assemble_after`, at displacements and a load that the workspace has; return the energy [J]."""
+    """Assemble as `assemble_after` at the displacements of `old` and `new` under `increment.load`; return energy [J].
+
+    `rest` is the unloaded state before both steps.
+    """
     increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     _update_slip(springs, rubbing, rest)
     _assemble_step(springs, rubbing, FALSE, increment, rest, old)
@@ -294,7 +312,7 @@ def _allocate_state(elements: int, unknown_count: int) -> _ElastoplasticState:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _ElastoplasticState) -> None:
-    """Overwrite ``state.slip``: the derivatives of the sliding of each contact by the displacements [1], at a state.
+    """Overwrite ``state.slip`` (s, u) [1]: derivatives of the sliding distance of each element by the displacements.
 
     They are those of `rubbing`, except for the cams, whose sliding direction depends on the displacement of their disc.
     """
@@ -344,8 +362,9 @@ def _solve_tresca(
 ) -> float:
     """Solve a step by a fixed-point iteration of the friction limits (Tresca); return the residual norm [N].
 
-    With fixed limits the solution minimizes an energy: Newton's method with backtracking. The arguments are those of
-    `_solve_newton`: `tolerance` of the residual norm [N], state `old` before the step and `new` after it.
+    While the limits are fixed, the solution minimizes an energy, and Newton's method with backtracking finds it. The
+    arguments are those of `_solve_newton`: `tolerance` of the residual norm [N], state `old` before the step and `new`
+    after it.
     """
     copy(old.z, new.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
@@ -393,8 +412,9 @@ def _solve_pseudo_transient(
 ) -> float:
     """Solve a step by pseudo-transient continuation with friction along the path; return the residual norm [N].
 
-    Without an equilibrium nearby, parts jump to a distant one, which depends on the friction along the way. A viscous
-    drag that is large enough (a short pseudo time step) has a unique solution. `old` and `new` end at the solution.
+    If there is no equilibrium nearby, parts jump to a distant equilibrium, which depends on the friction along the path
+    to it. With enough viscous drag (a short pseudo time step) each solution is unique. The arguments are those of
+    `_solve_newton`; `old` is overwritten, too: both states end at the solution.
     """
     regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     drag, norm = springs.cam_stiffness, np.inf
@@ -420,7 +440,7 @@ def _solve_pseudo_transient(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> None:
-    """Copy a state except its sliding per unknown."""
+    """Copy the arrays of a state to the `target`, except its sliding per unknown, `slip`."""
     copy(source.z, target.z)
     copy(source.side, target.side)
     copy(source.normal, target.normal)
@@ -430,7 +450,7 @@ def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> Non
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _update_limits(rubbing: Rubbing, increment: _Increment, state: _ElastoplasticState, share: float) -> None:
-    """Move the fixed friction limits by a share towards those of the normal forces at a state."""
+    """Move the fixed limits of `increment` by a `share` [1] towards those that follow from the forces of `state`."""
     for i in range(increment.side.size):
         spring = state.pressed[i]
         increment.normal[i] += share * (rubbing.loss[i] * spring - increment.normal[i])
@@ -446,10 +466,10 @@ def _assemble_step(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[float, float]:
-    """Assemble residual and tangent of a step at the displacements of `new`.
+    """Assemble residual and tangent of a step in `increment`, at the displacements of `new`.
 
     `old` is the state before the step. The forces of springs, friction and material are written to `new`. With
-    `fixed_limits` of friction there is an energy, and the tangent is symmetric.
+    `fixed_limits` (those of `increment`) there is an energy, and the tangent is symmetric.
 
     Returns
     -------
@@ -495,8 +515,9 @@ def _add_geometric_stiffness(
 ) -> None:
     """Add the geometric stiffness of a contact under a `force` [N] to the tangent (u, u) [N/m].
 
-    It is that of the rotation of the normal, and `rotation_stiffness` [N/m] that of the parts, as in
-    `system._add_contact`. The disc's unknowns begin at `x`; `rotates` is whether the profile rotates with the disc.
+    The rotation of the normal contributes by the gradients of `gap`, and the rotation of the parts by
+    `rotation_stiffness` [N/m], as in `system._add_contact`. The disc's unknowns begin at index `x`; `rotates` is
+    whether the profile rotates with the disc.
     """
     y, t, output_dof = x + 1, x + 2, len(tangent) - 1
     (bx, by, bt, bo), normal_rotation = gap.tangential, -force * gap.rate
@@ -528,10 +549,10 @@ def _add_cam(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add the contact of a disc, by its index, and its cam, with its friction, to a step; return their energy [J].
+    """Add the contact of a disc and its cam, with its friction, to a step; return their energy [J].
 
-    The arguments are those of `_assemble_step`: `old` and `new` are the states before and after the step,
-    `fixed_limits` whether the friction limits are.
+    `disc` is the index of the disc. The other arguments are those of `_assemble_step`: `old` and `new` are the states
+    before and after the step, and `fixed_limits` is whether the friction limits are those of `increment`.
     """
     x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
     cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
@@ -562,8 +583,9 @@ def _add_contact(
 ) -> float:
     """Add contact `i` of a `stiffness` [N/m] and a deflection `depth` [m], with its friction, to a step.
 
-    The material retains a share of the force by a spring along the normal that slips at a limit. The other arguments
-    are those of `_assemble_step`, with `increment.gradient` of the depth. Returns the energy of the contact [J].
+    The material retains a share of the force by a spring along the normal that slips at a limit. The forces are written
+    to `new`. The other arguments are those of `_assemble_step`; `increment.gradient` (u,) must be that of the depth.
+    Returns the energy of the contact [J].
     """
     spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
     new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
@@ -600,8 +622,8 @@ def _add_friction(
 ) -> float:
     """Add the friction of element `i` with a limit [N] to a step; return its energy [J].
 
-    Return mapping: the elastic trial force is limited. `rate` is that of the limit by the depth of its contact [N/m].
-    `old` is the state before the step; the friction force is written to ``new.side``.
+    Return mapping: the elastic trial force is reduced to the limit. `rate` [N/m] is the derivative of the limit by the
+    depth of the contact. `old` is the state before the step; the friction force is written to ``new.side``.
     """
     slip, stick, unknown_count = old.slip[i], rubbing.stick[i], increment.load.size
     new.side[i] = 0.0
@@ -629,7 +651,7 @@ def _add_friction(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _slip_energy(force: float, limit: float, stiffness: float) -> float:
-    """Return the energy of a spring with an elastic `force` [N] that slips at a limit [N], and dissipation [J]."""
+    """Return elastic energy plus dissipation [J] of a spring with a trial `force` [N] that slips at a limit [N]."""
     magnitude = abs(force)
     return (
         0.5 * magnitude * magnitude / stiffness if magnitude <= limit else limit * (magnitude - 0.5 * limit) / stiffness

@@ -102,7 +102,7 @@ def newton(
     Returns
     -------
     float
-        Residual norm [N].
+        Residual norm, the largest residual force [N]; above `tolerance` if no solution was reached.
     """
     cam_stiffness, max_length = stiffness_factor * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
     residual, step, start, unknown_count = system.residual, system.step, system.start, z.size
@@ -122,7 +122,7 @@ def newton(
         if use_backtracking and trial > bound and share > ROUNDING:
             share *= 0.5
         elif use_line_search and norm > tolerance and -slope > _NEWTON.overshoot * abs(predicted_decrease):
-            share = max(share + slope / max(_curvature(system.tangent, step), 1e-300), 0.0)
+            share = max(share + slope / max(_quadratic_form(system.tangent, step), 1e-300), 0.0)
         else:
             if norm <= tolerance and not warm_start:
                 return norm
@@ -141,10 +141,11 @@ def newton(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _compute_step(use_backtracking: bool, cam_stiffness: float, damping: float, system: System) -> bool:
-    """Compute the Newton step (u,) [m] of the system, in ``system``; return whether there is a step.
+    """Compute the Newton step (u,) [m] in ``system.step``; return whether it exists (the tangent is not singular).
 
-    With `use_backtracking` it is a descent step by the modified Hessian, whose eigenvalues are at least a share of
-    `cam_stiffness` [N/m]; else `damping` [N/m] is added to the tangent.
+    With `use_backtracking` it is a descent step by the modified Hessian, whose eigenvalues are at least a small share
+    of `cam_stiffness` [N/m]. If not, `damping` [N/m] is added to the diagonal of the tangent. The tangent is
+    overwritten.
     """
     tangent, residual, step = system.tangent, system.residual, system.step
     if use_backtracking:
@@ -163,7 +164,7 @@ def _product(step: Array, values: Array) -> float:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _curvature(stiffness: Array, step: Array) -> float:
+def _quadratic_form(stiffness: Array, step: Array) -> float:
     """Compute the quadratic form of a stiffness (u, u) [N/m] and a step (u,) [m], [J]."""
     total = 0.0
     for j in range(step.size):
@@ -215,8 +216,8 @@ def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: fl
 def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> bool:
     """Solve a symmetric linear system by Cholesky factorization in place; return whether it is positive definite.
 
-    Of the `matrix` (u, u) only the lower half is read, and overwritten; `diagonal` is added to its diagonal. `solution`
-    (u,) is filled in, and may be `right_side` (u,).
+    Only the lower half of the `matrix` (u, u) is read and overwritten; `diagonal` is added to its diagonal. The
+    solution of `matrix` times x = `right_side` (u,) is written to `solution` (u,), which may be `right_side` itself.
     """
     unknown_count = right_side.size
     for j in range(unknown_count):
@@ -249,8 +250,8 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
 def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenvalue: float, vectors: Array) -> None:
     """Compute a descent direction `step` (u,) from a `residual` (u,) and a symmetric, maybe indefinite `matrix` (u, u).
 
-    The eigenvalues are replaced by their absolute values, at least `min_eigenvalue`; a Cholesky factorization replaces
-    them if all exceed it. The matrix is overwritten, `vectors` (u, u) is workspace.
+    The matrix is inverted with eigenvalues replaced by their absolute values, at least `min_eigenvalue`; if all exceed
+    this, by a Cholesky factorization. The matrix is overwritten, `vectors` (u, u) is workspace.
     """
     unknown_count = residual.size
     for i in range(unknown_count):
@@ -271,10 +272,10 @@ def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenv
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
-    """Compute the eigenvectors of a symmetric matrix (u, u) as columns of `vectors`, by Jacobi rotations.
+    """Compute the eigenvectors of a symmetric matrix (u, u) as columns of `vectors` (u, u), by Jacobi rotations.
 
-    The diagonal of the matrix becomes the eigenvalues (Golub & Van Loan, Matrix Computations, 8.5). NumPy's function
-    would import SciPy, which takes a quarter of a second per command.
+    The matrix is overwritten, and its diagonal becomes the eigenvalues (Golub & Van Loan, Matrix Computations, 8.5).
+    NumPy's function would import SciPy, which takes a quarter of a second per command.
     """
     unknown_count, tolerance = len(matrix), 0.0
     for i in range(unknown_count):
@@ -307,7 +308,7 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def largest(values: Array) -> float:
-    """Return the largest absolute value."""
+    """Return the largest absolute value of an array (m,); 0 if it is empty."""
     largest = 0.0
     for j in range(values.size):
         largest = max(largest, abs(values[j]))
@@ -316,7 +317,7 @@ def largest(values: Array) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def copy(values: Array, to: Array) -> None:
-    """Copy values (m,) to an array; numba takes a second to compile an assignment, for its error message."""
+    """Copy `values` to the array `to` (m,) in a loop, as numba takes a second to compile an array assignment."""
     for j in range(to.size):
         to[j] = values[j]
 

@@ -21,12 +21,13 @@ the cam; mean number of loaded teeth; residual."""
 
 
 class Effects(NamedTuple):
-    """Displacements of the curves of a contact per error of the parts, [1] and [m/rad].
+    """Derivatives of the gaps and cam positions of ideal parts by the errors of the parts, at k crank angles.
 
-    `distance` and `shift`, shape (k, n, 4), as in ``kernel.KernelSprings``: by the position of its pin or hole in x and
-    y, the disc's pin circle, and the rotation of its flanks. `cam_position` (k, D, 2) [1] is the displacement of the
-    cams by the eccentricity, `turned` (k, 2) are cosine and sine of the crank angle, and `waves` (k, n, w) is the
-    effect of the profile's waves on `distance`: first those of all samples [m], then that of each amplitude [1].
+    `distance` and `shift`, shape (k, n, 4), are those of the attributes of ``kernel.KernelSprings``, by four errors:
+    the position of the contact's pin or hole in x and in y [1], the disc's pin circle [1], and the rotation of its
+    flanks [m/rad]. `cam_position` (k, D, 2) [1] is the displacement of the cams per error of the eccentricity, and
+    `turned` (k, 2) are cosine and sine of the crank angle. `waves` (k, n, w) is the effect of the profile's waves on
+    `distance`: in the first column that of the waves of all samples together [m], then that of each amplitude [1].
     """
 
     distance: Array
@@ -101,11 +102,11 @@ def balance_few_samples(
     load
         Generalised loads (t, k, u) [N].
     rows
-        Figures of the samples (t, s, ``FIGURES``), which are filled in; see `_write_sample_figures`. The last one is
-        the residual.
+        Output array (t, all samples, ``FIGURES``): quantities of each sample as in `_write_sample_figures`, then the
+        relative residual, above ``RESIDUAL_RTOL`` if a crank angle has no equilibrium.
     use_paths
-        Whether to solve along paths where Newton's method fails (``search.balance_with_paths``); compiled code does not
-        (None).
+        True: solve along paths where Newton's method fails (``search.balance_with_paths``), in Python only. None: do
+        not; required in compiled code.
     workspace
         From `allocate_workspace`; overwritten.
     """
@@ -172,7 +173,7 @@ def _fill_sample(
     cam_position: Array,
     start_values: Array,
 ) -> None:
-    """Write gaps, cam positions and start values of a sample, sums of effects of unit errors times its errors.
+    """Write gaps, cam positions and start values of a sample: effects of unit errors times its errors, summed.
 
     Parameters
     ----------
@@ -181,11 +182,11 @@ def _fill_sample(
     sample
         Index of the sample.
     distance, shift
-        Arrays for the normal distance and the tangential shift of each contact (k, n) [m].
+        Output arrays for the normal distance and the tangential shift of each contact (k, n) [m].
     cam_position
-        Array for the positions of the cams (k, D, 2) [m].
+        Output array for the positions of the cams (k, D, 2) [m].
     start_values
-        Array for the initial displacements (k, u) [m].
+        Output array for the initial displacements (k, u) [m]: x and y of each disc, which is on its cam.
     """
     circle, rotation = deviations.pin_circle[sample], deviations.rotation[sample]
     for k in range(distance.shape[0]):
@@ -237,8 +238,8 @@ def _write_sample_figures(
     force
         Contact forces (k, n) [N].
     row
-        Array for mean and range of the rotation of the discs and of the output [rad] (0 to 3), the largest force on a
-        tooth, an output pin and a cam [N] (4 to 6), and the mean number of teeth that carry (7).
+        Output array: mean and range of the rotation of the discs (their mean) and of the output [rad] (0 to 3), the
+        largest force on a tooth, an output pin and a cam [N] (4 to 6), and the mean number of teeth that carry (7).
     """
     angles, discs = len(z), cam_position.shape[1]
     for body in range(2):

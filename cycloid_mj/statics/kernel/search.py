@@ -69,7 +69,7 @@ PARAMETER_ORDERS = (1.0, -1.0, 0.0)
 
 
 def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool) -> Residual:
-    """Solve for static equilibrium at every crank angle, by Newton's method or else by continuation.
+    """Solve for static equilibrium at every crank angle, by Newton's method and, where it fails, by continuation.
 
     Parameters
     ----------
@@ -80,14 +80,15 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapo
     z
         Start values of the displacements (k, u) [m], which are replaced by the solutions.
     force
-        Array for the forces of the springs (k, n) [N].
+        Output array for the forces of the springs (k, n) [N].
     extrapolate
         Whether only the first row of z is a start value, and the others are extrapolated from the previous equilibria.
 
     Returns
     -------
     Residual
-        At most ``RESIDUAL_RTOL``, and the total work; or that of the first angle without equilibrium.
+        Relative residual, at most ``RESIDUAL_RTOL``, and the number of assemblies at all angles. If an angle has no
+        equilibrium, its index and its larger residual; later angles are not solved.
     """
     return balance_with_paths(springs, load, z, force, extrapolate, allocate_system(springs))
 
@@ -95,7 +96,7 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapo
 def balance_with_paths(
     springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool, system: System
 ) -> Residual:
-    """Solve as `balance`, with workspace: as `balance_briefly`, then at an angle where it fails along paths."""
+    """Solve as `balance` with the workspace `system`: by `balance_briefly`, where it fails along paths."""
     residual = balance_briefly(springs, load, z, force, extrapolate, 0, system)
     while not residual.force <= RESIDUAL_RTOL:
         k, scale = residual.angle, float(np.abs(load[residual.angle]).max()) or 1.0
@@ -118,9 +119,10 @@ def balance_briefly(
     first_angle: int,
     system: System,
 ) -> Residual:
-    """Solve as `balance` from the crank angle `first_angle` on, without the paths of `solve_by_arclength`.
+    """Solve as `balance` from the crank angle of index `first_angle` on, without the paths of `solve_by_arclength`.
 
-    Angles before the first one were solved with much work. After a failure, `system.begun` has the start values.
+    The workspace `system` counts the assemblies. After a failure, the result names the angle, and `system.begun` has
+    its start values. A `first_angle` above 0 means that the angle before it took much work.
     """
     start, largest_norm = system.begun, 0.0
     was_quick, warm_start = FALSE, extrapolate and first_angle > 0
@@ -148,7 +150,10 @@ def balance_briefly(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
-    """Extrapolate the displacements z at angle `k` from the previous angles, linearly or to the second order."""
+    """Replace row `k` of the displacements `z` (angles, u) by their extrapolation from the rows before it.
+
+    It is linear, or of the second order if `quadratic` and there are three rows before it.
+    """
     for j in range(z.shape[1]):
         z[k, j] = 2.0 * z[k - 1, j] - z[k - 2, j] if k > 1 else z[k - 1, j]
         if quadratic and k > 2:
@@ -156,9 +161,10 @@ def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
 
 
 def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float, play: float) -> bool:
-    """Return whether friction wedges a cam at crank angle `k`: it is deflected far more than by the load [N] alone.
+    """Return whether friction wedges a cam: its deflection by far exceeds that under the load alone (`SearchSettings`).
 
-    `play` is `largest_play` [m].
+    `k` is the index of the crank angle, `z` (u,) [m] the displacements, `load` [N] the largest component of the load,
+    and `play` [m] the result of `largest_play`.
     """
     valid = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
     max_deflection = max(min(_SEARCH.wedged_depth * play, valid), _SEARCH.wedged_force * load / springs.cam_stiffness)
@@ -185,7 +191,7 @@ def _continue(
     warm_start: bool,
     system: System,
 ) -> float:
-    """Solve for displacements z (u,) [m] at crank angle `k` by Newton's method, or else by continuation from a `start`.
+    """Solve for displacements z (u,) [m] at crank angle `k` by Newton's method, or by continuation from `start`.
 
     Springs so soft that all contacts are closed in spite of the clearances have a convex energy, whose minimum Newton's
     method finds. From there, friction is increased and the springs are hardened, in steps that are halved until
@@ -201,14 +207,14 @@ def _continue(
     start
         Start values of the continuation (u,) [m].
     scale
-        Size of the load [N].
+        Largest component of the load [N].
     warm_start, system
         As in `newton`.
 
     Returns
     -------
     float
-        Residual norm [N].
+        Smallest residual norm that was reached [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
     """
     has_friction = springs.rubbing.shape[0] > 0
     min_factor, friction, factor, parameter, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
@@ -259,8 +265,8 @@ def _continue_by_arclength(
 ) -> float:
     """Solve along the paths of `solve_by_arclength` from `system.begun` (u,), after Newton's method has failed.
 
-    Paths are followed in turn until one reaches equilibrium within the tolerance [N]. `smallest_norm` is the residual
-    norm so far; returns the smallest one [N].
+    Paths are followed in turn until one reaches equilibrium within `tolerance` [N]; the solution is written to `z` (u,)
+    [m]. `smallest_norm` is the residual norm so far [N]; returns the smallest one [N].
     """
     has_friction = springs.rubbing.shape[0] > 0
     for order in PARAMETER_ORDERS if has_friction else (0.0,):
@@ -282,7 +288,7 @@ def _grow_clearances(
 ) -> float:
     """Solve without friction by descent of the energy while clearances grow in steps; return the residual norm [N].
 
-    `clearance` (n,) [m] is workspace.
+    The arguments are those of `solve_scaled`; `z` (u,) [m] ends at the solution, and `clearance` (n,) [m] is workspace.
     """
     norm, count = math.inf, _SEARCH.clearance_steps
     for step in range(count + 1):
@@ -292,10 +298,10 @@ def _grow_clearances(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float:
-    """Compute the force to which the springs are softened [N]: it deflects the stiffest by several clearances.
+    """Compute the force that deflects the stiffest spring by `clearance_count` largest clearances [N].
 
-    `clearance_count` is their number, `k` the index of the crank angle. It deflects no contact beyond the reach of the
-    curves, however much stiffer a cam is.
+    It sets the stiffness of the soft springs at the beginning of a continuation schedule, at crank angle `k`. It is so
+    small that it deflects no contact beyond the reach of the curves, however much stiffer a cam is.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):

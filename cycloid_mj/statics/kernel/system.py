@@ -31,9 +31,10 @@ the second order.
 
 
 class State(NamedTuple):
-    """Springs at some displacements: `energy` minus work of the load [J] and residual forces (u,) [N], its descent.
+    """Energy, forces and stiffness of all springs at some displacements.
 
-    `stiffness` (u, u) [N/m] is the second derivative of the energy.
+    `energy` [J] is that of the springs minus the work of the load. `residual` (u,) [N], its negative gradient, are the
+    forces that are out of balance, and `stiffness` (u, u) [N/m] is its second derivative.
     """
 
     energy: float
@@ -126,16 +127,17 @@ class _Cam(NamedTuple):
 
 
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
-    """Return energy [J], residual forces [N] and stiffness [N/m] of the springs, without friction.
+    """Compute energy, residual forces and stiffness of the springs without friction.
 
-    They are evaluated at the crank angle of index `k`, under a load (u,) [N], at displacements z (u,) [m].
+    They are evaluated at the crank angle of index `k`, under a generalised load (u,) [N], at displacements `z` (u,)
+    [m].
     """
     system = allocate_system(springs)
     return State(_assemble_springs(springs, k, load, z, system), system.residual, system.tangent)
 
 
 def allocate_system(springs: KernelSprings) -> System:
-    """Allocate residual, tangent and workspace of a crank angle."""
+    """Allocate residual, tangent and workspace for the solution at one crank angle after the other."""
     unknowns, discs = springs.slope.shape[2], springs.cam_position.shape[1]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
@@ -182,20 +184,21 @@ def assemble(
     rebuild_list: bool,
     system: System,
 ) -> float:
-    """Assemble residual and tangent at displacements z (u,) [m] and crank angle `k`.
+    """Assemble residual and tangent at displacements `z` (u,) [m] and the crank angle of index `k`, into `system`.
 
     Parameters
     ----------
     springs, k, load
         Springs, index of the crank angle, and generalised load (u,) [N].
     z
-        Displacements.
+        Displacements, as in `KernelSprings`.
     stiffness_factor, friction
         Factors on all stiffnesses and on the friction.
     use_foot_points
         Whether the foot point of every tooth is computed, instead of the third-order expansion.
     rebuild_list
-        Whether all contacts are evaluated and the neighbour list is rebuilt; else only those that may have closed.
+        Whether all contacts are evaluated and the neighbour list is rebuilt; if not, only contacts that may have closed
+        are.
     system
         Residual, tangent and workspace, which are overwritten.
 
@@ -229,7 +232,7 @@ def assemble(
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
 def _assemble_springs(springs: KernelSprings, k: int, load: Array, z: Array, system: System) -> float:
-    """Assemble residual and tangent without friction, of the third-order expansion; return the energy [J]."""
+    """Assemble residual and tangent as `assemble`, without friction and foot points; return the energy [J]."""
     return assemble(springs, k, load, z, 1.0, 0.0, FALSE, TRUE, system)
 
 
@@ -248,15 +251,15 @@ def _sum_contacts(
 ) -> tuple[_DiscSums, float]:
     """Sum forces and stiffness of the contacts of a disc, except those with output pins that bend.
 
-    Their energy is added to `energy` [J]. Only contacts that may have closed by the neighbour list are evaluated. Their
-    forces are written to `system.pressed`, and gradients to `system.row` where friction or continuation needs them. The
-    arguments are those of `assemble`: crank angle `k`, displacements `z` (u,) [m], `stiffness_factor`,
-    `use_foot_points` and `rebuild_list`; `has_friction` is whether friction acts.
+    Only contacts that may have closed by the neighbour list are evaluated. Their forces are written to
+    `system.pressed`, and gradients to `system.row` where friction or continuation needs them. `energy` [J] is the sum
+    so far, and `has_friction` whether friction acts. The other arguments are those of `assemble`: crank angle `k`,
+    displacements `z` (u,) [m], `stiffness_factor`, `use_foot_points` and `rebuild_list`.
 
     Returns
     -------
     tuple
-        The sums, and the new energy [J].
+        The sums over the contacts, and `energy` plus that of the contacts [J].
     """
     pressed, row, warm, margin = system.pressed, system.row, system.warm, system.margin
     rotates, disc_of, radius = springs.rotates, springs.disc, springs.radius
@@ -294,21 +297,21 @@ def _sum_contacts(
 def _add_contact(
     sums: _DiscSums, gap: Gap, force: float, stiffness: float, rotation_stiffness: float, rotates: bool
 ) -> _DiscSums:
-    """Return the sums of a disc with those of one more contact: its force, and its tangent stiffness.
+    """Add the force and the tangent stiffness of a contact to the sums of its disc, and return the new sums.
 
     The tangent includes the geometric stiffness of the rotation of the normal and of the parts.
 
     Parameters
     ----------
     sums
-        Sums of the disc so far.
+        Sums over the other contacts of the disc.
     gap
         Gap of the contact, with its gradients.
     force, stiffness
         Normal force [N] and stiffness [N/m] of the contact.
     rotation_stiffness
         Geometric stiffness of the rotation of the parts [N/m]. It acts on the disc if the profile `rotates` with it,
-        else also on the output.
+        and on disc and output if not.
     """
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     normal_rotation, disc_coupling = -force * gap.rate, rotation_stiffness if rotates else 0.0
@@ -346,8 +349,8 @@ def _add_cam(
 ) -> tuple[_DiscSums, float]:
     """Add the contact of a disc and its cam to the sums of the disc and to the energy [J], its friction to the system.
 
-    The arguments are those of `assemble`: crank angle `k`, displacements `z` (u,) [m], factors on stiffness and
-    friction.
+    The arguments are those of `assemble`: index `k` of the crank angle, displacements `z` (u,) [m], factors on
+    stiffness and friction. `disc` is the index of the disc, `sums` and `energy` are the sums so far.
 
     Returns
     -------
@@ -463,9 +466,10 @@ def _add_bent_pins(
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_list: bool, system: System) -> bool:
-    """Return whether any disc may touch a pin at crank angle `k`, by the neighbour list; set the forces on it to 0.
+    """Return whether any disc may touch an output pin, by the neighbour list; set the forces on the pin to 0.
 
-    `z` (u,) [m] are the displacements; with `rebuild_list` the list is written anew for them.
+    `k` and `pin` are the indices of crank angle and pin, `z` (u,) [m] the displacements; with `rebuild_list` the list
+    is rebuilt for them.
     """
     may_touch, first_contact = False, _independent_contacts(springs)
     for disc in range(springs.cam_position.shape[1]):
@@ -540,7 +544,7 @@ def _solve_pin(
     kept_closed
         Contacts that stay closed, even if they pull, (D,).
     is_active, forces, stiffness
-        Arrays for the closed contacts (D,), their forces (D,) [N], and their stiffness (D, D) [N/m].
+        Output arrays: closed contacts (D,), their forces (D,) [N], and their stiffness (D, D) [N/m].
     """
     discs = width.size
     for disc in range(discs):
@@ -595,7 +599,7 @@ def _invert_flexibility(flexibility: Array, is_active: Mask, stiffness: Array) -
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
-    """Compute the contact of a disc and its cam at displacements z."""
+    """Compute the contact of the disc of index `disc` and its cam at crank angle `k` and displacements `z` (u,) [m]."""
     x, y = z[3 * disc] - springs.cam_position[k, disc, 0], z[3 * disc + 1] - springs.cam_position[k, disc, 1]
     return cam_contact(x, y, springs.cam_clearance)
 
