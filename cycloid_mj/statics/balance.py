@@ -87,12 +87,12 @@ class Loads:
         return self.cam.shape[1]
 
     def by_disc(self, forces: Array) -> Array:
-        """Return forces on teeth or output pins with an axis for the discs, shape (m, D, n)."""
+        """Reshape forces on teeth or output pins, (m, D n), so that discs have an axis of their own, (m, D, n)."""
         return forces.reshape(len(forces), self.discs, -1)
 
 
 def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool = False) -> Loads:
-    """Compute contact forces and displacements under an output torque, in the sense of `member.share`.
+    """Compute contact forces and displacements under an output torque at the crank angles of the springs.
 
     With the law ``film``, the solution is repeated with the friction of the film under its forces, until the losses
     change by less than `FILM.rtol` (fixed-point iteration).
@@ -104,9 +104,14 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     springs
         Its contact springs at m crank angles, from `springs_of`.
     torque
-        Output torque [N m], not 0: a number, or one per crank angle, shape (m,).
+        Output torque [N m], not 0, with the sign of `Member.share`: a number, or one per crank angle, shape (m,).
     follow
         Whether to start each solution from the previous equilibria, for angles and torques that vary smoothly.
+
+    Returns
+    -------
+    Loads
+        Forces [N], displacements [m] and rotations [rad] at the m crank angles.
 
     Raises
     ------
@@ -143,9 +148,14 @@ def solve_at_friction(
     torque
         Output torque [N m], not 0: a number, or of shape (m,).
     warm_start
-        As `follow` of `loads`, whose errors these are.
+        As `follow` of `loads`; ignored with a `start`.
     start
         Solution for similar friction coefficients, from whose displacements the search starts.
+
+    Raises
+    ------
+    RunError
+        There is no equilibrium.
     """
     if reducer.design.output.turns_ring:
         return _solve_ring_output(reducer, springs, torque, warm_start, start)
@@ -160,7 +170,7 @@ def _solve_ring_output(
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
     losses over the speed; it depends on the contact forces, and a secant iteration determines it. `warm_start` and
-    `start` are those of `solve_at_friction`.
+    `start` are those of `solve_at_friction`. The rotation of the output includes the twist of the structure.
     """
     settings = RING_TORQUE
     speed, torque_ratio = (
@@ -287,7 +297,7 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
     crank
         Crank angles in order [rad], shape (k,).
     torque
-        Output torque in the sense of `member.share` [N m].
+        Output torque [N m], not 0, with the sign of `Member.share`, which is that of the rotations, too.
 
     Raises
     ------
@@ -299,20 +309,26 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
 
 
 def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
-    """Compute the mean powers under an output torque that brakes, or drives if it is negative.
+    """Compute the mean powers through both shafts and the friction losses at the design's speed, which must not be 0.
 
-    The crank rotates at the design's speed, not 0; its torque follows from the power balance. The contacts also support
-    the drag of the output's seals. Each solution starts from the previous equilibria: at high friction, parts may also
-    wedge, and an independent solution may end in such a state.
+    The torque of the crank follows from the power balance. The contacts also support the drag of the output's seals.
+    Each solution starts from the previous equilibria: at high friction, parts may also wedge, and an independent
+    solution may end in such a state.
 
     Parameters
     ----------
     reducer
         The reducer.
     torque
-        Output torque [N m].
+        Output torque [N m]: it brakes if positive, and drives if negative.
     crank
         Crank angles in order [rad], shape (m,); by default evenly over a turn.
+
+    Returns
+    -------
+    Powers
+        Mean powers into the reducer through crank and output [W], and lost to friction [W] by part: "teeth", "cam",
+        "output" and "seals".
 
     Raises
     ------
@@ -333,8 +349,9 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
     """Compute the friction power at m crank angles [W], shape (m,), by part: "teeth", "cam" and "output" (its pins).
 
-    It is the coefficient times normal force times sliding speed, summed over the contacts, under the `contact_loads` of
-    the springs. With the law ``film`` each contact has its own coefficient, otherwise each kind of pair.
+    The power of a contact is coefficient times normal force times sliding speed, under the `contact_loads` of the
+    springs; the contacts of a part are added. With the law ``film`` each contact has its own coefficient, otherwise
+    each kind of pair.
     """
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth

@@ -85,13 +85,16 @@ class Reactions:
 
 
 def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
-    """Compute the bearing reactions to the `contact_loads` of a static solution, by `compute_spatial_reactions`.
+    """Compute the bearing reactions to the forces of all discs, `contact_loads`, at the m crank angles of the springs.
 
-    Weight and unbalance of shaft and output are not included.
+    Weight and unbalance of shaft and output are not included. See `compute_spatial_reactions`.
     """
 
     def sum_by_disc(forces: Array, directions: Array) -> Array:
-        """Sum the reactions to the normal forces on each disc [N], (m, D, 2), from forces and their directions."""
+        """Sum the reactions to the normal forces on each disc [N], (m, D, 2).
+
+        `forces` (m, D n) [N] act on the discs along `directions` (m, D n, 2).
+        """
         reactions = (forces[..., np.newaxis] * directions).reshape(len(forces), contact_loads.discs, -1, 2)
         return np.asarray(-reactions.sum(axis=2))
 
@@ -104,7 +107,8 @@ def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) 
 def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
     """Compute the bearing reactions to forces of each disc on shaft, output and ring [N], shape (m, D, 2) each.
 
-    The bearings of the output are its two discs; without a second one (``output.support``), its reactions are None.
+    The output is supported by bearings of its two discs. With a single output disc (``output.support``), the reactions
+    of these bearings are None in the result.
     """
     design = reducer.design
     gear = design.gear

@@ -127,7 +127,7 @@ class FilmSurfaces:
     inputs: FilmInputs = DESIGN_INPUTS
 
     def at(self, selected: Mask) -> "FilmSurfaces":
-        """Return the surfaces of selected contact lines only."""
+        """Return the surfaces of selected contact lines only, by a mask in the shape of the phases."""
         flank, seat = (
             None if speeds is None else SurfaceSpeeds(speeds.moving[selected], speeds.fixed[selected])
             for speeds in (self.flank, self.seat)
@@ -141,7 +141,7 @@ class FilmSurfaces:
         return _seat_radius(self.reducer) / self.reducer.design.ring.pin_radius
 
     def flank_friction(self, force: Array) -> MixedFriction:
-        """Compute the friction of the disc on pins that do not turn; forces [N] broadcast with the phases."""
+        """Compute the friction of the disc on pins that do not turn; normal forces [N] have the shape of the phases."""
         design = self.reducer.design
         law, length = film_law(self.reducer, design.tooth_pair, self.inputs), design.line_length(design.tooth_pair)
         modulus = self.reducer.contacts.teeth.modulus
@@ -187,9 +187,9 @@ class FilmSurfaces:
         return hole_speeds(gear, output.pin_radius, output.hole_radius, mesh_speed(self.reducer))
 
     def output_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction of holes on output pins, of plain rollers at their rim; None on needles.
+        """Compute the friction of holes on output pins, for plain rollers as a coefficient at the rim; None on needles.
 
-        `force` is the normal force of each contact [N].
+        `force` is the normal force of each contact [N], of any shape, which is that of the result.
         """
         design = self.reducer.design
         output = design.output
@@ -208,7 +208,7 @@ class FilmSurfaces:
         return core_friction.scaled(scale)
 
     def cam_friction(self, force: Array) -> Array:
-        """Compute the friction coefficients of cams at their radius [1], in the shape of the forces [N]."""
+        """Compute the friction coefficients of cams at the disc's bore radius [1], in the shape of the forces [N]."""
         design, force = self.reducer.design, np.asarray(force, float)
         radius = design.gear.bore_radius
         if design.gear.bearing == "rolling":
@@ -222,7 +222,7 @@ class FilmSurfaces:
         return journal_friction(law, force, 0.5 * speed, speed, radius, play, design.line_length("cam")).coefficient
 
     def mean_cam_friction(self, force: Array) -> float:
-        """Return the mean of `cam_friction` weighted by the forces [N]."""
+        """Return the mean of `cam_friction` weighted by the forces of the cams [N]; 0 without forces."""
         total = max(float(np.sum(force)), np.finfo(float).tiny)
         return float(np.sum(self.cam_friction(force) * force) / total)
 
@@ -258,14 +258,14 @@ class FilmContacts:
         return replace(self, surfaces=replace(self.surfaces, inputs=inputs))
 
     def displaced(self, departures: Array) -> "FilmContacts":
-        """Return the contacts at the phases against the actual centres of the discs.
+        """Return the contacts at their phases from the displaced centres of the discs.
 
         A clearance of the cam of 25 um at an eccentricity of 1 mm changes the phases by 1.4 deg.
 
         Parameters
         ----------
         departures
-            Displacements of discs and output from their ideal poses [m], shape (m, 3 D + 1).
+            Displacements of discs and output from their ideal poses [m], shape (m, 3 D + 1), as in ``reducer.gaps``.
         """
         moved = self.centres + departures[:, :-1].reshape(len(departures), -1, 3)[..., :2]
         (x, y), (moved_x, moved_y) = np.moveaxis(self.centres, -1, 0), np.moveaxis(moved, -1, 0)
@@ -274,7 +274,7 @@ class FilmContacts:
         return replace(self, surfaces=replace(surfaces, inputs=self.surfaces.inputs))
 
     def friction(self, teeth: Array, output: Array, cam: Array) -> FilmFriction:
-        """Compute the film friction of all contacts under given normal forces.
+        """Compute the film friction of all contacts under known normal forces.
 
         Parameters
         ----------
@@ -302,7 +302,10 @@ class FilmContacts:
 
 
 def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> FilmSurfaces:
-    """Build the surfaces of the mesh at phases of the pins [rad], with the teeth's relative curvature [1/m]."""
+    """Build the surfaces of the mesh at phases of the pins [rad], with the relative curvature of the teeth there [1/m].
+
+    `phases` are angles from the direction of the eccentric, of any shape, which is that of `curvature`.
+    """
     gear, speed = reducer.tooth_profile, mesh_speed(reducer)
     has_seats = bool(reducer.design.seat_pair)
     return FilmSurfaces(
@@ -345,7 +348,7 @@ def mesh_speed(reducer: Reducer) -> float:
 
 
 def lubricant_temperature(reducer: Reducer, pair: str) -> float:
-    """Return the temperature of the lubricant in a kind of mating pair [°C]: the mean of its two parts."""
+    """Return the temperature of the lubricant in a kind of mating pair [°C]: the mean of both parts."""
     thermal = reducer.design.thermal
     first, second = PART_OF_PAIR.get(pair, ("disc", "ring"))
     return 0.5 * float(getattr(thermal, first) + getattr(thermal, second))
@@ -354,7 +357,8 @@ def lubricant_temperature(reducer: Reducer, pair: str) -> float:
 def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
     """Return the film law of a kind of mating pair at the temperature of its lubricant.
 
-    `inputs` are factors on viscosity, roughness, boundary friction, film thickness, film share and shear stresses.
+    `pair` is "cam", "output" or the kind of the teeth. `inputs` are factors on viscosity, roughness, boundary friction,
+    film thickness, film share and shear stresses.
     """
     friction, temperature = reducer.design.friction, lubricant_temperature(reducer, pair)
     oil = lubricant(friction.lubricant)
@@ -375,7 +379,7 @@ def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) ->
 
 
 def film_text(reducer: Reducer) -> str:
-    """Name the law and the lubricant with its temperature, as a condition of results."""
+    """Return the law and the lubricant with its temperature in the tooth contacts, as a condition of results."""
     design = reducer.design
     return f"film friction, {design.friction.lubricant} at {lubricant_temperature(reducer, design.tooth_pair):g} °C"
 
@@ -398,8 +402,9 @@ def cam_mean_diameter(reducer: Reducer) -> float:
 def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[float, float]:
     """Return the drag torques of crank and output that do not depend on the load.
 
-    With the law ``film`` these are the seals by ISO/TR 14179-2, unless the design states `drag`, and Palmgren's M0 of
-    the rolling cams, as a torque on the crank; else those of the design. `inputs` are factors on the inputs of the law.
+    Without the law ``film`` they are those of the design, `drag`. With it they are the torques of the seals by ISO/TR
+    14179-2, unless the design sets `drag`, and Palmgren's M0 of the rolling cams as a torque on the crank. `inputs` are
+    factors on the inputs of the law.
 
     Returns
     -------
@@ -426,9 +431,10 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
 
 
 def state_seals(reducer: Reducer) -> Reducer:
-    """Return the reducer with the drag of its seals under the law ``film`` as a value of its design.
+    """Return the reducer with the seal torques of the law ``film`` as `drag.crank` and `drag.output` of its design.
 
-    Reducers of the same parts at other speeds and temperatures then need no search for covers, which takes 0.05 s.
+    A reducer with another law, or with a `drag`, is returned unchanged. Reducers of the same parts at other speeds and
+    temperatures then need no search for covers, which takes 0.05 s.
     """
     drag = reducer.design.drag
     if not reducer.design.has_film or drag.crank or drag.output:
@@ -446,9 +452,9 @@ def _seals_on_shafts(reducer: Reducer) -> tuple[float, float]:
 
 @once
 def seal_torques(reducer: Reducer) -> tuple[float, float]:
-    """Return the friction torques of the radial seals.
+    """Compute the friction torques of the radial seals.
 
-    Without covers the output has none; with angular contact bearings it has a gap.
+    The output has no seal, and a torque of 0, if the reducer has no covers or its hub has angular contact bearings.
 
     Returns
     -------

@@ -70,7 +70,7 @@ class Spread:
 def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
     """Return samples of the film law's inputs, and their positions in the ranges from 0 to 1, shape (count, inputs).
 
-    They are a scrambled Sobol sequence with a fixed seed.
+    The samples are a scrambled Sobol sequence with a fixed seed; `count` should be a power of 2.
     """
     from scipy.stats import qmc
 
@@ -93,11 +93,11 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
     Parameters
     ----------
     value
-        Result for the nominal inputs.
+        Result for the nominal inputs, in any unit.
     outcomes
         Results of n samples of the inputs, in the same unit.
     positions
-        Position of each input in its range, from 0 to 1, shape (n, inputs).
+        Position of each input in its range, from 0 to 1, shape (n, inputs), in the order of `RANGES`.
     """
     outcomes = np.asarray(outcomes, float)
     low, high = np.percentile(outcomes, PERCENTILES)
@@ -111,15 +111,15 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
 
 @once
 def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
-    """Compute the power lost under an output torque [N m] with the law ``film``, and its scatter.
+    """Compute the power lost under an output torque [N m] with the law ``film``, and for samples of its inputs.
 
-    The scatter is that of `samples` of the law's inputs, which keep the contact forces of the design's own inputs; that
-    forces grow with friction is included in the first order, by `_compute_loss_growth`. Errors as `balance.powers`.
+    All samples have the contact forces of the design's own inputs; the growth of these forces with friction is included
+    in the first order. A negative torque drives. Errors as `balance.powers`.
 
     Returns
     -------
     tuple
-        Power lost by the design [W], and by each of the samples, shape (samples,) [W].
+        Power lost by the design [W], and by each of the `samples`, shape (samples,) [W].
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     springs, sign = springs_of(reducer), float(np.sign(design.drive.speed))
@@ -145,7 +145,7 @@ RAISED_FRICTION = 1.1
 
 
 def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
-    """Compute the growth of the contact forces with friction: relative change of forces over that of coefficients [1].
+    """Compute the relative growth of the contact forces over the relative growth of all friction coefficients [1].
 
     Forces are weighted by their losses; `torque` [N m] is that on the contacts, `contact_loads` is the equilibrium.
     """
@@ -218,7 +218,7 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
 
 
 def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
-    """Compute the efficiency under an output torque [N m] that brakes, with its interval [%]; errors as `powers`.
+    """Compute the efficiency [%] and its interval under an output torque [N m] that brakes; errors as `powers`.
 
     `samples` is the number of samples of the film law's inputs. `further_loss` is the power lost in parts without a
     film law [W], such as the bearings of shaft and output.
@@ -231,7 +231,7 @@ def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, f
 
 
 def back_driving_efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:
-    """Compute the efficiency with its interval [%] when the output drives with a torque [N m]; errors as `powers`."""
+    """Compute the efficiency [%] and its interval if the output drives with a torque [N m]; errors as `powers`."""
     supplied = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, -torque, samples)
     share = 100.0 * np.maximum(1.0 - outcomes / supplied, 0.0)

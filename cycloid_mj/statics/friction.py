@@ -8,12 +8,17 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
 
 
-def compute_rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
+def compute_friction_per_force(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
     """Compute the generalised Coulomb friction of n contacts per normal force [1], on u unknowns, shape (..., n, u).
 
-    It is -mu sign(s) ds/dz, with the sliding speed s of the ideal parts: friction opposes their sliding. `mesh_gaps`
-    are the contacts, `motion` is the rate of the unknowns z, shape (..., u): `mechanism.gaps.ideal_motion` times the
-    crank's speed.
+    It is -mu sign(s) ds/dz, with the sliding speed s of the ideal parts: friction opposes their sliding.
+
+    Parameters
+    ----------
+    mesh_gaps
+        The contacts, with unknowns z as in ``reducer.gaps``.
+    motion
+        Rate of z [m/s], shape (..., u): `reducer.gaps.ideal_motion` times the crank's speed against the ring.
     """
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
     coefficient = np.where(
@@ -45,7 +50,7 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     crank = np.arange(12) / 12 * 2.0 * np.pi / gear.ring_teeth
     phases = profile.pin_angles(gear) + crank[:, np.newaxis]
     play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)
-    teeth = _share_with_play(profile.moment_arm(gear, phases), torque, play, reducer.contacts.mesh_stiffness)
+    teeth = _forces_with_clearance(profile.moment_arm(gear, phases), torque, play, reducer.contacts.mesh_stiffness)
     pins = ideal_loads.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, crank)
     sliding = np.abs(profile.pitch_distance(gear, phases) - gear.pin_radius) * speed / gear.lobes
     hole_speed = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
@@ -80,11 +85,11 @@ def _creeping_contacts(reducer: Reducer) -> float:
     return smaller_limit / outer + smaller_limit / (radius_ratio**2 * inner)
 
 
-def _share_with_play(arms: Array, torque: float, play: float, stiffness: float) -> Array:
-    """Compute the forces of teeth [N] at arms [m], both (n, N), under a torque [N m] with a clearance `play` [m].
+def _forces_with_clearance(arms: Array, torque: float, play: float, stiffness: float) -> Array:
+    """Compute the forces of teeth [N] at arms [m], both (n, N), under a torque [N m] on a disc that only rotates.
 
-    The disc only rotates; its rotation is found by bisection at each of n angles. `stiffness` is that of a tooth
-    [N/m].
+    Each tooth has a clearance `play` [m] and a `stiffness` [N/m]. Bisection determines the rotation at each of n
+    angles.
     """
     arms = np.maximum(arms, 0.0)
     lower = np.zeros(len(arms))

@@ -144,6 +144,8 @@ def build_friction_elements(
 
     Parameters
     ----------
+    reducer
+        The reducer.
     springs
         Contact springs at one crank angle, without friction.
     crank
@@ -190,9 +192,10 @@ def build_friction_elements(
 
 
 def slip_rotations(travel: float, count: int = _SETTINGS.seal_elements) -> Array:
-    """Compute the rotations at which the elements of constant friction slip [rad], shape (count,).
+    """Compute the rotations at which `count` elements of constant friction slip [rad], increasing, shape (count,).
 
-    Friction that grows as 1 - exp(-x/travel) is that of elements whose limits are distributed as x exp(-x/travel).
+    If elements of equal limits slip at these rotations, their friction grows as 1 - exp(-x/travel) with the rotation x;
+    `travel` is in [rad].
     """
     from scipy.special import gammaincinv
 

@@ -11,16 +11,20 @@ from cycloid_mj.statics.springs import body_force
 
 
 def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
-    """Compute the largest force of a kind of contact by ideal sharing of ``load.torque`` [N]."""
+    """Compute the largest force of a kind of contact at all crank angles (m,) [rad], by ideal load sharing [N].
+
+    The torque is ``load.torque`` of the design; `kind` is "cam", "output" (pins) or the kind of the teeth.
+    """
     return max(_ideal_peak_of_disc(reducer, kind, crank_angle, phase) for phase in reducer.phases)
 
 
 def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:
     """Compute the force of each cam [N] by ideal sharing of ``load.torque``, shape (m, discs), at crank angles (m,)."""
-    return np.stack([_cam(reducer, crank_angle, phase) for phase in reducer.phases], axis=-1)
+    return np.stack([_cam_force(reducer, crank_angle, phase) for phase in reducer.phases], axis=-1)
 
 
-def _cam(reducer: Reducer, crank: Array, phase: float) -> Array:
+def _cam_force(reducer: Reducer, crank: Array, phase: float) -> Array:
+    """Compute the magnitude of the cam's force on the disc at a `phase` [rad] [N], (m,), with weight and inertia."""
     ring, pins, turned = _share_load(reducer, crank, phase)
     force = ideal_loads.cam_force(ring, pins, turned + phase, body_force(reducer, crank, phase))
     return np.asarray(np.hypot(*force.T))
@@ -29,7 +33,7 @@ def _cam(reducer: Reducer, crank: Array, phase: float) -> Array:
 def _ideal_peak_of_disc(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
     """Compute the largest force of a kind of contact on the disc at a `phase` of the crank [N]."""
     if kind == "cam":
-        return float(_cam(reducer, crank, phase).max())
+        return float(_cam_force(reducer, crank, phase).max())
     ring, pins, _ = _share_load(reducer, crank, phase)
     return float((pins if kind == "output" else ring.forces).max())
 

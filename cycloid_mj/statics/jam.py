@@ -38,10 +38,14 @@ JAM = JamFrictionSettings()
 
 
 def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> float:
-    """Compute the largest multiple of the friction [1] at which parts without clearance are in equilibrium.
+    """Compute the largest multiple of the design's friction [1] at which parts without clearance are in equilibrium.
 
-    It is at most `JAM.max_friction`; `load` (u,) [N] is the generalised load at the crank angle of an index. Each
-    contact is a linear unilateral spring in its ideal pose, each cam a linear spring about its axis: a system that is
+    The result is at most `JAM.max_friction`. `load` (u,) [N] is the generalised load at the crank angle of index
+    `angle_index`.
+
+    Notes
+    -----
+    Each contact is a linear unilateral spring in its ideal pose, each cam a linear spring about its axis. The system is
     homogeneous in displacements and load, so that friction alone decides whether it has a solution. It is solved by the
     Levenberg-Marquardt method, with the friction increased in steps (natural-parameter continuation).
     """
@@ -51,9 +55,9 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
     length_unit = load_size / springs.cam_stiffness
 
     def residual(displacements: Array, friction: float) -> Array:
-        """Compute the residual forces over the load [1], shape (u,), at scaled displacements.
+        """Compute the residual forces over the load [1], shape (u,), at displacements (u,) over `length_unit`.
 
-        `friction` is the multiple of the friction.
+        `friction` is the multiple of the design's friction.
         """
         forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
         residual_force = load + forces @ (slopes + friction * rubbing)

@@ -66,7 +66,7 @@ def load_friction(share: float, travel: float) -> LoadFriction:
 def slip_elements(reducer: Reducer) -> SlipElements:
     """Return the slip elements of a design's constant friction and hysteresis (table ``springs``).
 
-    There are `ELEMENTS` for each of the two that has a limit above 0.
+    Each of these two has `ELEMENTS` elements if its limit is above 0, and none otherwise.
     """
     springs = reducer.design.springs
     components = [
@@ -93,7 +93,8 @@ class LockedCurve:
 def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
     """Solve for the rotation of the output [rad] with a crank locked at an angle [rad], without friction and weight.
 
-    The curve reaches to at least +-`max_torque` [N m]: the next power of 2, so that similar torques share one solution.
+    The torque of the curve reaches at least +-`max_torque` [N m]: up to the next power of 2, so that similar torques
+    share a solution.
 
     Raises
     ------
@@ -111,7 +112,8 @@ def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> Loc
 def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
     """Solve for torque and rotation of the output at a locked crank angle [rad], up to +-`max_torque` [N m].
 
-    Torsion is added later, so that a fit of torsion needs no new solution.
+    Across the backlash, the torque is +-1e-6 of `max_torque`, so that it increases everywhere. The reducer should have
+    a rigid structure: its torsion is added by the caller, so that a fit of torsion needs no new solution.
     """
     weightless = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     shares = np.array(SHARES)
@@ -130,9 +132,8 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
 def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
     """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest at no torque.
 
-    `curve` is that of the contacts without friction, `elements` are the slip elements. Between reversals of the path,
-    the rotation is interpolated on a branch of `locked_branches`. Equal neighbours end a branch, too, which changes
-    nothing: the friction keeps its state. The curve is extrapolated linearly.
+    `curve` is that of the contacts without friction, extrapolated linearly; `elements` are the slip elements. Between
+    reversals of the path, the rotation is interpolated on a branch of `locked_branches`.
     """
     path = np.concatenate([[0.0], torque])
     reversals = 1 + np.flatnonzero(np.diff(np.sign(np.diff(path))))
@@ -154,6 +155,15 @@ def locked_branches(
     The torque T(x) of contacts, slip elements and load-dependent friction is piecewise linear and increasing in the
     rotation x, with vertices at the points of the curve and at the slip limits; it is inverted on each branch. At a
     reversal, each element keeps its force (Masing's rules follow).
+
+    Parameters
+    ----------
+    curve, elements
+        Rotation by the contacts without friction, and slip elements of constant friction.
+    reversals
+        Torques at which branches begin and end [N m].
+    friction
+        Friction proportional to the torque of the contacts.
 
     Returns
     -------
@@ -188,9 +198,16 @@ def _compute_vertices(
 ) -> list[tuple[Array, Array]]:
     """Compute the vertices of torque [N m] and rotation [rad] of each branch between reversals; see `locked_branches`.
 
-    `rotation` and `contact_torque` are the points of the curve, `limits` and `stiffness` those of the slip elements,
-    `share` and `friction_slip` those of `LoadFriction`, and `reversals` the torques at which branches begin and end [N
-    m].
+    Parameters
+    ----------
+    rotation, contact_torque
+        Points of the curve, both increasing [rad] and [N m].
+    limits, stiffness
+        Limits [N m] and stiffness [N m/rad] of the slip elements of constant friction.
+    share, friction_slip
+        Share [1] and slip rotations [rad] of `LoadFriction`.
+    reversals
+        Torques at which branches begin and end [N m].
     """
     slip = limits / stiffness
     # rest positions of the elements of constant friction and of load-dependent friction
@@ -225,6 +242,7 @@ def _compute_vertices(
 
 
 def _by_increasing_torque(branch: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Return a branch, torque [N m] and rotation [rad], in the order of increasing torque."""
     torque, rotation = branch
     return branch if torque[-1] >= torque[0] else (torque[::-1], rotation[::-1])
 

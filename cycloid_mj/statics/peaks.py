@@ -70,7 +70,7 @@ def torque_at_pressure(
     contact_loads: Loads | None = None,
     follow: bool = False,
 ) -> tuple[float, str]:
-    """Find the output torque at which the first contact reaches its pressure, to a thousandth.
+    """Find the output torque at which the first contact reaches its allowed pressure, to a relative accuracy of 0.001.
 
     The first step assumes that the pressure rises with the square root of the torque; the others are secant steps of
     the logarithms, with the exponent limited to `PRESSURE_TORQUE`.
@@ -82,7 +82,7 @@ def torque_at_pressure(
     springs
         Its contact springs from `springs_of`.
     pressures
-        Peak pressures [Pa] by kind of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
+        Allowed peak pressures [Pa] by kind of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
     torque
         Initial torque [N m], not 0.
     contact_loads
@@ -123,7 +123,11 @@ def torque_at_pressure(
 
 
 def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
-    """Return whether the contact of a kind with the largest pressure is loaded and a narrow strip (Hertz theory)."""
+    """Return whether the contact of a kind with the largest pressure is loaded and a narrow strip (Hertz theory).
+
+    `springs` and `contact_loads` are those of `peak_pressure`, `kind` is ``pin_gear``, ``tooth``, ``output`` or
+    ``cam``.
+    """
     contact = reducer.contacts[kind]
     curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(contact.relative_curvature)
     force = forces(contact_loads, kind) * contact.line_share
@@ -132,6 +136,6 @@ def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: 
 
 
 def forces(contact_loads: Loads, kind: str) -> Array:
-    """Return the forces of the contacts of a kind [N], shape (m, contacts); of cams one per disc."""
+    """Return the forces of all contacts of a kind [N], shape (m, contacts); for "cam" the magnitudes, shape (m, D)."""
     other = {"cam": np.linalg.norm(contact_loads.cam, axis=-1), "output": contact_loads.output}
     return other.get(kind, contact_loads.teeth)

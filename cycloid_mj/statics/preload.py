@@ -15,19 +15,14 @@ MAX_ANGLE = 600.0 * ARCMINUTE
 
 
 def preloaded(design: Named) -> Design:
-    """Return a design with ``ring.preload_arcmin`` in place of ``ring.preload_torque_nm``; one without is unchanged.
+    """Return a design with ``ring.preload_arcmin`` instead of ``ring.preload_torque_nm``; unchanged without the latter.
 
-    The angle between the halves is found by Brent's method, such that `halves_torque` is the given torque.
+    Brent's method determines the angle between the halves such that `halves_torque` is the torque of the design.
 
     Parameters
     ----------
     design
         A design, or the name of a preset or a file.
-
-    Returns
-    -------
-    Design
-        The design with a given preload angle.
 
     Raises
     ------
@@ -66,26 +61,30 @@ def preloaded(design: Named) -> Design:
 
 
 def halves_torque(reducer: Reducer) -> float:
-    """Compute the torque between two halves of a ring rotated by `ring.preload` [N m], without load and at rest.
+    """Compute the torque between two halves of a ring rotated by `ring.preload`, not 0, without load and at rest [N m].
 
-    By virtual work, contact forces F have the torque -sum F dg/da about the axis, with the gaps g and the angle a of a
-    half. Gaps are linear in a, so dg/da follows from the gaps of the same tooth in both halves.
+    The result is the magnitude of the mean over 13 crank angles.
 
     Raises
     ------
     RunError
         There is no equilibrium.
+
+    Notes
+    -----
+    By virtual work, contact forces F have the torque -sum F dg/da about the axis, with the gaps g and the angle a of a
+    half. Gaps are linear in a, so dg/da follows from the gaps of the same tooth in both halves.
     """
     static_reducer = at_rest(reducer)
     springs = springs_of(static_reducer, turn_evenly(static_reducer, 13), friction=False)
     # without any torque, the position of the output in its backlash is undefined
-    force = _of_halves(reducer, loads(static_reducer, springs, 1e-3 * reducer.design.rated_torque).teeth)
-    distance = _of_halves(reducer, springs.contacts.distance[:, : springs.teeth])
+    force = _split_halves(reducer, loads(static_reducer, springs, 1e-3 * reducer.design.rated_torque).teeth)
+    distance = _split_halves(reducer, springs.contacts.distance[:, : springs.teeth])
     rate = (distance[:, :, 0] - distance[:, :, 1]) / reducer.design.ring.preload
     first_torque, second_torque = (-np.sum(force[:, :, half_index] * rate, axis=(1, 2)).mean() for half_index in (0, 1))
     return abs(0.5 * float(first_torque - second_torque))
 
 
-def _of_halves(reducer: Reducer, lines: Array) -> Array:
+def _split_halves(reducer: Reducer, lines: Array) -> Array:
     """Return values of contact lines, shape (m, D 2 N), with axes for discs and halves, shape (m, D, 2, N)."""
     return lines.reshape(len(lines), reducer.design.gear.discs, 2, -1)

@@ -57,7 +57,7 @@ FRICTION = RvFrictionSettings()
 
 @dataclass(frozen=True)
 class RvSprings:
-    """Springs of an RV reducer at m crank angles, on u unknowns.
+    """Springs of an RV reducer at m crank angles, on the u unknowns of the module's docstring.
 
     Attributes
     ----------
@@ -69,8 +69,9 @@ class RvSprings:
     pins
         Number of contacts with the ring.
     disc, shift, shift_slope, bend, twist, phase
-        Disc of each of these, shape (pins,); displacement along the flank at z = 0 [m], shape (m, pins), its gradient
-        [1], shape (m, pins, u), and curvature of the flank [1/m], shape (m, pins), as in `reducer.gaps.Gaps`.
+        Attributes of the contacts with the ring as in `reducer.gaps.Gaps`: index of the disc, shape (pins,);
+        displacement along the flank at z = 0 [m], shape (m, pins), and its gradient [1], shape (m, pins, u);
+        `curvature` [1/m], `curvature_rate` [1/m2] and `phase` [rad], shape (m, pins).
     curvature, slip
         Relative curvature of these [1/m], and sliding of the disc per turn of the crank against the ring [m/rad], shape
         (m, pins).
@@ -78,7 +79,7 @@ class RvSprings:
         Displacement of each crank from its bore at z = 0 [m], shape (m, D, n, 2), and its gradient [1], shape
         (m, D, n, 2, u).
     bearing_stiffness, bearing_clearance
-        Of the bearings of a crank under one disc [N/m], [m]; a negative clearance is a preload.
+        Stiffness [N/m] and clearance [m] of the bearings of a crank under one disc; a negative clearance is a preload.
     lever
         R [m].
     """
@@ -132,7 +133,7 @@ class RvFriction:
     meshes: Array
 
     def load(self, loads: "RvLoads") -> Array:
-        """Return the generalised forces of friction under some forces [N], shape (m, u)."""
+        """Return the generalised forces of friction under the forces of a solution [N], shape (m, u)."""
         return np.asarray(
             np.einsum("mc,mcu->mu", loads.pins, self.teeth)
             + np.einsum("mdn,dnu->mu", loads.bearings, self.bearings)
@@ -193,12 +194,12 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     return RvSprings(
         crank=crank,
         gap=np.concatenate([teeth.width + teeth.play, flank_gap], axis=1),
-        slope=np.concatenate([_padded(teeth.slope, unknowns), flank_slope], axis=1),
+        slope=np.concatenate([_pad_gradient(teeth.slope, unknowns), flank_slope], axis=1),
         stiffness=np.concatenate([stiffness, np.full(flank_gap.shape, reducer.mesh_stiffness)], axis=1),
         pins=stiffness.shape[1],
         disc=teeth.disc,
         shift=teeth.shift,
-        shift_slope=_padded(teeth.shift_slope, unknowns),
+        shift_slope=_pad_gradient(teeth.shift_slope, unknowns),
         bend=teeth.curvature,
         twist=teeth.curvature_rate,
         phase=teeth.phase,
@@ -212,8 +213,8 @@ def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     )
 
 
-def _padded(slope: Array, unknowns: int) -> Array:
-    """Extend a gradient by the unknowns of the teeth, shape (m, c, 3 D + 1), to all unknowns."""
+def _pad_gradient(slope: Array, unknowns: int) -> Array:
+    """Extend a gradient by the unknowns of the teeth, (m, c, 3 D + 1), with zeros to shape (m, c, `unknowns`)."""
     return np.concatenate([slope, np.zeros((*slope.shape[:2], unknowns - slope.shape[2]))], axis=2)
 
 
@@ -268,7 +269,10 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
 
 
 def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
-    """Compute the displacement of the teeth of each planet from its crank by run-out [m], shape (m, n, 2)."""
+    """Compute the displacement of the teeth of each planet from its crank by run-out [m], shape (m, n, 2).
+
+    `crank` are crank angles against the ring [rad], shape (m,).
+    """
     errors, shape = reducer.crank_errors, (reducer.cranks.count,)
     displacements = np.stack([listed(errors.planet_x, shape), listed(errors.planet_y, shape)], axis=-1)
     return rotate(displacements, crank[:, np.newaxis])
@@ -277,7 +281,8 @@ def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
 def phase_errors(reducer: RvReducer, crank: Array) -> Array:
     """Compute the phase error of each crank by its planet [rad], shape (m, n), at a fixed sun, for `closed_form_error`.
 
-    A planet that is displaced by o along the circle of cranks is turned back by o over its pitch radius.
+    `crank` are crank angles against the ring [rad], shape (m,). A planet that is displaced by o along the circle of
+    cranks is turned back by o over its pitch radius.
     """
     forward = quarter_turned(reducer.stage.crank_places(crank)) / reducer.lever
     displaced = np.sum(planet_offsets(reducer, crank) * forward, axis=-1)
@@ -331,8 +336,8 @@ def compute_rv_friction(reducer: RvReducer, crank: npt.ArrayLike, sense: float) 
     """Compute the friction of an RV reducer at crank angles against the ring [rad], shape (m,).
 
     Cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. Needles and taper of a
-    crank both carry the force of a disc; their coefficient acts at the radius of the eccentric. A planet slides as in
-    the mean over its path of contact (`PlanetMesh`).
+    crank both carry the force of a disc; their coefficient acts at the radius of the eccentric. The sliding of a planet
+    is the mean over its path of contact (`PlanetMesh`).
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     design, teeth, count = reducer.design, mesh_gaps(reducer, crank), _unknowns(reducer)
@@ -348,13 +353,20 @@ def compute_rv_friction(reducer: RvReducer, crank: npt.ArrayLike, sense: float) 
         meshes[number, carrier + 1 + number] = -sense * sliding_arm
     for disc in range(discs):
         bearings[disc, :, 3 * disc + 2] = rolling
-    return RvFriction(_padded(sliding, count), bearings, meshes)
+    return RvFriction(_pad_gradient(sliding, count), bearings, meshes)
 
 
 def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RvFriction | None = None) -> RvLoads:
     """Solve for the balance under a torque on the carrier [N m], not 0: a number, or one per crank angle, shape (m,).
 
-    Friction follows the forces by fixed-point iteration; without it, nothing rubs.
+    Parameters
+    ----------
+    springs
+        Springs at m crank angles.
+    torque
+        Torque on the carrier, counter-clockwise positive.
+    friction
+        Friction at these angles, which follows the forces by fixed-point iteration; None without friction.
 
     Raises
     ------
@@ -380,7 +392,7 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RvFricti
 
 
 def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
-    """Return forces and compliance at displacements (m, u) [m] in equilibrium."""
+    """Return forces, displacements and compliance at displacements (m, u) [m] that are in equilibrium."""
     unit = np.zeros(displacements.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
     compliance = np.asarray(np.linalg.solve(_tangent(springs, displacements), unit[..., np.newaxis]))
@@ -436,11 +448,11 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
 
 
 def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
-    """Return the gaps of all contacts at some displacements, and two changes of the gradients of the pins' gaps.
+    """Return the gaps of all contacts at some displacements, and factors of the change of the pins' gradients.
 
     The gap of a pin is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in ``statics.kernel``, for the
-    displacements q along the normal and p along the flank, of which p_phi is by the rotation phi of the disc. Its
-    gradient is that of q, plus the first change times that of p, less the second change times that of phi.
+    displacements q along the normal and p along the flank; p_phi is the part of p by the rotation phi of the disc. Its
+    gradient is that of q, plus the first factor times that of p, minus the second factor times that of phi.
 
     Parameters
     ----------
@@ -452,7 +464,7 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     Returns
     -------
     tuple
-        Gaps of pins, then of planet flanks (m, c) [m]; first change (m, pins) [1]; second change (m, pins) [m].
+        Gaps of pins, then of planet flanks (m, c) [m]; first factor (m, pins) [1]; second factor (m, pins) [m].
     """
     column = displacements[..., np.newaxis]
     gaps = springs.gap + (springs.slope @ column)[..., 0]
@@ -529,20 +541,20 @@ def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Ar
     bearing_forces, bearing_energy, _ = _bearing_forces(springs, displacements)
     energy = 0.5 * np.sum(force * np.maximum(-gaps, 0.0), axis=1) + bearing_energy.sum(axis=(1, 2))
     energy -= np.sum(load * displacements, axis=1)
-    residual = load + _times(springs.slope, force) + _times(springs.shift_slope, on_teeth * rise)
+    residual = load + _sum_along(springs.slope, force) + _sum_along(springs.shift_slope, on_teeth * rise)
     for disc in range(springs.discs):
         residual[:, 3 * disc + 2] -= np.sum((on_teeth * arm)[:, springs.disc == disc], axis=1) / springs.lever
     residual -= np.einsum("mdnju,mdnj->mu", springs.offset_slope, bearing_forces)
     return energy, residual
 
 
-def _times(slope: Array, force: Array) -> Array:
+def _sum_along(slope: Array, force: Array) -> Array:
     """Return the generalised forces (m, u) [N] of forces (m, c) [N] along the gradients (m, c, u) of their gaps."""
     return np.asarray((force[:, np.newaxis] @ slope)[:, 0])
 
 
 def _tangent(springs: RvSprings, displacements: Array) -> Array:
-    """Return the tangent stiffness without the curvature of flanks (m, u, u) [N/m]."""
+    """Return the tangent stiffness at displacements (m, u) [m] without the curvature of flanks, (m, u, u) [N/m]."""
     gaps, _, _ = _contact_gaps(springs, displacements)
     slopes = contact_gradients(springs, displacements)
     slopes *= np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]

@@ -77,25 +77,29 @@ def torque_on_carrier(reducer: RvReducer, torque: float) -> float:
 
 @once
 def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
-    """Balance the drive without friction over a turn of the carrier under a torque on the output [N m].
+    """Solve for the balance without friction at `count` crank angles over a turn of the carrier.
 
-    Raises as `solve_rv_loads`.
+    `torque` is that on the output [N m], not 0. Raises as `solve_rv_loads`.
     """
     return solve_rv_loads(springs_over_turn(reducer, count), torque_on_carrier(reducer, torque))
 
 
 @once
 def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
-    """Balance the running drive with friction over a turn of the carrier, braked by a torque on the output [N m].
+    """Solve for the balance of the running drive with friction at `count` crank angles over a turn of the carrier.
 
-    Under a negative torque, the drive runs in reverse. Raises as `solve_rv_loads`.
+    `torque` on the output [N m], not 0, brakes the drive. If it is negative, the drive runs in reverse and is braked,
+    too. Raises as `solve_rv_loads`.
     """
     springs, on_carrier = springs_over_turn(reducer, count), torque_on_carrier(reducer, torque)
     return solve_rv_loads(springs, on_carrier, compute_rv_friction(reducer, springs.crank, np.sign(on_carrier)))
 
 
 def running_rotation(reducer: RvReducer, torque: float) -> Array:
-    """Compute the output's rotation from its ideal angle [rad] over a turn of the carrier, as `balance_running`."""
+    """Compute the output's rotation from its ideal angle [rad] over a turn of the carrier, shape (`error_angles`,).
+
+    The rotation is counter-clockwise; `torque` is that of `balance_running`, with friction.
+    """
     towards_carrier = -1.0 if reducer.design.output.turns_ring else 1.0
     return towards_carrier * reducer.share * balance_running(reducer, torque, SETTINGS.error_angles).carrier_turn
 
@@ -123,9 +127,9 @@ def closed_rotation(reducer: RvReducer) -> Array:
 
 
 def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield backlash, lost motion and stiffness of an RV reducer at a fixed sun, without friction and weight.
+    """Yield backlash [arcmin], lost motion [arcmin] and stiffness [N m/arcmin] of an RV reducer at a fixed sun.
 
-    `load` is the torque on the output [N m].
+    They are without friction and weight; `load` is the torque on the output [N m].
     """
 
     def rotation(share: float) -> Array:
@@ -157,7 +161,10 @@ def lost_motion(reducer: RvReducer, load: float) -> float:
 
 
 def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield forces of cranks, pins and planets, and the pressure on the pins, under a torque on the output [N m]."""
+    """Yield forces [N] of cranks, pins and planets, pressure [MPa] on the pins, and transmission errors [arcsec].
+
+    `load` is the torque on the output [N m].
+    """
     ideal_loads, balanced_loads, springs = (
         ideal_rv(reducer, load),
         balance_rv(reducer, load),
@@ -188,7 +195,7 @@ def _largest_mean(bearings: Array) -> float:
 
 
 def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency and losses under a torque on the output [N m], from forces of the balance with friction."""
+    """Yield efficiency [%], losses and shaft powers [W] under a torque on the output [N m], by `balance_running`."""
     powers = friction_powers(reducer, load)
     design, kind = reducer.design, reducer.design.tooth_pair
     delivered = load * abs(reducer.output_speed)
@@ -205,10 +212,15 @@ def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
 
 @once
 def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force_angles) -> dict[str, float]:
-    """Compute the mean powers lost to friction under a torque on the output [W], by part, at `count` crank angles.
+    """Compute the mean powers lost to friction under a `load` on the output [N m], over a turn of the carrier.
 
-    Needles and tapered bearings of a crank carry the force of the disc; their coefficient acts at the radius of the
-    eccentric.
+    The mean is over `count` crank angles. Needles and tapered bearings of a crank carry the force of the disc; their
+    coefficient acts at the radius of the eccentric.
+
+    Returns
+    -------
+    dict
+        Power [W] lost by the "teeth", "crank bearings", "planets" and "seals".
     """
     design, planet = reducer.design, reducer.planet
     springs, balanced_loads = springs_over_turn(reducer, count), balance_running(reducer, load, count)

@@ -85,9 +85,9 @@ class Samples:
 
 
 def identical_samples(reducer: Reducer, count: int) -> Samples:
-    """Return `count` samples that all equal the design with its errors.
+    """Return `count` samples that all equal the design with its errors, as read-only arrays.
 
-    Use `dataclasses.replace` to give them deviations.
+    Use `dataclasses.replace` to change their deviations.
     """
     design = reducer.design
     errors, clearance, modification = reducer.deviations, design.clearance, design.modification
@@ -103,10 +103,10 @@ def identical_samples(reducer: Reducer, count: int) -> Samples:
 
 
 def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
-    """Draw `count` samples with normal errors, with the standard deviations of the design's table `errors`.
+    """Draw `count` samples with normally distributed errors, whose standard deviations are in the table `errors`.
 
     Each kind of error has a random stream of its own, seeded by `seed` and its index. Errors that the design lists part
-    by part, measured deviations, and the error of the eccentricity are the same in all samples.
+    by part, waves and the error of the eccentricity are the same in all samples. Errors vary about measured deviations.
     """
     errors, nominal_samples = reducer.design.errors, identical_samples(reducer, count)
     measured_errors = measured_deviations(reducer.design)
@@ -114,14 +114,17 @@ def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
     def draw(
         stream: int, deviation: float, listed_errors: Sequence[float], nominal: Array, mean: Array | float
     ) -> Array:
-        """Draw errors of a kind about a mean; those that the design lists keep their nominal values."""
+        """Draw errors of a kind about a `mean`, in the shape of `nominal`; `nominal` itself if the design lists them.
+
+        `stream` is the index of the random stream, `deviation` the standard deviation [m].
+        """
         draws = np.random.default_rng([seed, stream]).standard_normal(nominal.shape)
         return nominal if listed_errors else mean + deviation * draws
 
     def draw_positions(
         stream: int, deviation: float, lists: Sequence[Sequence[float]], nominal: Array, mean: Array | float = 0.0
     ) -> Array:
-        """Draw position errors in x and y with two random streams, shape (..., 2)."""
+        """Draw position errors in x and y, shape (..., 2), as `draw` with the streams `stream` and `stream` + 1."""
         means = np.broadcast_to(mean, nominal.shape[1:])
         axes = [draw(stream + axis, deviation, lists[axis], nominal[..., axis], means[..., axis]) for axis in (0, 1)]
         return np.stack(axes, axis=-1)
@@ -191,7 +194,7 @@ def solve_samples(
     samples
         Deviations of the samples.
     torques
-        Output torques [N m], in the sense of `member.share`, not 0. The backlash lies between a small torque and its
+        Output torques [N m], positive as in `Member.share`, not 0. The backlash lies between a small torque and its
         opposite.
     angles
         Number of crank angles, evenly over a turn in the frame of the ring.
@@ -229,7 +232,7 @@ def solve_samples(
 def _solve_rows(
     ideal_reducer: Reducer, springs: Springs, samples: Samples, common_waves: Array, torques: Array, threads: int
 ) -> Array:
-    """Solve all samples by the compiled kernel; return its figures, shape (torques, samples, `FIGURES`).
+    """Solve for the equilibria of all samples by the compiled kernel.
 
     Parameters
     ----------
@@ -243,6 +246,12 @@ def _solve_rows(
         Torques on the carrier [N m].
     threads
         Number of threads, which solve chunks of samples in parallel.
+
+    Returns
+    -------
+    Array
+        Shape (torques, samples, `FIGURES`): the fields of `SampleFigures`, without torsion and for a carrier output,
+        then the relative residual.
     """
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
     effects = _error_effects(ideal_reducer, springs, orders, common_waves)
@@ -279,12 +288,12 @@ def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Arra
 
 
 def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_waves: Array) -> Effects:
-    """Compute the effects of unit errors on the contacts of ideal parts, by equivalent displacements of the discs.
+    """Compute the derivatives of the gaps of ideal parts by manufacturing errors, from displacements of the discs.
 
     Parameters
     ----------
-    springs
-        Springs of the ideal parts at k crank angles.
+    reducer, springs
+        The reducer without errors, and its springs at k crank angles.
     orders
         Orders of the profile waves that differ between samples; each has an effect for cosine and one for sine.
     common_waves
@@ -293,7 +302,8 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     Returns
     -------
     Effects
-        Its arrays have a row for each crank angle and a column for each contact, teeth first.
+        Its arrays have a row for each crank angle and a column for each contact, teeth first. Errors are the position
+        of the pin or hole in x and y, the pin circle, the flank rotation, the eccentricity and the wave amplitudes.
     """
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     disc_rotation = gear_rotation(gear, springs.crank)
@@ -305,9 +315,9 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :teeth, 2])
 
     def contact_effects(all_gradients: Array) -> Array:
-        """Compute the effects [1] of unit errors on distances or shifts of contacts, shape (k, n, 4).
+        """Compute the effects of the four errors of `Effects` on distances or shifts of contacts, shape (k, n, 4).
 
-        They follow from the gradients by all unknowns, shape (k, n, u).
+        They follow from the gradients of these by all unknowns, shape (k, n, u).
         """
         gradients = _own_disc_gradients(contacts, all_gradients)
         effects = np.zeros((*gradients.shape[:2], 4))
@@ -334,17 +344,19 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
 
 
 def _own_disc_gradients(contacts: kernel.KernelSprings, slopes: Array) -> Array:
-    """Select the gradients of contacts by position and rotation of their own disc, shape (k, n, 3), from all."""
+    """Select the gradients by x, y and rotation of each contact's own disc, (k, n, 3), from `slopes` (k, n, u)."""
     return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + axis] for axis in range(3)], axis=-1)
 
 
 def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
-    """Compute the deviations of the contacts of the samples, for the compiled kernel.
+    """Convert the deviations of the samples to those of each contact, for the compiled kernel.
 
     Parameters
     ----------
-    springs
-        Springs with the clearances of the design.
+    reducer, springs
+        The reducer, and its springs with the clearances of the design.
+    samples
+        Deviations of the samples.
     orders
         Orders of the profile waves that differ between samples, shape (w,).
     """

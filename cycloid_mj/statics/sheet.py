@@ -147,7 +147,7 @@ class Sheet(Presented):
         return known_difference(quantity) if self.has_known_differences else None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the sheet to JSON values, the quantities by key, in the units of their keys."""
+        """Convert the sheet to JSON values: conditions, assumptions, and quantities by key in the units of the keys."""
         return {
             "design": self.design,
             "condition": self.condition,
@@ -162,7 +162,9 @@ class Sheet(Presented):
 
 
 def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
-    """Compute the static figures of a sound design under an output torque [N m]; by default `load_of` the design.
+    """Compute the data-sheet quantities of a sound design under an output torque [N m], by default `load_of` it.
+
+    Warns if the inertia of the load affects the results (`tracking_warnings`).
 
     Raises
     ------
@@ -183,7 +185,7 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
-    """Compute the main figures of `sheet` in less than half of the time; raises as `sheet`.
+    """Compute the main quantities of `sheet` in less than half of the time; raises as `sheet`.
 
     They are the motions, the forward transmission error under the load, the loads up to first yield, and the
     efficiency.
@@ -195,7 +197,7 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
-    """Compute the figures of `parts` of the sheet under a load [N m] (None: `load_of`), and describe the conditions."""
+    """Compute the quantities of `parts` of a sheet under a load [N m] (None: `load_of`), with their conditions."""
     _, source = load_of(reducer, load)
     reducer, load = _with_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
@@ -203,7 +205,7 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
         design=design.name,
         condition=", ".join(
             [
-                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, {_inertia(reducer)}",
+                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, {_inertia_text(reducer)}",
                 *([design.thermal.words] if design.thermal.words else []),
                 *([film_text(reducer)] if design.has_film else []),
             ]
@@ -216,35 +218,42 @@ def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part])
     )
 
 
-def _inertia(reducer: Reducer) -> str:
-    """Describe which inertia the figures include."""
+def _inertia_text(reducer: Reducer) -> str:
+    """Describe which inertia forces the quantities include, for the condition of a sheet."""
     return "quasi-static" if isinstance(reducer, RvReducer) else "quasi-static with disc centrifugal force"
 
 
 def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> dict[str, Quantity]:
-    """Compute one of `PARTS_OF_SHEET`, in a fraction of the time of `sheet`; errors as there."""
-    return dict(_part(*_with_load(reducer, load), part))
+    """Compute the quantities of a part of the sheet, by key, in a fraction of the time of `sheet`; errors as there.
+
+    `part` is "motions", "errors", "loads" or "losses". `load` is the torque on the output [N m]; by default that of
+    `load_of`.
+    """
+    return dict(_compute_part(*_with_load(reducer, load), part))
 
 
 @once
-def _part(reducer: Reducer, load: float, part: SheetPart) -> Mapping[str, Quantity]:
-    """Compute one of `PARTS_OF_SHEET` for a reducer whose load is that [N m]."""
+def _compute_part(reducer: Reducer, load: float, part: SheetPart) -> Mapping[str, Quantity]:
+    """Compute the quantities of a part of the sheet, by key, for a reducer whose design has the same `load` [N m].
+
+    The result is empty for a part that RV reducers do not have.
+    """
     if isinstance(reducer, RvReducer):
         return by_key(RV_PARTS[part](reducer, load)) if part in RV_PARTS else {}
     return by_key(PARTS_OF_SHEET[part](reducer, load))
 
 
 def _cached_part(part: SheetPart) -> Part:
-    return lambda reducer, load: iter(_part(reducer, load, part).values())
+    return lambda reducer, load: iter(_compute_part(reducer, load, part).values())
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
-    """Return the torque on the output and its origin: `load`, else that of the design, else the nominal torque.
+    """Return the torque on the output and its origin: `load`, the load of the design, or the nominal torque.
 
     Returns
     -------
     tuple
-        The torque [N m], and where it comes from.
+        The torque [N m], and its origin, one of `LoadSource`.
     """
     design = reducer.design
     if load is not None:
@@ -255,12 +264,12 @@ def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSou
 
 
 def _with_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
-    """Return the reducer under a load on the output [N m]; by default that of `load_of`.
+    """Return the reducer with a load on the output [N m] in its design; by default that of `load_of`.
 
     Returns
     -------
     tuple
-        The reducer, and the load [N m].
+        The reducer, with the contact stiffnesses at this load, and the load [N m].
 
     Raises
     ------
@@ -291,10 +300,11 @@ def known_difference(quantity: Quantity) -> float | None:
 
 
 def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield backlash, lost motion, stiffness and compliances at a locked crank, without friction and weight.
+    """Yield backlash [arcmin], lost motion [arcmin], stiffness [N m/arcmin] and compliances [arcmin/(N m)].
 
-    The backlash is extrapolated from two small torques in each direction to no torque. Lost motion and stiffness are
-    those under a `load` [N m]. Torsion of the structure has compliances of its own if ``structure`` is "springs".
+    They are at a locked crank, without friction and weight: means over a turn. The backlash is extrapolated from two
+    small torques in each direction to no torque. Lost motion and stiffness are those under a `load` [N m]. If
+    ``structure`` is "springs", torsion of the structure has compliances of its own.
     """
     static_reducer = at_rest(reducer)
     crank_angles = turn_evenly(reducer)
@@ -330,15 +340,15 @@ def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _stiffness(windups: Sequence[Windup]) -> float:
-    """Compute the mean stiffness [N m/arcmin]."""
+    """Compute the mean stiffness of wind-ups over the linear part [N m/arcmin]."""
     return float(np.mean([ARCMINUTE / windup.compliance(windup.turn) for windup in windups]))
 
 
 def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the transmission errors of disc and output [arcsec] of each of `CASES` and `DIRECTIONS`, with friction.
 
-    Also how far the mean angles differ between directions (reversal) and loads (wind-up); for a central crank, the
-    inertia torque of a load that follows the error.
+    The differences of the mean angles between directions (reversal) and loads (wind-up) follow [arcsec]; for a central
+    crank also the relative inertia torque of a load that follows the error.
     """
     means: dict[tuple[str, str, str], float] = {}
     for case in CASES:
@@ -357,7 +367,7 @@ def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the forward transmission error under the load."""
+    """Yield the forward transmission error of disc and output under the `load` [N m]: peak to peak and rms [arcsec]."""
     return _range_figures(_compute_rotations(reducer, load, "loaded", "forward"), "loaded", "forward")
 
 
@@ -377,7 +387,10 @@ def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str)
 
 
 def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
-    """Yield peak-to-peak and rms values of the rotations of disc and output [rad], by part."""
+    """Yield peak-to-peak and rms values [arcsec] of the rotations of disc and output [rad], by part.
+
+    `case` and `direction` are those of `_compute_rotations`, and part of the keys.
+    """
     for shaft, rotation in rotations.items():
         end = f"{case}_{direction}_speed"
         yield sheet_quantity(f"{shaft}_peak_to_peak_{end}", peak_to_peak(rotation) / ARCSECOND)
@@ -387,13 +400,13 @@ def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) ->
 def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS)) -> Iterator[Quantity]:
     """Yield forces [N], pressures [MPa] and margins of each kind of mating pair, and the torques of `LIMITS` [N m].
 
-    `load` is the torque on the output [N m]; only the first `limit_count` limits are computed. With several discs also
-    their shares of the torque and the bearing reactions. A limit is NaN, with a note, if no contact is narrow enough
-    for Hertz theory.
+    `load` is the torque on the output [N m]; only the first `limit_count` limits are computed. With several discs,
+    their shares of the torque and the bearing reactions are included. A limit is NaN, with a note, if no contact is
+    narrow enough for Hertz theory.
     """
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
-    springs = springs_of(reducer, _angles(reducer))
+    springs = springs_of(reducer, _force_angles(reducer))
     contact_loads = loads(reducer, springs, torque, follow=True)
     strength_ratios = {
         kind: reducer.contacts[kind].strength / peak_pressure(reducer, springs, contact_loads, kind)
@@ -415,17 +428,20 @@ def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS))
 
 
 def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the loads, and only the torque of the first of `LIMITS`."""
+    """Yield the quantities of `_load_figures` with the torque of the first of `LIMITS` only."""
     return _load_figures(reducer, load, limit_count=1)
 
 
-def _angles(reducer: Reducer) -> Array:
+def _force_angles(reducer: Reducer) -> Array:
     """Return the crank angles for forces [rad], in order."""
     return turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else SETTINGS.angles_of_several_discs)
 
 
 def disc_shares(shares: Array) -> Iterator[Quantity]:
-    """Yield the share of each of several discs in the output torque, from shares at m crank angles, shape (m, D)."""
+    """Yield the mean share of each disc in the output torque [1], from `shares` at m crank angles, shape (m, D).
+
+    Nothing is yielded for a single disc. Without crank angles, m = 0, shares are NaN with a note.
+    """
     for number, item in enumerate(shares.T if shares.shape[1] > 1 else (), start=1):
         value = float(item.mean()) if item.size else math.nan
         note = f"from {item.min():.4g} to {item.max():.4g} over the crank angle" if item.size else UNLOADED
@@ -433,7 +449,7 @@ def disc_shares(shares: Array) -> Iterator[Quantity]:
 
 
 def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
-    """Yield the largest forces and tilting moments on shaft, output, ring and bearings over the crank angle."""
+    """Yield the largest forces [N] and tilting moments [N m] on shaft, output, ring and bearings."""
     for member in ("shaft", "output", "ring"):
         disc_forces: Planes = getattr(reactions, member)
         yield sheet_quantity(f"{member}_net_force", float(np.hypot(*disc_forces.net.T).max()))
@@ -447,29 +463,29 @@ def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
 def _pair_figures(
     springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, strength_ratio: float
 ) -> Iterator[Quantity]:
-    """Yield the figures of a kind of mating pair: forces [N], number of loaded contacts, pressure [MPa] and margin.
+    """Yield the quantities of a kind of mating pair: forces [N], number of loaded contacts, pressure [MPa] and margin.
 
-    `strength_ratio` is the strength over the pressure; NaN if Hertz theory does not apply.
+    `strength_ratio` is the strength of the contact over its largest pressure [1]; NaN if Hertz theory does not apply.
     """
     peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
     is_loaded, note = force > CARRYING_SHARE * peak, CONFORMAL if math.isnan(strength_ratio) else ""
     turn = np.linspace(0.0, 2.0 * np.pi, SETTINGS.angles_per_mesh_period * reducer.design.ring.teeth + 1)
     ideal = ideal_peak(reducer, kind, turn)
     yield sheet_quantity(f"{kind}_peak_force", peak, reference=ideal, source="ideal sharing")
-    yield sheet_quantity(f"{kind}_mean_force", _mean(force[is_loaded]))
+    yield sheet_quantity(f"{kind}_mean_force", _mean_or_zero(force[is_loaded]))
     yield sheet_quantity(f"{kind}_carrying", float(is_loaded.sum(axis=1).mean()))
     yield sheet_quantity(f"{kind}_pressure", 1e-6 * reducer.contacts[kind].strength / strength_ratio, note=note)
     yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * strength_ratio, note=note)
 
 
-def _mean(values: Array) -> float:
+def _mean_or_zero(values: Array) -> float:
     return float(values.mean()) if values.size else 0.0
 
 
 def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency [%] and losses [W] under a load [N m], and torque [N m] and efficiency [%] of back-driving.
 
-    The torque is NaN for a self-locking reducer. With the law ``film`` efficiencies have a spread.
+    The torque is NaN for a self-locking reducer. With the law ``film``, efficiencies have an interval.
     """
     yield from _efficiency_figures(reducer, load)
     back_powers, back_torque = solve_back_driving(reducer, load)
@@ -482,7 +498,10 @@ def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency [%] and losses [W] when the crank drives a `load` [N m]; with film friction, with a spread."""
+    """Yield efficiency [%], losses [W] and shaft powers [W] when the crank drives a `load` on the output [N m].
+
+    With the law ``film``, the efficiency has an interval.
+    """
     design = reducer.design
     mean_powers = powers(reducer, load)
     if design.has_film:
@@ -498,14 +517,14 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
-    """Solve for the output torque that drives the crank against its share of a `load` [N m].
+    """Solve for the output torque that drives the crank against its share of a `load` on the output [N m].
 
-    By a fixed-point iteration of torque and efficiency.
+    A fixed-point iteration of torque and efficiency determines it.
 
     Returns
     -------
     tuple
-        Powers, and the torque on the output [N m]; NaN if the reducer is self-locking.
+        Powers when the output drives, and the torque on the output [N m]; NaN if the reducer is self-locking.
     """
     torque = load
     mean_powers = powers(reducer, -torque)
@@ -543,8 +562,8 @@ PARTS_OF_SHEET: Mapping[SheetPart, Part] = {
 """Functions that yield the figures of a sheet, by name."""
 
 
-def _bodies(reducer: Reducer) -> str:
-    """Describe which parts are elastic."""
+def _elastic_parts_text(reducer: Reducer) -> str:
+    """Describe which parts are elastic and which are rigid."""
     if reducer.design.structure == "springs":
         return "output pins, carrier, shaft and housing are elastic, all other parts are rigid"
     return "parts are rigid"
@@ -554,8 +573,8 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
     """Return the assumptions of the figures, a sentence each."""
     design = reducer.design
     return (
-        f"statics: {_bodies(reducer)}, contacts are unilateral springs with all clearances, manufacturing errors and "
-        "modifications; the only inertia force is the disc's centrifugal force",
+        f"statics: {_elastic_parts_text(reducer)}, contacts are unilateral springs with all clearances, manufacturing "
+        "errors and modifications; the only inertia force is the disc's centrifugal force",
         film_assumption(reducer)
         if design.has_film
         else f"Coulomb friction of a rotating crank at any sliding speed; none in backlash, lost motion and stiffness: "
@@ -564,7 +583,7 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         "a flank of an internal gear and the arc next to it form a single contact patch",
         *([SEVERAL] if design.gear.discs > 1 else []),
         *([structure_text(reducer)] if design.structure == "springs" else []),
-        f"forces and losses cover {_angles(reducer).size} crank angles, the transmission error "
+        f"forces and losses cover {_force_angles(reducer).size} crank angles, the transmission error "
         f"{SETTINGS.angles_per_mesh_period} per mesh period, unloaded under {CASES['unloaded']:.0%} of the load; "
         "the bearings of the shafts are not included",
         *part_notes(design),

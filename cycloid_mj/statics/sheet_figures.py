@@ -261,15 +261,15 @@ def _loss_rows() -> Iterator[SheetFigure]:
 # fmt: on
 
 
-def _of_part(part: SheetPart, rows: Iterator[SheetFigure]) -> dict[str, SheetFigure]:
+def _rows_by_key(part: SheetPart, rows: Iterator[SheetFigure]) -> dict[str, SheetFigure]:
     return {row.key: replace(row, part=part) for row in rows}
 
 
 SHEET_FIGURES: Mapping[str, SheetFigure] = {
-    **_of_part("motions", _motion_rows()),
-    **_of_part("errors", _error_rows()),
-    **_of_part("loads", _load_rows()),
-    **_of_part("losses", _loss_rows()),
+    **_rows_by_key("motions", _motion_rows()),
+    **_rows_by_key("errors", _error_rows()),
+    **_rows_by_key("loads", _load_rows()),
+    **_rows_by_key("losses", _loss_rows()),
 }
 """Key -> figure of the sheet."""
 
@@ -277,12 +277,15 @@ SHEET_FIGURES: Mapping[str, SheetFigure] = {
 def sheet_quantity(
     key: str, value: float, reference: float | None = None, source: str = "", note: str = ""
 ) -> Quantity:
-    """Return the quantity of a figure of the sheet with its value in the figure's unit."""
+    """Return the quantity with a `key` of `SHEET_FIGURES`; `value` and `reference` are in the unit of the key.
+
+    `source` describes the reference.
+    """
     row = SHEET_FIGURES[key]
     return Quantity(key, row.name, value, row.unit, reference=reference, source=source, note=note)
 
 
 def spread_quantity(key: str, spread: Spread) -> Quantity:
-    """Return the quantity of a figure of the sheet with its interval and the causes of its spread."""
+    """Return the quantity with a `key` of `SHEET_FIGURES`, with its interval and the causes of its spread."""
     quantity = replace(sheet_quantity(key, spread.value), low=spread.low, high=spread.high, causes=spread.causes)
     return replace(quantity, note=quantity.interval_text)

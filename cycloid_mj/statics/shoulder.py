@@ -21,7 +21,8 @@ TORSION = (3.4, 19.0, 1.0, 2.0)
 def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:
     """Compute the notch factor alpha of a shoulder of a round shaft (DIN 743-2) [1].
 
-    The radius increases to `outer` (inf: a wide disc) with a fillet; all in [m]. `terms` are `BENDING` or `TORSION`.
+    `radius` [m] of the shaft increases to `outer` [m] (inf: a wide disc) with a fillet of the radius `fillet` [m].
+    `terms` are `BENDING` or `TORSION`.
     """
     a, b, c, z = terms
     depth = outer - radius
@@ -37,8 +38,9 @@ def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[flo
 def root_arms(reducer: Reducer) -> Array:
     """Compute the moments at the roots of an output pin per force at the middle of each disc [m], shape (roots, D).
 
-    A cantilever has one root with F a; a beam clamped at both ends has two with F a b^2/l^2, where a is the distance of
-    the root from the force and b that of the other root (Roark, Formulas for Stress and Strain, 8.1, case 1d).
+    A cantilever has one root with F a. A beam clamped at both ends has two with F a b^2/l^2, where a is the distance of
+    the force from the root, b that from the other root, and l their sum (Roark, Formulas for Stress and Strain, 8.1,
+    case 1d).
     """
     gear = reducer.design.gear
     root_position = gear.stack_width / 2.0 + AXIAL_GAP

@@ -12,7 +12,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps, arc_gaps, cam_displacements, ideal_motion
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.film import FilmContacts, FilmFriction, build_film_contacts
-from cycloid_mj.statics.friction import compute_rubbing
+from cycloid_mj.statics.friction import compute_friction_per_force
 
 POSES = 61
 """Default number of crank angles over a turn."""
@@ -113,8 +113,8 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     crank
         Crank angles [rad], shape (m,); by default evenly over a turn.
     friction
-        Whether contacts have friction; without it, the speed of the crank may be 0. With the law ``film`` it is that
-        under the working forces, which `balance.loads` replaces by that under the actual ones.
+        Whether contacts have friction; without it, the speed of the crank may be 0. With the law ``film`` it is the
+        friction under the working forces, which `balance.loads` replaces by that under the actual forces.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
         build_film_contacts(reducer, crank, mesh_gaps, teeth, motion) if friction and reducer.design.has_film else None
     )
     if friction and film is None:
-        contacts = contacts._replace(rubbing=compute_rubbing(reducer, mesh_gaps, motion))
+        contacts = contacts._replace(rubbing=compute_friction_per_force(reducer, mesh_gaps, motion))
         contacts = _with_cam_friction(contacts, reducer, math.copysign(reducer.design.friction_of("cam"), speed))
     springs = Springs(
         crank=crank,
@@ -190,7 +190,7 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
     """Compute the stiffness of contact lines with the ring [N/m], with sockets or sleeves in series.
 
     `curvature` is the relative curvature of each line [1/m], any shape, which is that of the result. A line on a half
-    of the ring has half of the stiffness, as it is half as long.
+    of the ring is half as long, and has half of the stiffness.
     """
     law = reducer.contacts.teeth.curvature_law
     stiffness = law.stiffness * law.factors(curvature)
@@ -200,7 +200,7 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
 
 
 def _cross_compliances(reducer: Reducer) -> Array:
-    """Compute the compliances of an output pin between discs [m/N], (D, D): deflection at one per force at another.
+    """Compute the compliances of an output pin between discs [m/N], (D, D): deflection at a disc per force of another.
 
     The diagonal is 0, as the deflection under a disc's own force is part of the contact's stiffness. The forces of
     discs at phases b and b' include the angle b - b': the share cos(b - b') of the deflection is along a force, and the
@@ -214,14 +214,14 @@ def _cross_compliances(reducer: Reducer) -> Array:
 def body_force(reducer: Reducer, crank_angle: Array, phase: float = 0.0) -> Array:
     """Compute weight and centrifugal force of a disc in the frame of the ring [N], shape (m, 2).
 
-    The mass is that of `Reducer.disc_section`.
+    The mass is that of `Reducer.disc_section`, without bearings.
 
     Parameters
     ----------
     reducer
         The reducer.
     crank_angle
-        Crank angles [rad], shape (m,).
+        Crank angles [rad], shape (m,), not relative to a ring that rotates.
     phase
         Phase of the disc on the crank [rad].
     """

@@ -49,9 +49,9 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
 def twisting_compliance(reducer: Reducer) -> dict[str, float]:
     """Compute the rotation of the output at a locked crank by the torsion of each part, per output torque [rad/(N m)].
 
-    The torsion of the crank appears at the output divided by the ratio N - 1, like its torque; that of the ring, under
-    the torque N/(N - 1), multiplied by N/(N - 1); if the ring is the output, `member.share` squared of each. Contact
-    forces do not change, as all contacts rotate together.
+    Keys are those of `TWISTING`. The torsion of the crank appears at the output divided by the ratio N - 1, like its
+    torque; that of the ring, under the torque N/(N - 1), multiplied by N/(N - 1). If the ring is the output, each is
+    multiplied by the square of `Member.share`. Contact forces do not change, as all contacts rotate together.
     """
     design = reducer.design
     stiffness, teeth, share_squared = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
@@ -63,15 +63,15 @@ def twisting_compliance(reducer: Reducer) -> dict[str, float]:
 
 
 def wind_up(reducer: Reducer) -> float:
-    """Compute the sum of `twisting_compliance` [rad/(N m)]."""
+    """Compute the rotation of the output by all torsion of the structure per output torque [rad/(N m)]."""
     return sum(twisting_compliance(reducer).values())
 
 
 def crank_flexibility(reducer: Reducer) -> Array:
     """Compute the deflection of the shaft at each cam per force on each cam [m/N], shape (D, D).
 
-    An Euler-Bernoulli beam with the shaft's radius on two rigid bearings that allow it to tilt: the integral of
-    M_d M_d'/(E I), exact for piecewise linear moments. No figure includes it; `structure_text` states it.
+    The shaft is an Euler-Bernoulli beam with its radius on two rigid bearings that allow it to tilt. No quantity of the
+    sheet includes this deflection; `structure_text` states it.
 
     Raises
     ------

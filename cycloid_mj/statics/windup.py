@@ -62,7 +62,10 @@ class Windup:
         return self.turn[LOST_MOTION_SHARE] - self.turn[-LOST_MOTION_SHARE]
 
     def compliance(self, values: dict[float, float]) -> float:
-        """Compute the slope of the rotation, or of other values, over the linear part [rad/(N m)]; both sides' mean."""
+        """Compute the slope of values over the torque in the linear part, per [N m], as the mean of both directions.
+
+        `values` are a rotation [rad] or a displacement [m] by relative torque, such as `turn`.
+        """
         low, high = STRAIGHT
         rise = (values[high] - values[low], values[-low] - values[-high])
         return 0.5 * sum(rise) / ((high - low) * self.rated)
@@ -107,7 +110,7 @@ def solve_windups(
 ) -> list[Windup]:
     """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m], without friction.
 
-    Returns one wind-up per crank angle, with the poses under both signs of each torque share of `SHARES`. `warm_start`
+    Returns a wind-up per crank angle, with the poses under both signs of each torque share of `SHARES`. `warm_start`
     is `follow` of `loads`: angles that vary smoothly take half of the time.
 
     Raises
@@ -126,6 +129,7 @@ def solve_windups(
     tangents = -np.stack([np.cos(crank_angles), np.sin(crank_angles)], axis=-1)
 
     def leads(departures: Array) -> Array:
+        """Compute the displacement of the disc centres along their circle, as the mean of all discs [m], shape (m,)."""
         poses = departures[:, :-1].reshape(*crank_angles.shape, 3)
         return np.asarray((poses[..., :2] * tangents).sum(axis=-1).mean(axis=-1))
 
@@ -154,7 +158,8 @@ def solve_windups(
 def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
     """Compute the work of the force increments from a low to a high load in each of `SPRINGS` [J], shape (m,) by name.
 
-    It is force increment times relative displacement, summed over the contacts; that of bent output pins is separate.
+    The work is force increment times relative displacement, summed over the contacts. That of bent output pins is
+    separate.
     """
     displacement = high.departures - low.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)
