@@ -131,7 +131,7 @@ def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Se
     """
     gap, start, shifts = EXPLODED_GAP * reducer.design.housing.outer_radius, 0.0, dict[str, float]()
     families = {names.family(component.part) for component in components}
-    end_heights = {name: [z for prism in part.stretches for z in (prism.z0, prism.z1)] for name, part in parts.items()}
+    end_heights = {name: [z for prism in part.segments for z in (prism.z0, prism.z1)] for name, part in parts.items()}
     for family in sorted(families, key=lambda name: ALONG.index(name) if name in ALONG else len(ALONG)):
         heights = [
             component.origin[2] + z

@@ -21,7 +21,7 @@ from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.joints import screwed_joints
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import NoLoadTorque, grease_of, no_load_torque
-from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
@@ -253,7 +253,7 @@ def _input_load_row(reducer: Reducer) -> Quantity:
         reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], with_wind_up=False
     )
     far_bearing, near_bearing = (0.5 * sum(ends) for ends in shaft.bearings)
-    end = crank_stretches(reducer)["journal"].z0
+    end = crank_segments(reducer)["journal"].z0
     near_share = (end - far_bearing) / (near_bearing - far_bearing)
     shares = {"shaft_bearing_far": 1.0 - near_share, "shaft_bearing_near": near_share}
     limits = []

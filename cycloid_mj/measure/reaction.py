@@ -12,7 +12,7 @@ from cycloid_mj.parts import (
     MassProperties,
     Solid,
     body_solids,
-    crank_stretches,
+    crank_segments,
     gear_solid,
     mass_chord_error,
     mass_properties,
@@ -86,7 +86,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
         size = float(np.hypot(*static))
         return Unbalance(size, size, float(np.hypot(*couple)))
     cam = mass_properties(
-        Solid(CAM, (crank_stretches(reducer)[CAM].prism(mass_chord_error(reducer)),), shaft_solid.density)
+        Solid(CAM, (crank_segments(reducer)[CAM].prism(mass_chord_error(reducer)),), shaft_solid.density)
     )
     return Unbalance(gear_mass.mass * eccentricity + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
 

@@ -11,12 +11,12 @@ from cycloid_mj.parts.housing import housing_solid, pin_solid, sleeve_core_radiu
 from cycloid_mj.parts.inertia import MassProperties, mass_properties
 from cycloid_mj.parts.mesh import Mesh, mesh
 from cycloid_mj.parts.output import output_centres, output_solid, pin_radius
-from cycloid_mj.parts.part import Part, PartSection, Stretch
+from cycloid_mj.parts.part import Part, PartSection, Segment
 from cycloid_mj.parts.parts import (
     attached_parts,
     body_solids,
+    crank_segments,
     crank_solid,
-    crank_stretches,
     lay_out_parts,
     part_sections,
     parts,
@@ -24,7 +24,7 @@ from cycloid_mj.parts.parts import (
 )
 from cycloid_mj.parts.polygon import circle
 from cycloid_mj.parts.prism import Prism, Solid
-from cycloid_mj.parts.shaft import shaft_solid, spacer_radius, stretches
+from cycloid_mj.parts.shaft import shaft_segments, shaft_solid, spacer_radius
 
 __all__ = [
     "VISUAL_CHORD_ERROR",
@@ -33,13 +33,13 @@ __all__ = [
     "Part",
     "PartSection",
     "Prism",
+    "Segment",
     "Solid",
-    "Stretch",
     "attached_parts",
     "body_solids",
     "circle",
+    "crank_segments",
     "crank_solid",
-    "crank_stretches",
     "gear_solid",
     "housing_solid",
     "lay_out_parts",
@@ -55,9 +55,9 @@ __all__ = [
     "pin_radius",
     "pin_solid",
     "rv_solids",
+    "shaft_segments",
     "shaft_solid",
     "sleeve_core_radius",
     "spacer_radius",
-    "stretches",
     "turning_inertia",
 ]

@@ -20,22 +20,22 @@ MASS_CHORD_ERROR = 5e-7
 
 
 def mass_chord_error(reducer: Reducer) -> float:
-    """Return the chord error [m] of polygons for mass properties: `MASS_CHORD_ERROR` of the thinnest radius.
+    """Return the chord error [m] of polygons for mass properties: `MASS_CHORD_ERROR` times the thinnest radius.
 
-    A circle of radius r drawn with the chord error s loses the share 4/3 s/r of its area, and no part is thinner than
-    the thinnest of pins and shaft, so that volumes are accurate to 1e-6.
+    A polygon with the chord error s loses the share 4/3 s/r of the area of a circle of radius r. The thinnest radius is
+    that of the pins or of the shaft. Volumes are therefore accurate to 1e-6.
     """
     design = reducer.design
     return MASS_CHORD_ERROR * min(design.ring.pin_radius, design.output.pin_radius, design.shaft.radius)
 
 
-def drawing_error(reducer: Reducer, chord_error: float | None) -> float:
-    """Return the chord error of a drawing [m]: the requested one, or that for mass properties if None.
+def checked_chord_error(reducer: Reducer, chord_error: float | None) -> float:
+    """Check a chord error [m] and return it; None selects `mass_chord_error`.
 
     Raises
     ------
     DesignError
-        It is not positive.
+        `chord_error` is not positive.
     """
     if chord_error is None:
         return mass_chord_error(reducer)

@@ -33,7 +33,7 @@ def output_inertia(reducer: Reducer) -> float:
 def turning_inertia(reducer: Reducer) -> float:
     """Compute the inertia that rotates with the output at a locked crank [kg m2]: carrier and discs, or the ring.
 
-    Pins or sleeves of a ring, and cranks of a carrier, that are bodies are included as if they were fixed in it.
+    Ring pins, sleeves and cranks that are separate bodies count as if they were fixed in the ring or in the carrier.
     """
     return _turning_inertia(reducer.shape)
 
@@ -47,7 +47,10 @@ def _turning_inertia(reducer: Reducer) -> float:
 
 
 def _add_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:
-    """Add mass and inertia of all ring pins, evenly spaced on the pin circle, to those of the housing."""
+    """Return the mass properties of a housing together with its ring pins, evenly spaced on the pin circle.
+
+    `pin` has the properties of one pin about its own centroid.
+    """
     count, orbit = reducer.design.ring.mates, pin.mass * reducer.design.ring.pin_circle_radius**2
     orbit_inertia = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
     return replace(

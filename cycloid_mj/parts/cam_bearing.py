@@ -14,7 +14,7 @@ def needs_rings(reducer: Reducer) -> bool:
 
 
 def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
-    """Choose the rolling bearing in stock on which each cam carries its disc; None if none fits, or the cam is plain.
+    """Choose the rolling bearing in stock between each cam and its disc; None for a plain cam, or if no bearing fits.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Dimensions of the crank: stretches along z, shoulders and bearings."""
+"""Dimensions of the crank: segments along z, shoulders and bearings."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts.parts import crank_stretches
+from cycloid_mj.parts.parts import crank_segments
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
 from cycloid_mj.reducer import Reducer, once
 
@@ -77,10 +77,10 @@ class ShaftDimensions:
     @property
     def stations(self) -> Array:
         """Positions (s,) [m] along the journals at which nominal stress is evaluated, shoulders first."""
-        stretches = [(self.end, self.counterweight[0] if self.weighted else self.cams[0][0])]
-        stretches += [(before[1], after[0]) for before, after in pairwise(self.cams)]
-        stretches += [(self.cams[-1][1], self.far_end)] if self.straddles else []
-        between = [np.linspace(z0, z1, STATIONS) for z0, z1 in stretches]
+        segments = [(self.end, self.counterweight[0] if self.weighted else self.cams[0][0])]
+        segments += [(before[1], after[0]) for before, after in pairwise(self.cams)]
+        segments += [(self.cams[-1][1], self.far_end)] if self.straddles else []
+        between = [np.linspace(z0, z1, STATIONS) for z0, z1 in segments]
         return np.concatenate([[shoulder.z for shoulder in self.shoulders], *between])
 
 
@@ -88,9 +88,9 @@ class ShaftDimensions:
 def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
     """Return the dimensions of the balanced crank that its strength depends on, without spacers."""
     design = reducer.design
-    stretches_by_name = crank_stretches(reducer)
-    journal, weight = stretches_by_name[JOURNAL], stretches_by_name.get(COUNTERWEIGHT)
-    cams = [(stretch.z0, stretch.z1) for name, stretch in stretches_by_name.items() if names.family(name) == names.CAM]
+    segments_by_name = crank_segments(reducer)
+    journal, weight = segments_by_name[JOURNAL], segments_by_name.get(COUNTERWEIGHT)
+    cams = [(segment.z0, segment.z1) for name, segment in segments_by_name.items() if names.family(name) == names.CAM]
     end = min(journal.z1, reducer.near_face)
     return ShaftDimensions(
         radius=design.shaft.radius,
@@ -98,9 +98,9 @@ def shaft_dimensions(reducer: Reducer) -> ShaftDimensions:
         eccentricity=design.gear.eccentricity,
         counterweight_radius=design.shaft.counterweight_radius,
         end=journal.z0,
-        far_end=stretches_by_name[FAR].z1 if FAR in stretches_by_name else cams[-1][1],
+        far_end=segments_by_name[FAR].z1 if FAR in segments_by_name else cams[-1][1],
         counterweight=(weight.z0, weight.z1) if weight else (end, end),
         cams=tuple(cams),
         phases=reducer.phases,
-        bearings=bearing_seats(reducer, stretches_by_name),
+        bearings=bearing_seats(reducer, segments_by_name),
     )

@@ -24,7 +24,7 @@ class SplineFit:
     max_spans: int = 4096  # largest number of spans of a flank
     checks: int = 8  # points of each span at which the error is measured
     grid: int = 8192  # points of the flank at which its curvature is differentiated
-    min_density: float = 1e-3  # smallest density of knots relative to the largest, for straight stretches
+    min_density: float = 1e-3  # smallest density of knots relative to the largest, for straight segments
 
 
 FIT = SplineFit()
@@ -98,9 +98,9 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
     spans = FIT.first_spans
     while pieces * spans <= FIT.max_spans:
         nodes = _nodes(flank, low, high, pieces * spans)
-        stretches = [nodes[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
-        splines = [_interpolate(flank, stretch) for stretch in stretches]
-        if max(_deviation(flank, *fit) for fit in zip(splines, stretches, strict=True)) <= SPLINE_ERROR:
+        segments = [nodes[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
+        splines = [_interpolate(flank, segment) for segment in segments]
+        if max(_deviation(flank, *fit) for fit in zip(splines, segments, strict=True)) <= SPLINE_ERROR:
             return tuple(Spline(fit.t, fit.c) for fit in splines)
         spans *= 2
     raise DesignError(

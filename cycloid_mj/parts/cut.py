@@ -10,8 +10,8 @@ from cycloid_mj.parts.prism import Prism
 def cut_prism(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
     """Cut a prism by the plane x = 0; return start and end of each interval along y [m] inside its material, in order.
 
-    `centre` [m] is the origin of the prism's frame. Sorted crossings with outline and holes bound material and gaps in
-    turn. The plane is `SAME_LENGTH` off, so that a vertex or an edge on it counts once.
+    `centre` [m] is the origin of the prism's frame. The plane is shifted by `SAME_LENGTH`, so that a vertex or an edge
+    on it counts once.
     """
     x, y = centre
     crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - SAME_LENGTH, y])) for ring in _rings(prism)]))

@@ -13,12 +13,12 @@ from cycloid_mj.geometry.modification import (
     sample_rotated_flanks,
     tooth_profile,
 )
-from cycloid_mj.parts.accuracy import RELATIVE_ROUNDING, drawing_error
+from cycloid_mj.parts.accuracy import RELATIVE_ROUNDING, checked_chord_error
 from cycloid_mj.parts.contour import CircleContour, TurnedContour, circles_at
 from cycloid_mj.parts.curve import Curve, SmoothCurve, fit_splines, rotate_curve
 from cycloid_mj.parts.fit import require_above, require_below
 from cycloid_mj.parts.output import output_centres
-from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.part import Part, Segment
 from cycloid_mj.parts.polygon import signed_area
 from cycloid_mj.parts.prism import Solid
 from cycloid_mj.reducer import Reducer, once
@@ -52,13 +52,13 @@ def gear_part(reducer: Reducer, disc: int = 0) -> Part:
     outline = TurnedContour(GearContour(reducer.shape), -reducer.phases[disc] / design.lobes)
     holes = circles_at(_hole_radius(reducer), output_centres(reducer))
     half_width = design.gear.face_width / 2
-    stretch = Stretch("gear", outline, (CircleContour(_bore_radius(reducer)), *holes), -half_width, half_width)
-    return Part(reducer.gears[disc], (stretch,), design.material_of("gear").density)
+    segment = Segment("gear", outline, (CircleContour(_bore_radius(reducer)), *holes), -half_width, half_width)
+    return Part(reducer.gears[disc], (segment,), design.material_of("gear").density)
 
 
 def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0) -> Solid:
     """Return `gear_part` as prisms with a chord error [m]; by default that for mass properties."""
-    chord_error = drawing_error(reducer, chord_error)
+    chord_error = checked_chord_error(reducer, chord_error)
     return gear_part(reducer, disc).solid(chord_error)
 
 
@@ -91,17 +91,17 @@ def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
         tangents=lambda x: profile.unit(profile.normal_angle(gear, -x) - math.pi / 2.0),
         curvature=lambda x: profile.curvature(gear, -x, offset),
     )
-    stretches = [(0.0, pitch, 0.0)]
+    segments = [(0.0, pitch, 0.0)]
     if rotation:
         ends = flank_ends(gear, offset, rotation)
         rising_interval, falling_interval = (
             (-ends.valley, pitch / 2.0 - ends.tip),
             (pitch / 2.0 + ends.tip, pitch + ends.valley),
         )
-        stretches = [(*rising_interval, -rotation), (*falling_interval, rotation)]
+        segments = [(*rising_interval, -rotation), (*falling_interval, rotation)]
     lobe = [
         rotate_curve(curve, turn)
-        for low, high, turn in stretches
+        for low, high, turn in segments
         for curve in fit_splines(backwards, low, high, splines)
     ]
     return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
@@ -126,7 +126,7 @@ def gear_outline(reducer: Reducer, chord_error: float) -> Array:
 def section_area(reducer: Reducer, chord_error: float | None = None) -> float:
     """Compute the cross-section area of `gear_solid` [m2] from the outline of one lobe."""
     _require_separate_holes(reducer)
-    chord_error = drawing_error(reducer, chord_error)
+    chord_error = checked_chord_error(reducer, chord_error)
     inside = _area_inside(reducer, chord_error)
     bore, hole = (CircleContour(radius(reducer)).polygon(chord_error) for radius in (_bore_radius, _hole_radius))
     return inside - signed_area(bore) - reducer.design.output.pins * signed_area(hole)

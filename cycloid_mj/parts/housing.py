@@ -8,11 +8,11 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.accuracy import checked_chord_error
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour, circles_at
 from cycloid_mj.parts.curve import Arc, Curve, SmoothCurve, fit_splines, rotate_curve
 from cycloid_mj.parts.fit import require_above, require_below
-from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.part import Part, Segment
 from cycloid_mj.parts.polygon import arc, rotate_points
 from cycloid_mj.parts.prism import Solid
 from cycloid_mj.reducer import Reducer, once
@@ -25,7 +25,7 @@ SLIT_SHARE = 1e-3
 def pin_part(reducer: Reducer) -> Part:
     """Return a ring pin, or its sleeve, as a cylinder through all discs centred at the origin.
 
-    In a ring of two halves it is as long as one of them.
+    In a ring of two halves it is as long as half of the discs' total width.
 
     Raises
     ------
@@ -35,17 +35,17 @@ def pin_part(reducer: Reducer) -> Part:
     design = reducer.design
     bore = [CircleContour(sleeve_core_radius(reducer) + design.clearance.pin_sleeve)] if design.ring.has_sleeves else []
     half_length = design.gear.stack_width / 2 / design.ring.halves
-    stretch = Stretch("pin", CircleContour(design.ring.pin_radius), tuple(bore), -half_length, half_length)
-    return Part("pin", (stretch,), design.material_of("pin").density)
+    segment = Segment("pin", CircleContour(design.ring.pin_radius), tuple(bore), -half_length, half_length)
+    return Part("pin", (segment,), design.material_of("pin").density)
 
 
 def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Return `pin_part` as a prism with a chord error [m]; by default that for mass properties."""
-    return pin_part(reducer).solid(drawing_error(reducer, chord_error))
+    return pin_part(reducer).solid(checked_chord_error(reducer, chord_error))
 
 
 def sleeve_core_radius(reducer: Reducer) -> float:
-    """Compute the radius [m] of the pin that is pressed in inside a sleeve: that of the sleeve's bore less clearance.
+    """Compute the radius [m] of the pressed-in pin inside a sleeve: the bore radius of the sleeve minus the clearance.
 
     Raises
     ------
@@ -61,13 +61,13 @@ def sleeve_core_radius(reducer: Reducer) -> float:
 def housing_part(reducer: Reducer) -> Part:
     """Return the housing as exact outlines about the reducer axis: the ring without its pins, or the internal gear.
 
-    Two halves are one stretch each, the one next to the motor first, rotated as they are. The housing of sleeved pins
-    includes the pressed-in pins, which both end plates (not drawn) support.
+    Each of two halves is one segment, rotated by its lead angle; the half next to the motor comes first. The housing of
+    sleeved pins includes the pressed-in pins, which both end plates (not drawn) support.
 
     Parameters
     ----------
     reducer
-        The reducer; ``ring.kind`` chooses between the two.
+        The reducer; its ``ring.kind`` selects pins or internal gear.
 
     Raises
     ------
@@ -78,18 +78,18 @@ def housing_part(reducer: Reducer) -> Part:
     hole = _pinwheel(reducer) if design.ring.kind == "pin" else _internal_gear(reducer)
     outline = CircleContour(design.housing.outer_radius)
     rings = [
-        Stretch("housing", outline, (TurnedContour(hole, lead_angle),), low, high)
-        for low, high, lead_angle in ring_stretches(reducer)
+        Segment("housing", outline, (TurnedContour(hole, lead_angle),), low, high)
+        for low, high, lead_angle in ring_spans(reducer)
     ]
     return Part("housing", (*rings, *_sleeve_cores(reducer)), design.material_of("housing").density)
 
 
 def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Return `housing_part` as prisms with a chord error [m]; by default that for mass properties."""
-    return housing_part(reducer).solid(drawing_error(reducer, chord_error))
+    return housing_part(reducer).solid(checked_chord_error(reducer, chord_error))
 
 
-def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
+def ring_spans(reducer: Reducer) -> list[tuple[float, float, float]]:
     """Return position and rotation of the ring, or of each of its halves, along the axis.
 
     Returns
@@ -105,7 +105,7 @@ def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
     return [(-half_width, -slit, first_angle), (slit, half_width, second_angle)]
 
 
-def _sleeve_cores(reducer: Reducer) -> list[Stretch]:
+def _sleeve_cores(reducer: Reducer) -> list[Segment]:
     """Return the pins that are pressed into the housing inside the sleeves, from pin 1 on +y clockwise.
 
     Empty without sleeves.
@@ -115,8 +115,8 @@ def _sleeve_cores(reducer: Reducer) -> list[Stretch]:
         return []
     radius, angles = sleeve_core_radius(reducer), 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     return [
-        Stretch("pins", core, (), low, high)
-        for low, high, lead_angle in ring_stretches(reducer)
+        Segment("pins", core, (), low, high)
+        for low, high, lead_angle in ring_spans(reducer)
         for core in circles_at(radius, design.ring.pin_circle_radius * unit(angles - lead_angle))
     ]
 
@@ -164,7 +164,7 @@ class PinwheelContour:
         )
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return sockets and lands in turn, as arcs."""
+        """Return sockets and lands in turn, as arcs; `splines` is not used."""
         half, up, pitch = self.half_angle, math.pi / 2.0, 2.0 * math.pi / self.teeth
         edge = math.atan2(self.radius * math.sin(half), self.centre + self.radius * math.cos(half))
         socket = Arc((0.0, self.centre), self.radius, up - half, up + half)

@@ -140,7 +140,7 @@ class PressFit:
     Attributes
     ----------
     diameter, length
-        Of the joint [m].
+        Diameter and length of the joint [m].
     outside, bore
         Outside diameter of the hub, and bore of the shaft [m].
     hub, shaft
@@ -155,7 +155,7 @@ class PressFit:
     bore: float = 0.0
 
     def pressure(self, interference: float) -> float:
-        """Compute the joint pressure [Pa] of an effective interference on the diameter [m]; 0 of a clearance (Lame)."""
+        """Compute the joint pressure [Pa] of an effective interference in diameter [m]; 0 for a clearance (Lame)."""
         outer, inner = (self.diameter / self.outside) ** 2, (self.bore / self.diameter) ** 2
         (hub, hub_ratio), (shaft, shaft_ratio) = self.hub, self.shaft
         softness = ((1.0 + outer) / (1.0 - outer) + hub_ratio) / hub

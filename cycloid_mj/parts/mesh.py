@@ -53,7 +53,7 @@ def mesh(part: Prism | Solid) -> Mesh:
     Raises
     ------
     DesignError
-        An outline crosses itself or a hole, or the mesh has not the volume of the solid.
+        An outline crosses itself or a hole, or the volume of the mesh is not that of the solid.
     """
     solid = part if isinstance(part, Solid) else Solid("prism", (part,), 1.0)
     levels = {round(z / GRIDS.height): z for prism in solid.prisms for z in (prism.z0, prism.z1)}

@@ -5,9 +5,9 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.accuracy import checked_chord_error
 from cycloid_mj.parts.contour import CircleContour, circles_at
-from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.part import Part, Segment
 from cycloid_mj.parts.prism import Solid
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
@@ -33,17 +33,17 @@ def output_part(reducer: Reducer) -> Part:
     face = half_width + AXIAL_GAP
     both_ends = output.support == "both_ends"
     rim = CircleContour(output.pin_circle_radius + (1 + RIM) * output.pin_radius)
-    disc = Stretch("disc", rim, (), face, face + output.disc_thickness)
+    disc = Segment("disc", rim, (), face, face + output.disc_thickness)
     start = -face if both_ends else -half_width
-    pins = [Stretch("pins", pin, (), start, face) for pin in circles_at(pin_radius(reducer), output_centres(reducer))]
+    pins = [Segment("pins", pin, (), start, face) for pin in circles_at(pin_radius(reducer), output_centres(reducer))]
     eye = CircleContour(gear.bore_radius + gear.eccentricity)
-    second_disc = [Stretch("second_disc", rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
+    second_disc = [Segment("second_disc", rim, (eye,), -face - output.disc_thickness, -face)] if both_ends else []
     return Part(names.OUTPUT, (disc, *pins, *second_disc), design.material_of("output").density)
 
 
 def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Return `output_part` as prisms with a chord error [m]; by default that for mass properties."""
-    return output_part(reducer).solid(drawing_error(reducer, chord_error))
+    return output_part(reducer).solid(checked_chord_error(reducer, chord_error))
 
 
 def pin_radius(reducer: Reducer) -> float:
@@ -59,7 +59,7 @@ def roller_part(reducer: Reducer) -> Part:
     """
     design = reducer.design
     output, half_width = design.output, design.gear.face_width / 2
-    tube = Stretch(
+    tube = Segment(
         "roller", CircleContour(output.pin_radius), (CircleContour(output.root_radius),), -half_width, half_width
     )
     return Part(names.ROLLER, (tube,), design.material_of("output").density)

@@ -1,4 +1,4 @@
-"""A part as stretches of exact outlines along z, from which its solid and its sections for CAD follow."""
+"""A part as segments of exact outlines along z, from which its solid and its sections for CAD follow."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -22,8 +22,8 @@ class PartSection:
 
 
 @dataclass(frozen=True)
-class Stretch:
-    """A stretch of a part: an outline with holes, from `z0` to `z1` [m]."""
+class Segment:
+    """A segment of a part: an outline with holes, from `z0` to `z1` [m]."""
 
     name: str
     outline: Contour
@@ -49,24 +49,24 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the reducer: stretches without common volume, of one density [kg/m3]."""
+    """A part of the reducer: segments without common volume, of one density [kg/m3]."""
 
     name: str
-    stretches: tuple[Stretch, ...]
+    segments: tuple[Segment, ...]
     density: float
 
     def solid(self, chord_error: float) -> Solid:
-        """Return the part as prisms of polygons; see `Stretch.prism`."""
-        return Solid(self.name, tuple(stretch.prism(chord_error) for stretch in self.stretches), self.density)
+        """Return the part as prisms of polygons; see `Segment.prism`."""
+        return Solid(self.name, tuple(segment.prism(chord_error) for segment in self.segments), self.density)
 
     def mass(self, chord_error: float) -> float:
         """Compute the mass of `solid` [kg], without building it."""
-        return self.density * sum(stretch.volume(chord_error) for stretch in self.stretches)
+        return self.density * sum(segment.volume(chord_error) for segment in self.segments)
 
     def sections(self, splines: int) -> tuple[PartSection, ...]:
-        """Return the part as curves; see `Stretch.section`."""
-        return tuple(stretch.section(splines) for stretch in self.stretches)
+        """Return the part as curves; see `Segment.section`."""
+        return tuple(segment.section(splines) for segment in self.segments)
 
-    def of(self, stretches: Iterable[Stretch], name: str = "") -> "Part":
-        """Return a part of the same material with other stretches and, unless empty, another name."""
-        return replace(self, name=name or self.name, stretches=tuple(stretches))
+    def of(self, segments: Iterable[Segment], name: str = "") -> "Part":
+        """Return a part of the same material with other segments and, unless empty, another name."""
+        return replace(self, name=name or self.name, segments=tuple(segments))

@@ -6,14 +6,14 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.accuracy import checked_chord_error
 from cycloid_mj.parts.gear import gear_part
 from cycloid_mj.parts.housing import housing_part, pin_part
 from cycloid_mj.parts.output import output_centres, output_part, roller_part
-from cycloid_mj.parts.part import Part, PartSection, Stretch
+from cycloid_mj.parts.part import Part, PartSection, Segment
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.parts.rv import rv_body_parts
-from cycloid_mj.parts.shaft import crank_part, crank_parts, shaft_solid, stretches
+from cycloid_mj.parts.shaft import crank_part, crank_parts, shaft_segments, shaft_solid
 from cycloid_mj.reducer import Reducer, RvReducer, once
 
 TINT = 0.25
@@ -41,9 +41,9 @@ COLOURS: Mapping[str, Colour] = {
 def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
     """Return housing, shaft, discs, a pin (if the ring has pins) and output as solids by name, each in its own frame.
 
-    The pin of a sleeved ring is the sleeve; the pressed-in pins belong to the housing. With D discs there are
-    ``gear_1`` to ``gear_D`` in the frames of the discs, ``cam_1`` to ``cam_D`` in that of the shaft, and one ``spacer``
-    of D - 1. Separate rollers are one ``output_roller`` of D times the output pins.
+    The pin of a sleeved ring is the sleeve; the pressed-in pins belong to the housing. With D > 1 discs there are
+    ``gear_1`` to ``gear_D`` in the frames of the discs, and ``cam_1`` to ``cam_D`` in the frame of the shaft. Equal
+    parts occur once: ``spacer`` for all gaps between discs, and ``output_roller`` for all separate rollers.
 
     Parameters
     ----------
@@ -72,10 +72,10 @@ def lay_out_parts(reducer: Reducer, chord_error: float | None = None) -> dict[st
 
 
 def body_solids(reducer: Reducer) -> dict[str, Solid]:
-    """Return one solid per moving body, named by its main part: `parts` with those that move together joined.
+    """Return one solid per moving body by the name of its main part; parts of `parts` that move together are joined.
 
-    The shaft is then the entire crank, and the output has its rollers, after its own prisms; see `rv_body_parts` for
-    the bodies of an RV reducer.
+    The solid of the shaft is the entire crank. The solid of the output includes its rollers, after its own prisms. The
+    bodies of an RV reducer are those of `rv_body_parts`.
     """
     if isinstance(reducer, RvReducer):
         return rv_solids(reducer)
@@ -90,7 +90,7 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
 
 def rv_solids(reducer: RvReducer, chord_error: float | None = None) -> dict[str, Solid]:
     """Return one solid per body of an RV reducer, named by its part; `chord_error` [m] as in `parts`."""
-    fine = drawing_error(reducer, chord_error)
+    fine = checked_chord_error(reducer, chord_error)
     return {name: part.solid(fine) for name, part in rv_body_parts(reducer).items()}
 
 
@@ -127,13 +127,13 @@ def roller_positions(reducer: Reducer) -> dict[str, tuple[str, Array]]:
     return {name: (names.ROLLER, position) for name, position in copies}
 
 
-def crank_stretches(reducer: Reducer) -> Mapping[str, Stretch]:
-    """Return the stretches of the entire crank by name, balanced for mass properties; errors as ``shaft.stretches``."""
-    return _stretches(reducer.shape)
+def crank_segments(reducer: Reducer) -> Mapping[str, Segment]:
+    """Return the segments of the entire crank by name, balanced for mass properties; errors as `shaft_segments`."""
+    return _segments(reducer.shape)
 
 
 def crank_solid(reducer: Reducer) -> Solid:
-    """Return the entire crank as in `body_solids`, without other parts; errors as ``shaft.stretches``."""
+    """Return the entire crank as in `body_solids`, without other parts; errors as `shaft_segments`."""
     return _crank_solid(reducer.shape)
 
 
@@ -157,8 +157,8 @@ def _output_with_rollers(reducer: Reducer) -> Solid:
 
 
 @once
-def _stretches(reducer: Reducer) -> Mapping[str, Stretch]:
-    return stretches(reducer)
+def _segments(reducer: Reducer) -> Mapping[str, Segment]:
+    return shaft_segments(reducer)
 
 
 @once
@@ -180,7 +180,7 @@ def _all_parts(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
 
 @once
 def _parts(reducer: Reducer, chord_error: float | None) -> dict[str, Solid]:
-    fine = drawing_error(reducer, chord_error)
+    fine = checked_chord_error(reducer, chord_error)
     return {name: part.solid(fine) for name, part in _all_parts(reducer, chord_error).items()}
 
 

@@ -57,7 +57,7 @@ def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
     chord_error
         Largest distance of a chord from the arc (the sagitta) [m].
     """
-    angle = np.linspace(start, end, _segments(radius, end - start, chord_error) + 1)
+    angle = np.linspace(start, end, _count_chords(radius, end - start, chord_error) + 1)
     return radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
@@ -71,7 +71,7 @@ def circle(radius: float, chord_error: float, centre: tuple[float, float] = (0.0
 
 def circle_area(radius: float, chord_error: float) -> float:
     """Compute the area of the polygon `circle` [m2], in closed form."""
-    chords = _segments(radius, 2.0 * math.pi, chord_error)
+    chords = _count_chords(radius, 2.0 * math.pi, chord_error)
     return 0.5 * chords * radius**2 * math.sin(2.0 * math.pi / chords)
 
 
@@ -118,7 +118,7 @@ def _sums(values: Array) -> Array:
     return values[:, 0] + left_out
 
 
-def _segments(radius: float, span: float, chord_error: float) -> int:
+def _count_chords(radius: float, span: float, chord_error: float) -> int:
     """Return the number of chords for a sagitta radius (1 - cos(step / 2)); at least 8 per turn."""
     step = 2 * math.acos(max(1.0 - chord_error / radius, math.cos(math.pi / 8)))
     return max(1, math.ceil(abs(span) / step))

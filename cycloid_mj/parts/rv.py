@@ -17,7 +17,7 @@ from cycloid_mj.parts.contour import CircleContour, TurnedContour, circles_at
 from cycloid_mj.parts.fit import require_below
 from cycloid_mj.parts.gear import GearContour
 from cycloid_mj.parts.housing import housing_part, pin_part
-from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.part import Part, Segment
 from cycloid_mj.parts.spur_gear import SpurGearContour
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
@@ -64,35 +64,33 @@ def rv_parts(reducer: RvReducer) -> dict[str, Part]:
 
 
 def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
-    """Return a tapered bearing of the cranks as a ring in the plane z = 0, by its name."""
+    """Return a tapered bearing of the cranks as a ring about z = 0; its name is the only key."""
     half = reducer.cranks.flange_thickness / 2.0
     bore = (CircleContour(reducer.journal_radius),)
-    ring = Stretch(TAPERED_BEARING, CircleContour(reducer.cranks.taper_radius), bore, -half, half)
+    ring = Segment(TAPERED_BEARING, CircleContour(reducer.cranks.taper_radius), bore, -half, half)
     return {TAPERED_BEARING: Part(TAPERED_BEARING, (ring,), reducer.design.material_of("shaft").density)}
 
 
 def rv_body_parts(reducer: RvReducer) -> dict[str, Part]:
-    """Return one part per body of a simulation, in the frame of the body, by the part of the body.
+    """Return one part per body of a simulation by the name of its main part, in the frame of the body.
 
-    A crank includes its planet, the carrier both flanges and the tapered bearings, with its own density. Needles are
-    left out. Raises the errors of `rv_parts`.
+    A crank includes its planet. The carrier, named ``names.OUTPUT``, includes both flanges and the tapered bearings,
+    with the density of the flanges. Needles are not included. Raises the errors of `rv_parts`.
     """
     parts, along = rv_parts(reducer), axial_layout(reducer)
     sun, planet = (_along_planets(reducer, parts[name]) for name in (SUN, PLANET))
-    planet_stretches = [replace(item, outline=TurnedContour(item.outline, planet_angle(reducer))) for item in planet]
+    planet_segments = [replace(item, outline=TurnedContour(item.outline, planet_angle(reducer))) for item in planet]
     flanges = [parts[name] for name in FLANGES]
     tapers = [
-        Stretch(TAPERED_BEARING, outer, (CircleContour(reducer.journal_radius, outer.centre),), z0, z1)
+        Segment(TAPERED_BEARING, outer, (CircleContour(reducer.journal_radius, outer.centre),), z0, z1)
         for z0, z1 in along.flanges
         for outer in circles_at(reducer.cranks.taper_radius, crank_centres(reducer))
     ]
     moved = {names.HOUSING, *reducer.gears, names.PIN} & parts.keys()
     return {name: parts[name] for name in parts if name in moved} | {
         SUN: parts[SUN].of(sun),
-        CRANK: parts[CRANK].of([*parts[CRANK].stretches, *planet_stretches]),
-        names.OUTPUT: flanges[0].of(
-            [*(item for flange in flanges for item in flange.stretches), *tapers], names.OUTPUT
-        ),
+        CRANK: parts[CRANK].of([*parts[CRANK].segments, *planet_segments]),
+        names.OUTPUT: flanges[0].of([*(item for flange in flanges for item in flange.segments), *tapers], names.OUTPUT),
     }
 
 
@@ -101,10 +99,10 @@ def planet_angle(reducer: RvReducer) -> float:
     return float(np.pi - np.pi / reducer.planet.planet_teeth)
 
 
-def _along_planets(reducer: RvReducer, part: Part) -> list[Stretch]:
-    """Return the stretches of a gear that is centred on z = 0, at the planets along z."""
+def _along_planets(reducer: RvReducer, part: Part) -> list[Segment]:
+    """Return the segments of a gear that is centred on z = 0, at the planets along z."""
     middle = axial_layout(reducer).planet_middle
-    return [replace(item, z0=item.z0 + middle, z1=item.z1 + middle) for item in part.stretches]
+    return [replace(item, z0=item.z0 + middle, z1=item.z1 + middle) for item in part.segments]
 
 
 def crank_centres(reducer: RvReducer) -> Array:
@@ -131,7 +129,7 @@ def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
     if reducer.design.ring.kind == "pin":
         parts.append(pin_part(reducer))
     half_width = reducer.design.gear.face_width / 2.0
-    needle = Stretch(NEEDLE, CircleContour(reducer.cranks.needle_radius), (), -half_width, half_width)
+    needle = Segment(NEEDLE, CircleContour(reducer.cranks.needle_radius), (), -half_width, half_width)
     parts.append(Part(NEEDLE, (needle,), reducer.design.material_of("shaft").density))
     return {part.name: part for part in parts}
 
@@ -149,7 +147,7 @@ def _discs(reducer: RvReducer) -> Iterator[Part]:
     for name, phase in zip(reducer.gears, reducer.phases, strict=True):
         outline = TurnedContour(GearContour(reducer.shape), -phase / design.lobes)
         yield Part(
-            name, (Stretch("gear", outline, holes, -half_width, half_width),), design.material_of("gear").density
+            name, (Segment("gear", outline, holes, -half_width, half_width),), design.material_of("gear").density
         )
 
 
@@ -158,15 +156,15 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
     design, axial = reducer.design, axial_layout(reducer)
     require_below("gear.eccentricity", design.gear.eccentricity, reducer.cranks.eccentric_radius, "no journal is left")
     density, journal = design.material_of("shaft").density, CircleContour(reducer.journal_radius)
-    half_width, start, stretches = design.gear.face_width / 2.0, axial.planets[0], []
+    half_width, start, segments = design.gear.face_width / 2.0, axial.planets[0], []
     for number, (phase, plane) in enumerate(zip(reducer.phases, design.gear.disc_planes, strict=True), start=1):
         x, y = design.gear.eccentricity * profile.unit(-phase)
         eccentric = CircleContour(reducer.cranks.eccentric_radius, (float(x), float(y)))
-        stretches.append(Stretch(f"journal {number}", journal, (), start, plane - half_width))
-        stretches.append(Stretch(f"eccentric {number}", eccentric, (), plane - half_width, plane + half_width))
+        segments.append(Segment(f"journal {number}", journal, (), start, plane - half_width))
+        segments.append(Segment(f"eccentric {number}", eccentric, (), plane - half_width, plane + half_width))
         start = plane + half_width
-    stretches.append(Stretch("last journal", journal, (), start, axial.flanges[1][1]))
-    yield Part(CRANK, tuple(stretches), density)
+    segments.append(Segment("last journal", journal, (), start, axial.flanges[1][1]))
+    yield Part(CRANK, tuple(segments), density)
     sun, planet = reducer.stage_gears
     for name, gear in ((SUN, sun), (PLANET, planet)):
         if gear.fault:
@@ -175,8 +173,8 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
                 f"{gear.fault}; use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm to 0"
             )
     half_width = reducer.planet.face_width / 2.0
-    yield Part(PLANET, (Stretch(PLANET, SpurGearContour(planet), (journal,), -half_width, half_width),), density)
-    yield Part(SUN, (Stretch(SUN, SpurGearContour(sun), (), -half_width, half_width),), density)
+    yield Part(PLANET, (Segment(PLANET, SpurGearContour(planet), (journal,), -half_width, half_width),), density)
+    yield Part(SUN, (Segment(SUN, SpurGearContour(sun), (), -half_width, half_width),), density)
 
 
 def _flanges(reducer: RvReducer) -> Iterator[Part]:
@@ -185,9 +183,9 @@ def _flanges(reducer: RvReducer) -> Iterator[Part]:
     holes = (*_middle_hole(reducer), *circles_at(cranks.taper_radius, crank_centres(reducer)))
     density = reducer.design.material_of("output").density
     posts = [
-        Stretch("post", post, (), axial.flanges[0][1], axial.flanges[1][0])
+        Segment("post", post, (), axial.flanges[0][1], axial.flanges[1][0])
         for post in circles_at(cranks.post_radius, post_centres(reducer))
     ]
     for name, (z0, z1), own_posts in zip(FLANGES, axial.flanges, ((), posts), strict=True):
-        flange = Stretch("flange", CircleContour(reducer.flange_radius), holes, z0, z1)
+        flange = Segment("flange", CircleContour(reducer.flange_radius), holes, z0, z1)
         yield Part(name, (flange, *own_posts), density)

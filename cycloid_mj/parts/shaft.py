@@ -8,19 +8,19 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.accuracy import checked_chord_error
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.curve import Arc, Curve, LineSegment
 from cycloid_mj.parts.fit import require_above, require_below, too_small
 from cycloid_mj.parts.gear import section_area
-from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.part import Part, Segment
 from cycloid_mj.parts.polygon import arc, area_moments
 from cycloid_mj.parts.prism import Solid
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_journal", "neck", "far_journal"
-"""Stretches of the crank, next to ``names.CAM`` and ``names.SPACER``; those between discs are numbered."""
+"""Segments of the crank, next to ``names.CAM`` and ``names.SPACER``; those between discs are numbered."""
 
 
 def crank_part(reducer: Reducer, chord_error: float | None = None) -> Part:
@@ -42,27 +42,27 @@ def crank_part(reducer: Reducer, chord_error: float | None = None) -> Part:
         No counterweight of this radius balances the disc within the shaft length, or the shaft is too thick for cams.
     """
     density = reducer.design.material_of("shaft").density
-    return Part(names.SHAFT, tuple(stretches(reducer, chord_error).values()), density)
+    return Part(names.SHAFT, tuple(shaft_segments(reducer, chord_error).values()), density)
 
 
 def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Return `crank_part` as prisms with a chord error [m]; by default that for mass properties."""
-    chord_error = drawing_error(reducer, chord_error)
+    chord_error = checked_chord_error(reducer, chord_error)
     return crank_part(reducer, chord_error).solid(chord_error)
 
 
-def stretches(reducer: Reducer, chord_error: float | None = None) -> Mapping[str, Stretch]:
-    """Return the stretches of the crank along the axis by name, from the motor on; see `crank_part`.
+def shaft_segments(reducer: Reducer, chord_error: float | None = None) -> Mapping[str, Segment]:
+    """Return the segments of the crank along the axis by name, from the motor on; see `crank_part`.
 
-    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam in the disc; or journal,
-    cam 1, neck with the spacer around it, cam 2, ...; and for a straddled shaft a journal beyond the discs, for the
-    bearing in the hub of the output. `chord_error` [m] is that of `crank_part`.
+    With one disc they are journal, counterweight (which includes the shaft), journal across the gap, and cam. With
+    several discs they are journal, cam 1, neck with the spacer around it, cam 2 and so on. A straddled shaft also has a
+    journal beyond the discs, for the bearing in the hub of the output. `chord_error` [m] is that of `crank_part`.
     """
     if reducer.design.gear.discs == 1:
-        crank_stretches = _single_disc_crank(reducer, drawing_error(reducer, chord_error))
+        crank_segments = _single_disc_crank(reducer, checked_chord_error(reducer, chord_error))
     else:
-        crank_stretches = _multi_disc_crank(reducer)
-    return {stretch.name: stretch for stretch in crank_stretches}
+        crank_segments = _multi_disc_crank(reducer)
+    return {segment.name: segment for segment in crank_segments}
 
 
 def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
@@ -74,14 +74,14 @@ def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
         The shaft is too thick for its cams.
     """
     design = reducer.design
-    by_name, density = stretches(reducer), design.material_of("shaft").density
+    by_name, density = shaft_segments(reducer), design.material_of("shaft").density
     journal, cams = by_name[JOURNAL], [by_name[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
     ring, half_gap = by_name[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
     ends = by_name.get(FAR, cams[-1]).z1
     return (
-        Part(names.SHAFT, (Stretch(JOURNAL, journal.outline, (), journal.z0, ends),), density),
-        Part(names.SPACER, (Stretch(names.SPACER, ring.outline, ring.holes, -half_gap, half_gap),), density),
-        *(Part(cam.name, (Stretch(names.CAM, cam.outline, ring.holes, cam.z0, cam.z1),), density) for cam in cams),
+        Part(names.SHAFT, (Segment(JOURNAL, journal.outline, (), journal.z0, ends),), density),
+        Part(names.SPACER, (Segment(names.SPACER, ring.outline, ring.holes, -half_gap, half_gap),), density),
+        *(Part(cam.name, (Segment(names.CAM, cam.outline, ring.holes, cam.z0, cam.z1),), density) for cam in cams),
     )
 
 
@@ -118,8 +118,8 @@ class CounterweightContour:
         )
 
 
-def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Stretch]:
-    """Return the stretches of the crank of one disc, with the counterweight that balances the disc.
+def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Segment]:
+    """Return the segments of the crank of one disc, with the counterweight that balances the disc.
 
     `chord_error` [m] is that of the polygons for the balance.
     """
@@ -131,16 +131,16 @@ def _single_disc_crank(reducer: Reducer, chord_error: float) -> list[Stretch]:
     end = reducer.near_face
     start = end - _balancing_thickness(reducer, cam, counterweight, chord_error)
     return [
-        Stretch(JOURNAL, journal, (), end - shaft.length, start),
-        Stretch(COUNTERWEIGHT, counterweight, (), start, end),
-        Stretch(INNER, journal, (), end, -half_width),
-        Stretch(names.CAM, cam, (), -half_width, half_width),
+        Segment(JOURNAL, journal, (), end - shaft.length, start),
+        Segment(COUNTERWEIGHT, counterweight, (), start, end),
+        Segment(INNER, journal, (), end, -half_width),
+        Segment(names.CAM, cam, (), -half_width, half_width),
         *_far_journal(reducer, journal, start - (end - shaft.length)),
     ]
 
 
-def _multi_disc_crank(reducer: Reducer) -> list[Stretch]:
-    """Return the stretches of the crank of several discs, which balance each other without a counterweight."""
+def _multi_disc_crank(reducer: Reducer) -> list[Segment]:
+    """Return the segments of the crank of several discs, which balance each other without a counterweight."""
     design = reducer.design
     gear, shaft, half_width = design.gear, design.shaft, design.gear.face_width / 2
     free_radius = gear.bore_radius - gear.eccentricity
@@ -148,17 +148,17 @@ def _multi_disc_crank(reducer: Reducer) -> list[Stretch]:
     journal, cam = CircleContour(shaft.radius), CircleContour(gear.bore_radius, (0.0, gear.eccentricity))
     ring = CircleContour(spacer_radius(reducer))
     planes, end = gear.disc_planes, reducer.near_face
-    crank_stretches = [Stretch(JOURNAL, journal, (), end - shaft.length, planes[0] - half_width)]
+    crank_segments = [Segment(JOURNAL, journal, (), end - shaft.length, planes[0] - half_width)]
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
             gap = planes[number - 2] + half_width, plane - half_width
-            crank_stretches.append(Stretch(names.numbered_name(NECK, number - 1), journal, (), *gap))
-            crank_stretches.append(Stretch(names.numbered_name(names.SPACER, number - 1), ring, (journal,), *gap))
+            crank_segments.append(Segment(names.numbered_name(NECK, number - 1), journal, (), *gap))
+            crank_segments.append(Segment(names.numbered_name(names.SPACER, number - 1), ring, (journal,), *gap))
         cam_contour = TurnedContour(cam, phase)
-        crank_stretches.append(
-            Stretch(names.numbered_name(names.CAM, number), cam_contour, (), plane - half_width, plane + half_width)
+        crank_segments.append(
+            Segment(names.numbered_name(names.CAM, number), cam_contour, (), plane - half_width, plane + half_width)
         )
-    return crank_stretches + _far_journal(reducer, journal, shaft.length)
+    return crank_segments + _far_journal(reducer, journal, shaft.length)
 
 
 def spacer_radius(reducer: Reducer) -> float:
@@ -173,27 +173,27 @@ def spacer_radius(reducer: Reducer) -> float:
 
 
 def bearing_width(reducer: Reducer, journal: float) -> float:
-    """Return the width [m] of each bearing on a journal [m] before the counterweight.
+    """Return the width [m] of each bearing on a journal of the length `journal` [m] before the counterweight.
 
-    It is the width of the design, or else the radius of the shaft, at most a third of the journal.
+    It is the width of the design if the design has one. Otherwise it is the radius of the shaft, but at most a third of
+    the journal.
     """
     return reducer.design.shaft.bearing_width or min(reducer.design.shaft.radius, journal / 3.0)
 
 
 def bearing_seats(
-    reducer: Reducer, by_name: Mapping[str, Stretch] | None = None
+    reducer: Reducer, by_name: Mapping[str, Segment] | None = None
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return where the two bearings of the crank are along its axis.
+    """Return the positions of the two bearings of the crank along its axis.
 
-    The far bearing of a straddled shaft is beyond the discs. `by_name` are the stretches of the crank, if already
-    known.
+    The far bearing of a straddled shaft is beyond the discs. `by_name` are the `shaft_segments`; None: they are built.
 
     Returns
     -------
     tuple
         Start and end along z [m] of the bearing far from the discs, then of the near one.
     """
-    shaft, by_name = reducer.design.shaft, by_name or stretches(reducer)
+    shaft, by_name = reducer.design.shaft, by_name or shaft_segments(reducer)
     start, end = by_name[JOURNAL].z0, min(by_name[JOURNAL].z1, reducer.near_face)
     width = bearing_width(reducer, end - start)
     near_start = end - shaft.bearing_offset
@@ -202,12 +202,15 @@ def bearing_seats(
     return (far_start, far_start + width), (near_start - width, near_start)
 
 
-def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Stretch]:
-    """Return the journal beyond the discs, up to the bearing in the hub of the output; empty if overhung."""
+def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Segment]:
+    """Return the journal with an `outline` beyond the discs, for the bearing in the hub; empty if overhung.
+
+    `journal` [m] is the length of the journal before the discs, which limits the width of the bearing.
+    """
     if reducer.design.shaft.mounting == "overhang":
         return []
     half = reducer.design.gear.stack_width / 2
-    return [Stretch(FAR, outline, (), half, half + AXIAL_GAP + bearing_width(reducer, journal))]
+    return [Segment(FAR, outline, (), half, half + AXIAL_GAP + bearing_width(reducer, journal))]
 
 
 def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour, chord_error: float) -> float:

@@ -48,9 +48,9 @@ class SpurGearContour:
     def polygon(self, chord_error: float) -> Array:
         """Return its polygon (n, 2) [m] with a chord error [m], vertices on the outline."""
         gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
-        chords = _chords(gear.last_corner, _fillet_acceleration(gear), chord_error)
+        chords = _count_chords(gear.last_corner, _fillet_acceleration(gear), chord_error)
         corner = np.linspace(0.0, gear.last_corner, chords + 1)
-        chords = _chords(gear.last_roll - gear.first_roll, gear.base_radius * gear.last_roll, chord_error)
+        chords = _count_chords(gear.last_roll - gear.first_roll, gear.base_radius * gear.last_roll, chord_error)
         roll = np.linspace(gear.first_roll, gear.last_roll, chords + 1)
         side = np.concatenate([gear.fillet(corner), gear.flank(roll)[1:]])
         root, tip, middle = gear.corner_offset / gear.reference_radius, gear.tip_half_angle, math.pi / 2.0
@@ -61,7 +61,7 @@ class SpurGearContour:
         return np.concatenate([rotate_points(tooth, number * pitch) for number in range(gear.teeth)])
 
 
-def _chords(span: float, acceleration: float, chord_error: float) -> int:
+def _count_chords(span: float, acceleration: float, chord_error: float) -> int:
     """Return the number of equal steps of a curve's parameter over a span, so that the sagitta is the chord error [m].
 
     The sagitta of the chord of a step s is s^2/8 times the normal `acceleration`: the curvature times the squared
@@ -71,7 +71,7 @@ def _chords(span: float, acceleration: float, chord_error: float) -> int:
 
 
 def _fillet_acceleration(gear: InvoluteGear) -> float:
-    """Return the largest normal acceleration [1/m] of a fillet by the position of the rack's corner; see `_chords`."""
+    """Return the largest normal acceleration [1/m] of a fillet by corner position of the rack; see `_count_chords`."""
     corner = np.array([0.0, gear.last_corner])
     turn = 1.0 / gear.reference_radius + gear.corner_depth / (corner**2 + gear.corner_depth**2)
     return float((turn**2 / gear.fillet_curvature(corner)).max())

@@ -11,7 +11,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design.model import Material
-from cycloid_mj.parts.parts import crank_stretches
+from cycloid_mj.parts.parts import crank_segments
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import round_beam, shear_modulus
@@ -79,7 +79,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
         The crank cannot be manufactured.
     """
     design = reducer.design
-    far_bearing, near_bearing = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_stretches(reducer)))
+    far_bearing, near_bearing = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_segments(reducer)))
     planes, radius = np.array(design.gear.disc_planes), design.shaft.radius
     breakpoints = np.unique([far_bearing, near_bearing, *planes])
     points = np.stack([breakpoints[:-1], 0.5 * (breakpoints[:-1] + breakpoints[1:]), breakpoints[1:]])

@@ -9,7 +9,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
-from cycloid_mj.parts.parts import crank_stretches
+from cycloid_mj.parts.parts import crank_segments
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import PartLoads, loads_in_turn, part_names, turn_of
@@ -78,7 +78,7 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     A seat of width w has the compliance 1/(E w) of a round part in the bore of a plate (Tate and Rosenfeld, NACA TN
     1051, 1946), with Young's modulus E of the housing. The forces of both bearings follow from equilibrium.
     """
-    seats = bearing_seats(reducer, crank_stretches(reducer))
+    seats = bearing_seats(reducer, crank_segments(reducer))
     far_seat, near_seat = (0.5 * sum(seat) for seat in seats)
     planes = np.array(reducer.design.gear.disc_planes)
     near_share = (planes - far_seat) / (near_seat - far_seat)

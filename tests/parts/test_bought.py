@@ -151,7 +151,7 @@ def test_free_pins_are_rollers_and_cut_if_too_long() -> None:
 def test_ring_pins_are_drawn_at_the_middle_of_their_tolerance_zone(pins: str, size: float, middle: float) -> None:
     """Needle rollers are 0/-2 um on the diameter (ISO 3096, first group of G2); pin gauges +-1 um."""
     design = PRESETS["pin"].but(ring={"pins": pins, "pin_radius": 0.5e-3 * size})
-    (outline,) = (item.outline for item in assembly_parts(Reducer(design), casing(Reducer(design)))["pin"].stretches)
+    (outline,) = (item.outline for item in assembly_parts(Reducer(design), casing(Reducer(design)))["pin"].segments)
     circle = circle_of(outline)
     assert circle
     assert circle.radius - 0.5e-3 * size == pytest.approx(middle, abs=1e-10)
@@ -189,7 +189,7 @@ def test_each_bought_pin_of_a_wide_drive_is_listed_and_drawn_once(width: float) 
     assert {item: lines[item].count for item in counts} == counts
     assert counts["output_pin"] == design.output.pins
     assert lines["output_pin"].fit.startswith("m6 in N7" if width < 50e-3 else "js5 in R7, cut to ")
-    drawn = assembly_parts(reducer, sizes)["pin"].stretches[0]
+    drawn = assembly_parts(reducer, sizes)["pin"].segments[0]
     heights = {place.origin[2] for place in placed if place.part == "pin"}
     ends = sorted((round(height + drawn.z0, 9), round(height + drawn.z1, 9)) for height in heights)
     in_line = counts["pin"] // design.ring.teeth

@@ -19,7 +19,6 @@ from cycloid_mj.parts.convex import (
     SlicePlacement,
     coacd_pieces,
     decompose,
-    fill,
     gear_bore,
     gear_holes,
     gear_teeth,
@@ -33,6 +32,7 @@ from cycloid_mj.parts.convex import (
     sectors,
     surface_quality,
     surfaces,
+    union_heights,
 )
 from cycloid_mj.parts.convex.surface import convex_slice
 from cycloid_mj.parts.export.clearance import flank_distance
@@ -54,7 +54,7 @@ def finer(chord_error: float) -> ConvexSettings:
 def top(*boxes: tuple[float, float]) -> float:
     """Where boxes of the given heights from and to end above y = 0, seen from y = -0.5 at x = 0.5."""
     bodies = [polygon_body(SQUARE * [1.0, high - low] + [0.0, low]) for low, high in boxes]
-    return float(fill(np.array([[0.5, 0.0]]), UP, bodies, start=0.5, reach=3.0)[0])
+    return float(union_heights(np.array([[0.5, 0.0]]), UP, bodies, start=0.5, reach=3.0)[0])
 
 
 def test_fill_follows_touching_bodies_and_stops_at_gaps() -> None:
@@ -70,11 +70,11 @@ def test_fill_in_three_dimensions() -> None:
     rng = np.random.default_rng(0)
     vertices = rng.normal(size=(400, 3))
     vertices /= np.linalg.norm(vertices, axis=1, keepdims=True)
-    ends = fill(vertices, vertices, [hull_body(vertices)], start=0.5, reach=0.5)
+    ends = union_heights(vertices, vertices, [hull_body(vertices)], start=0.5, reach=0.5)
     assert np.abs(ends).max() < 1e-12
     between = rng.normal(size=(200, 3))
     between /= np.linalg.norm(between, axis=1, keepdims=True)
-    inside = fill(between, between, [hull_body(vertices)], start=0.5, reach=0.5)
+    inside = union_heights(between, between, [hull_body(vertices)], start=0.5, reach=0.5)
     assert (inside < 1e-12).all()
     assert inside.min() < -1e-3
 

@@ -9,7 +9,7 @@ from cycloid_mj.base.names import HOUSING
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import input_inertia
-from cycloid_mj.parts import crank_stretches, mass_properties
+from cycloid_mj.parts import crank_segments, mass_properties
 from cycloid_mj.parts.export import casing, drive
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections
 from cycloid_mj.parts.export.casing import motor_bore
@@ -54,7 +54,7 @@ def test_a_ring_in_two_halves_is_cased_as_one(kind: str) -> None:
     """Both halves are the housing: neither is taken for what is pressed into it."""
     whole, split = (PIN.but(ring={"kind": kind, "pins": "sleeved", "halves": halves}) for halves in (1, 2))
     assert drive.drive_mass(split) == pytest.approx(drive.drive_mass(whole), rel=1e-3)
-    assert len(separate_parts(split)[HOUSING].stretches) == 2
+    assert len(separate_parts(split)[HOUSING].segments) == 2
     assert (PRESSED_PIN in separate_parts(split)) == (kind == "pin")
 
 
@@ -72,10 +72,10 @@ def test_pockets_and_a_short_crank_keep_drives_light_and_short(name: str, mass: 
 def test_a_straddled_crank_ends_at_its_bearing_and_receives_the_motor_shaft(name: str) -> None:
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)
-    shaft = assembly_parts(reducer, sizes)["shaft"].stretches
-    assert min(stretch.z0 for stretch in shaft) == pytest.approx(sizes.near[0])
+    shaft = assembly_parts(reducer, sizes)["shaft"].segments
+    assert min(segment.z0 for segment in shaft) == pytest.approx(sizes.near[0])
     radius, start, end = motor_bore(reducer, sizes)
     assert start == pytest.approx(sizes.near[0])
     assert min(end, sizes.face + sizes.motor.shaft_length) - start >= 1.5 * 2.0 * radius
     coupled = casing(reducer, "circle")
-    assert coupled.journal == pytest.approx(crank_stretches(reducer)["journal"].z0), "its end stays for a coupling"
+    assert coupled.journal == pytest.approx(crank_segments(reducer)["journal"].z0), "its end stays for a coupling"

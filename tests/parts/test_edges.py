@@ -6,7 +6,7 @@ import pytest
 
 from cycloid_mj.design import PRESETS
 from cycloid_mj.life.strength import SHOULDER_STRESSES, shoulder_factor
-from cycloid_mj.parts import Stretch
+from cycloid_mj.parts import Segment
 from cycloid_mj.parts.contour import CircleContour
 from cycloid_mj.parts.crank import shaft_dimensions
 from cycloid_mj.parts.export import casing, read_volume, step_part
@@ -43,7 +43,7 @@ def test_shoulders_of_the_crank_have_the_fillet_that_its_fatigue_assumes():
     assert {edge.size for edge in fillets} == {shaft.shoulder_fillet}
     assert {edge.radius for edge in fillets} == {shaft.radius}
     assert len(fillets) == 2, "one at the collar, one at the cam"
-    collar = next(one for one in assembly_parts(PIN, casing(PIN))["shaft"].stretches if one.name == "collar")
+    collar = next(one for one in assembly_parts(PIN, casing(PIN))["shaft"].segments if one.name == "collar")
     assumed = shaft_dimensions(PIN).counterweight_radius
     for terms, _ in SHOULDER_STRESSES:
         drawn, rated = (
@@ -65,7 +65,7 @@ def test_a_step_without_room_for_a_chamfer_stays_sharp():
     """A seat of 12 mm whose wall is 0.2 mm thick has none; one of 1 mm has one at each end."""
     part = assembly_parts(PIN, casing(PIN))["motor_cover"]
     for wall, count in ((0.2e-3, 0), (1e-3, 2)):
-        tube = Stretch("tube", CircleContour(11.2e-3 + wall), (CircleContour(11.2e-3),), 0.0, 10e-3)
+        tube = Segment("tube", CircleContour(11.2e-3 + wall), (CircleContour(11.2e-3),), 0.0, 10e-3)
         assert len(broken_edges(PIN, casing(PIN), part.of([tube]))) == count
 
 
@@ -89,8 +89,8 @@ def test_solids_lose_the_volume_of_their_chamfers():
     sharp, broken = (read_volume(step_part(part.name, sections, edges=one)) for one in ((), edges))
     c, radius = EDGES.chamfer, 0.5 * sizes.hub.outside
     assert sharp - broken == pytest.approx(2.0 * math.pi * c**2 * (radius + c / 3.0), rel=1e-4)
-    journal = Stretch("journal", CircleContour(5e-3), (), 0.0, 10e-3)
-    flange = Stretch("flange", CircleContour(9e-3), (), 10e-3, 12e-3)
+    journal = Segment("journal", CircleContour(5e-3), (), 0.0, 10e-3)
+    flange = Segment("flange", CircleContour(9e-3), (), 10e-3, 12e-3)
     step = part.of([journal, flange]).sections(1)
     r = 0.3e-3
     fillet = BrokenEdge((0.0, 0.0), 5e-3, 10e-3, r, is_fillet=True)

@@ -23,7 +23,7 @@ from cycloid_mj.base.names import gears
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.geometry import envelope, profile
-from cycloid_mj.parts import Part, Stretch, mass_properties, mesh, parts
+from cycloid_mj.parts import Part, Segment, mass_properties, mesh, parts
 from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.contour import CircleContour
 from cycloid_mj.parts.curve import (
@@ -175,15 +175,15 @@ def test_dxf_ring_is_the_double_envelope() -> None:
     space = read_dxf(export(NONPIN, "dxf").files["housing.dxf"])
     loop = [entity for entity in space if entity.dxftype() != "CIRCLE"]
     assert [entity.dxftype() for entity in loop] == ["SPLINE", "ARC"] * 36
-    stretches = []
+    segments = []
     for entity in loop:
         points = curve_points(entity)
         # an arc of the ring runs against the loop
-        stretches.append(points[::-1] if entity.dxftype() == "ARC" else points)
-    ends = np.array([stretch[-1] for stretch in stretches])
-    starts = np.array([stretch[0] for stretch in stretches])
+        segments.append(points[::-1] if entity.dxftype() == "ARC" else points)
+    ends = np.array([segment[-1] for segment in segments])
+    starts = np.array([segment[0] for segment in segments])
     assert np.abs(ends - np.roll(starts, -1, axis=0)).max() < 1e-9
-    outline = np.concatenate([stretch[:-1] for stretch in stretches])
+    outline = np.concatenate([segment[:-1] for segment in segments])
     assert area_moments(outline).area * 1e-6 == pytest.approx(envelope.area(tooth_profile(NONPIN)), rel=2e-6)
 
 
@@ -245,7 +245,7 @@ def test_modified_flanks_are_cut_as_the_solid_is() -> None:
     points = [curve.points(400) for curve in outline if isinstance(curve, Spline)]
     for before, after in zip(points, [*points[1:], points[0]], strict=True):
         np.testing.assert_allclose(before[-1], after[0], rtol=0.0, atol=1e-12)
-    area = area_moments(np.concatenate([stretch[:-1] for stretch in points])).area
+    area = area_moments(np.concatenate([segment[:-1] for segment in points])).area
     (solid,) = parts(Reducer(changed), 1e-8)["gear"].prisms
     assert area == pytest.approx(area_moments(solid.outline).area, rel=1e-6)
     assert area < area_moments(parts(Reducer(NONPIN), 1e-8)["gear"].prisms[0].outline).area
@@ -303,12 +303,12 @@ def drawn(loop: tuple[Curve, ...]) -> np.ndarray:
             case Spline():
                 return curve.points(400)
 
-    stretches = [points(loop[0])]
+    segments = [points(loop[0])]
     for curve in loop[1:]:
-        after, end = points(curve), stretches[-1][-1]
-        stretches.append(after if np.allclose(after[0], end, rtol=0.0, atol=1e-10) else after[::-1])
-        assert stretches[-1][0] == pytest.approx(end, abs=1e-10)
-    return np.concatenate(stretches)
+        after, end = points(curve), segments[-1][-1]
+        segments.append(after if np.allclose(after[0], end, rtol=0.0, atol=1e-10) else after[::-1])
+        assert segments[-1][0] == pytest.approx(end, abs=1e-10)
+    return np.concatenate(segments)
 
 
 def test_curves_enclose_what_the_solids_polygons_do(design: Design) -> None:
@@ -626,10 +626,10 @@ def test_faces_with_radii_equal_to_rounding_form_one_mesh(chord_error: float) ->
 def test_polygons_of_circles_closer_than_their_chords_do_not_cross() -> None:
     """A step of 1 um in the radius, drawn with chords that leave the circle by 100 um."""
     radii = (27.25e-3, 27.251e-3, 27.4e-3)
-    stretches = tuple(
-        Stretch("step", CircleContour(radius), (), float(number), number + 1.0) for number, radius in enumerate(radii)
+    segments = tuple(
+        Segment("step", CircleContour(radius), (), float(number), number + 1.0) for number, radius in enumerate(radii)
     )
-    shape = mesh(Part("stepped", stretches, 1.0).solid(1e-4))
+    shape = mesh(Part("stepped", segments, 1.0).solid(1e-4))
     volume = math.pi * sum(radius**2 for radius in radii)
     assert trimesh.Trimesh(shape.vertices, shape.faces).volume == pytest.approx(volume, rel=1e-2)
 

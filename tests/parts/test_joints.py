@@ -103,15 +103,15 @@ def test_cams_of_several_discs_are_keyed_to_their_shaft(name):
     key = cam_key(reducer, sizes)
     assert bought.designation == stock.key_for(2.0 * radius, reducer.design.gear.stack_width).designation
     laid = assembly_parts(reducer, sizes)
-    slots = [one.outline for one in laid["shaft"].stretches if isinstance(one.outline, KeywayContour)]
+    slots = [one.outline for one in laid["shaft"].segments if isinstance(one.outline, KeywayContour)]
     assert slots
     assert {slot.depth for slot in slots} == {-size["depth"]}
     hubs = [laid[f"cam_{number + 1}"] for number in range(reducer.design.gear.discs)] + [laid["spacer"]]
     for hub in hubs:
-        for stretch in hub.stretches:
-            (slot,) = stretch.holes
+        for segment in hub.segments:
+            (slot,) = segment.holes
             assert (slot.width, slot.depth, slot.angle) == (size["width"], key.bought.in_hub, key.angle)
-            outline = stretch.outline.polygon(1e-6)
+            outline = segment.outline.polygon(1e-6)
             assert np.linalg.norm(outline, axis=1).min() > radius
     assert size["height"] < size["depth"] + key.bought.in_hub <= size["height"] + 0.5e-3
 
@@ -207,7 +207,7 @@ def test_fits_follow_the_kind_of_load():
 def test_pins_of_sleeves_are_pressed_into_both_covers(name):
     reducer, sizes, joints = zoo(name)
     joint = next(one for one in joints if one.name == "pins of the sleeves")
-    (pin,) = assembly_parts(reducer, sizes)["pressed_pin"].stretches
+    (pin,) = assembly_parts(reducer, sizes)["pressed_pin"].segments
     for part, (_, radius, low, high) in joint.holes:
         assert radius == pin.outline.radius
         assert pin.z0 <= low + 1e-12, part

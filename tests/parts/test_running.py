@@ -45,7 +45,7 @@ def test_parts_that_move_against_each_other_are_apart_by_the_play(name):
 def test_the_ring_is_wider_than_the_disc_by_its_axial_play(name):
     reducer = reducer_of(name)
     sizes = casing(reducer)
-    ring = assembly_parts(reducer, sizes)["housing"].stretches
+    ring = assembly_parts(reducer, sizes)["housing"].segments
     width = max(one.z1 for one in ring) - min(one.z0 for one in ring)
     assert width - reducer.design.gear.face_width == pytest.approx(2.0 * sizes.play)
     for cover in ("motor_cover", "output_cover"):
@@ -68,7 +68,7 @@ def test_dowels_key_a_ring_inside_of_its_cover():
     assert sizes.screws.outside
     dowelled = {part for one in drive_joints(reducer, sizes) if one.kind is JointKind.DOWELLED for part in one.parts}
     assert dowelled == {"motor_cover", "housing", "output_cover"}
-    cover = assembly_parts(reducer, sizes)["motor_cover"].stretches
+    cover = assembly_parts(reducer, sizes)["motor_cover"].segments
     assert max(one.z1 for one in cover) <= sizes.end - 1e-4
     seats = [hole.radius for one in cover for hole in one.holes if hole.centre == (0.0, 0.0)]
     assert max(seats) == pytest.approx(reducer.design.housing.outer_radius + 0.05e-3)
@@ -78,9 +78,9 @@ def test_dowels_key_a_ring_inside_of_its_cover():
 def test_the_counterweight_stays_off_the_ring_of_its_bearing_that_is_at_rest(name):
     reducer = reducer_of(name)
     sizes = casing(reducer)
-    weight = next(one for one in assembly_parts(reducer, sizes)["shaft"].stretches if one.name == "counterweight")
+    weight = next(one for one in assembly_parts(reducer, sizes)["shaft"].segments if one.name == "counterweight")
     assert weight.z0 - sizes.near[1] >= 0.5e-3 - 1e-12
-    collar = next(one for one in assembly_parts(reducer, sizes)["shaft"].stretches if one.name == "collar")
+    collar = next(one for one in assembly_parts(reducer, sizes)["shaft"].segments if one.name == "collar")
     assert (collar.z0, collar.z1) == pytest.approx((sizes.near[1], weight.z0))
     assert collar.outline.radius < 0.5 * (reducer.design.shaft.radius + sizes.seat)
 
@@ -90,7 +90,7 @@ def test_the_crank_floats_between_its_bearings_by_the_axial_play():
     reducer = reducer_of("twodisc")
     sizes = casing(reducer)
     parts = assembly_parts(reducer, sizes)
-    (near,), (far,) = parts["crank_ring_1"].stretches, parts["crank_ring_2"].stretches
+    (near,), (far,) = parts["crank_ring_1"].segments, parts["crank_ring_2"].segments
     assert near.z0 == pytest.approx(sizes.near[1])
     assert sizes.far[0] - far.z1 == pytest.approx(sizes.play)
 
@@ -100,7 +100,7 @@ def test_spacers_keep_the_bearings_of_an_overhung_crank_apart():
     reducer = reducer_of("pin")
     sizes = casing(reducer)
     parts = assembly_parts(reducer, sizes)
-    (outer,), (inner,) = parts["bearing_spacer_1"].stretches, parts["bearing_spacer_2"].stretches
+    (outer,), (inner,) = parts["bearing_spacer_1"].segments, parts["bearing_spacer_2"].segments
     (first, second) = [place.origin[2] for place in place_parts(reducer, 0.0, sizes) if place.part == "shaft_bearing"]
     half = 0.5 * bearing_width_of(reducer)
     assert (outer.z0, outer.z1) == (inner.z0, inner.z1) == pytest.approx((first + half, second - half))
@@ -147,7 +147,7 @@ def test_every_rolling_cam_has_its_bearing_in_the_assembly(name):
     bearings = [place for place in place_parts(reducer, 0.0, sizes) if place.part == "cam_bearing"]
     in_stock = cam_bearing(reducer)
     assert len(bearings) == reducer.design.gear.discs * (in_stock[1] if in_stock else 1)
-    bore = laid["cam_bearing"].stretches[0].holes[0].radius
+    bore = laid["cam_bearing"].segments[0].holes[0].radius
     assert reducer.design.shaft.radius + reducer.design.gear.eccentricity <= bore < reducer.design.gear.bore_radius
 
 
@@ -167,5 +167,5 @@ def test_a_drawn_cup_does_not_rub_on_the_collars_of_the_crank():
     assert shaft_bearing(reducer).designation == "HK1512"
     sizes = casing(reducer)
     assert all(gap.distance >= sizes.play - 1e-9 for gap in running_gaps(reducer, sizes))
-    collar = next(one for one in assembly_parts(reducer, sizes)["shaft"].stretches if one.name == "collar")
+    collar = next(one for one in assembly_parts(reducer, sizes)["shaft"].segments if one.name == "collar")
     assert collar.z0 == pytest.approx(sizes.near[1] + sizes.play)

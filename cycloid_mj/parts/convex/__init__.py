@@ -7,7 +7,7 @@ curvature; the material behind them carries no contact and is decomposed by CoAC
 from cycloid_mj.parts.convex.bearing import gear_bore, gear_holes, pin_sockets
 from cycloid_mj.parts.convex.decompose import coacd_pieces, require_single
 from cycloid_mj.parts.convex.plain import Plain, plain_gear, plain_ring
-from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, polygon_body, surface_quality
+from cycloid_mj.parts.convex.quality import Quality, hull_body, polygon_body, surface_quality, union_heights
 from cycloid_mj.parts.convex.rest import Rest, Sector, decompose, sectors
 from cycloid_mj.parts.convex.settings import CoacdSettings, ConvexSettings
 from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, placed_outline, prism
@@ -26,7 +26,6 @@ __all__ = [
     "SlicePlacement",
     "coacd_pieces",
     "decompose",
-    "fill",
     "gear_bore",
     "gear_holes",
     "gear_teeth",
@@ -42,17 +41,18 @@ __all__ = [
     "sectors",
     "surface_quality",
     "surfaces",
+    "union_heights",
 ]
 
 
 def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[ConvexSurface, ...]:
     """Slice all working surfaces of a design into convex pieces: teeth, bore and holes of the discs, and the ring.
 
-    The ring has the lobes of an internal gear, or sockets of free pins, or nothing if its pins are fixed. Discs of
-    another size have teeth of their own; all discs have the holes of the first one, at their own positions. Discs of an
-    RV reducer have teeth only.
+    The surfaces of the ring are the lobes of an internal gear or the sockets of free pins; fixed pins have none. A disc
+    whose radius deviates from that of the first disc has its own teeth. All discs share the bore and the holes of the
+    first disc. Discs of an RV reducer have teeth only.
 
-    Raises the errors of `ring_lobes`.
+    Raises the errors of `gear_teeth`.
     """
     ring: tuple[ConvexSurface, ...] = ()
     if reducer.design.ring.kind == "nonpin":

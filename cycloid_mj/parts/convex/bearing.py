@@ -76,9 +76,9 @@ def facet_count(hole: Hole, settings: ConvexSettings) -> int:
 
 
 def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
-    """Slice the wall of equal holes into flat facets of a `depth` [m], with one placement per facet and hole.
+    """Slice the wall of equal holes into flat facets, with one placement per facet and hole.
 
-    The facets are at such a distance from the axis that their middles and corners deviate equally from the circle.
+    The facets are `depth` [m] thick. Their middles and corners deviate equally from the circle.
     """
     play, is_full_circle = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)

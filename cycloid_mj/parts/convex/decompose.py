@@ -11,7 +11,7 @@ from cycloid_mj.parts.convex.surface import ConvexSurface, prism
 def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
     """Decompose a watertight mesh `shape` into convex hulls by CoACD; return them in the order of their centroids.
 
-    CoACD keeps vertices in single precision, on a grid of about 1e-4 of the mesh's size.
+    CoACD keeps vertices in single precision and rounds them to about 1e-4 of the extent of the mesh.
     """
     import coacd
 

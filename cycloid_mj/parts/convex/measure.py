@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism
-from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, summarize_quality
+from cycloid_mj.parts.convex.quality import Quality, hull_body, summarize_quality, union_heights
 from cycloid_mj.parts.convex.settings import METHOD
 from cycloid_mj.parts.inertia import region_moments
 
@@ -27,7 +27,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
     mid_height = 0.5 * (region.z0 + region.z1)
     points_3d, normals_3d = np.insert(points, 2, mid_height, axis=1), np.insert(normals, 2, 0.0, axis=1)
     bodies = [hull_body(piece.vertices) for piece in pieces]
-    ends = fill(
+    ends = union_heights(
         points_3d,
         normals_3d,
         bodies,
@@ -76,7 +76,7 @@ def free_distance(region: Prism, points: Array, normals: Array) -> Array:
 def _first_crossing(corners: Array, edges: Array, normal: Array) -> float:
     """Compute the distance [m] along a normal from the origin to the nearest of the edges, at most `METHOD.reach`.
 
-    The edges (m, 2) [m] start at `corners` (m, 2). An edge is hit where s normal = corner + q edge with q in [0, 1].
+    The edges (m, 2) [m] start at `corners` (m, 2) [m]. Crossings nearer than `METHOD.depth` do not count.
     """
     determinant = normal[0] * edges[:, 1] - normal[1] * edges[:, 0]
     determinant = np.where(determinant == 0.0, np.inf, determinant)

@@ -75,7 +75,7 @@ def hull_body(vertices: Array) -> ConvexRegion:
     return ConvexRegion(normals, normals @ vertices[0] - planes[:, 3] / size, centre, radius)
 
 
-def fill(
+def union_heights(
     points: Array, normals: Array, bodies: Sequence[ConvexRegion], start: float, reach: float, seam: float = METHOD.seam
 ) -> Array:
     """Compute the height above the surface [m] at which the union of convex bodies ends along each normal, shape (k,).
@@ -114,7 +114,9 @@ def surface_quality(surface: ConvexSurface) -> Quality:
     """
     outlines = [placed_outline(surface, placement) for placement in surface.places]
     start, max_height = 0.5 * surface.depth, surface.depth
-    ends = fill(surface.points, surface.normals, [polygon_body(outline) for outline in outlines], start, max_height)
+    ends = union_heights(
+        surface.points, surface.normals, [polygon_body(outline) for outline in outlines], start, max_height
+    )
     area = math.fsum(area_moments(outline).area for outline in outlines)
     quality = summarize_quality(ends, len(outlines), area / surface.strip_area - 1.0)
     require_within(surface.name, quality, surface.overfill_bound, surface.underfill_bound)
@@ -124,7 +126,7 @@ def surface_quality(surface: ConvexSurface) -> Quality:
 def summarize_quality(heights: Array, parts: int, volume_error: float) -> Quality:
     """Return maximum and RMS of the heights (k,) [m] at which convex pieces end above (+) or below (-) a surface.
 
-    `parts` is the number of convex pieces; `volume_error` is their volume relative to that of the solid, minus 1.
+    Number of pieces `parts` and `volume_error`, see `Quality`, are returned with them.
     """
     overfill, underfill = np.maximum(heights, 0.0), np.maximum(-heights, 0.0)
     return Quality(

@@ -9,7 +9,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.names import SPACER, family
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import Mesh, Prism, circle, mesh, output_solid, stretches
+from cycloid_mj.parts import Mesh, Prism, circle, mesh, output_solid, shaft_segments
 from cycloid_mj.parts.convex.decompose import coacd_pieces
 from cycloid_mj.parts.convex.measure import pieces_quality, wall_samples
 from cycloid_mj.parts.convex.quality import Quality, require_within
@@ -46,11 +46,14 @@ class Rest:
 
 
 def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """Return the repeating sectors of disc, housing, shaft and output behind their sliced surfaces."""
+    """Return the sectors of disc, housing, shaft and output that contain the material behind the sliced surfaces.
+
+    Spacers and output pins are not included.
+    """
     error = settings.rest_chord_error
     bound = settings.depth * reducer.design.ring.pin_radius
-    crank = [stretch for name, stretch in stretches(reducer, error).items() if family(name) != SPACER]
-    shaft = [Sector("shaft", stretch.prism(error), bound) for stretch in crank]
+    crank = [segment for name, segment in shaft_segments(reducer, error).items() if family(name) != SPACER]
+    shaft = [Sector("shaft", segment.prism(error), bound) for segment in crank]
     disc, *other_prisms = output_solid(reducer, error).prisms
     output = [Sector("output", disc, bound)]
     for plate in other_prisms[reducer.design.output.pins :]:

@@ -198,10 +198,10 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
 
 
 def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
-    """Compute the curvature [1/m] that represents the contact of pin and lobe between two phases [rad], shape (2,).
+    """Compute the relative curvature [1/m] that represents the contact of pin and lobe between two `phases` [rad].
 
-    It is the relative curvature kappa whose ln kappa, to which compliance is proportional, is the mean over the phases,
-    weighted by the square of the moment arm as in the stiffness of the mesh. The flank is offset by `offset` [m].
+    It is the geometric mean over the phases, weighted by the square of the moment arm as in the stiffness of the mesh;
+    the compliance of a contact is proportional to the logarithm of its curvature. The flank is offset by `offset` [m].
     """
     B = np.linspace(phases[0], phases[1], METHOD.flank_samples)
     kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius
@@ -212,7 +212,7 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
 def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slice:
     """Return half of the arc of lobe 1 of the internal gear as one convex slice, `depth` [m] thick.
 
-    It is for its shape: contacts use a cylinder instead.
+    It only represents the shape of the lobe: contacts use a cylinder instead.
     """
     rho, alpha, error = gear.pin_radius, envelope.largest_alpha(gear), settings.chord_error
     angle = -np.linspace(0.0, alpha, math.ceil(0.5 * alpha / math.acos(1.0 - 2.0 * error / rho)) + 1)

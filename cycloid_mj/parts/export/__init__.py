@@ -135,7 +135,7 @@ def export(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: the design; its clearances are in the outlines.
+        A design, or the name of a preset or of a design file; its clearances are in the outlines.
     file_format
         ``stl`` (binary), ``obj``, ``dxf`` (cross-sections: one spline a lobe, arcs, circles; needs the extra ``dxf``),
         ``svg`` (cross-sections as closed paths) or ``step`` (solids; needs the extra ``cad``).
@@ -161,7 +161,7 @@ def export(
     Raises
     ------
     DesignError
-        A part cannot be manufactured, is not watertight, or has not the volume or the clearance that it should have;
+        A part cannot be manufactured, is not watertight, or its exported volume or clearance is not that of the design;
         the motor does not fit; or the sockets are closed, or the ring of several discs is in two halves.
     CycloidError
         The extra for DXF or STEP is not installed.
@@ -206,8 +206,8 @@ def drive_files(
     chord_error
         Largest distance of chords from the curve [m], in meshes and polylines.
     cam_seat
-        Radius of the cams in meshes [m], as in ``printing.manufactured_parts``; other formats have those of the
-        assembly.
+        Radius of the cams in meshes [m], as in ``printing.manufactured_parts``; other formats have the radius in
+        the assembly.
     polylines, arcs
         Closed polylines in place of splines, and tolerance of arcs that replace the splines [m], as in `export`.
 
@@ -329,7 +329,7 @@ def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -
     clearances = measure_all(reducer, discs, _loop_points(sections["housing"][0].loops[1]))
     if file_format == "dxf":
         return Export(
-            {f"{name}.dxf": dxf_bytes(stretches, (), encoding.arcs) for name, stretches in sections.items()}, clearances
+            {f"{name}.dxf": dxf_bytes(segments, (), encoding.arcs) for name, segments in sections.items()}, clearances
         )
     solids = parts(reducer) | {names.SHAFT: shaft.solid(mass_chord_error(reducer))}
     return Export(
@@ -359,7 +359,7 @@ def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None
 
 
 def _separate_pressed_pins(reducer: Reducer, solids: dict[str, Solid]) -> dict[str, Solid]:
-    """Separate the pins pressed in inside sleeves from the housing."""
+    """Return the solids by name, with one pressed-in pin of a sleeved ring as an extra solid `PRESSED_PIN`."""
     if not reducer.design.ring.has_sleeves:
         return solids
     housing = solids[names.HOUSING]
@@ -368,7 +368,7 @@ def _separate_pressed_pins(reducer: Reducer, solids: dict[str, Solid]) -> dict[s
 
 
 def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
-    """Encode all parts of an RV reducer; return the files by name, and the clearances of the discs in the ring."""
+    """Encode all parts of an RV reducer; measure the clearances of the discs in the ring."""
     part_list = rv_parts(reducer)
     error = encoding.chord_error
 
@@ -387,13 +387,13 @@ def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
     return Export(files, measure_rings(reducer, discs, ring))
 
 
-def _encode_step(reducer: Reducer, solid: Solid, stretches: tuple[PartSection, ...]) -> bytes:
+def _encode_step(reducer: Reducer, solid: Solid, segments: tuple[PartSection, ...]) -> bytes:
     """Encode a part as STEP; raise DesignError if the volume of the solid read back is not that of the part.
 
-    `stretches` are its sections, `solid` the same part as prisms.
+    `segments` are its sections, `solid` the same part as prisms.
     """
     pins = reducer.design.ring.teeth if solid.name == names.HOUSING and reducer.design.ring.has_sleeves else 0
-    content = step_part(solid.name, stretches, 1 + pins)
+    content = step_part(solid.name, segments, 1 + pins)
     volume, expected_volume = read_volume(content), mass_properties(solid).volume
     if not abs(volume / expected_volume - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(

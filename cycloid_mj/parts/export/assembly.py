@@ -75,7 +75,7 @@ COLOURS: Mapping[str, Colour] = {
 def place_parts(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> tuple[PlacedPart, ...]:
     """Return all parts of an assembly with their positions at a crank angle [rad], with all clearances centred.
 
-    Without `sizes` of a casing only the mechanism, in which each ring pin is one piece.
+    `sizes` is the casing; None: the mechanism only, in which each ring pin is one piece.
     """
     return tuple(_place_parts(reducer, crank, sizes))
 
@@ -136,7 +136,9 @@ def _place_pressed_pins(reducer: Reducer, ring_angle: float) -> Iterator[PlacedP
 
 
 def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> bytes:
-    """Encode the assembled reducer as one STEP file of named, coloured parts, each drawn once.
+    """Encode the assembled reducer at a crank angle [rad] as one STEP file of named, coloured parts, each drawn once.
+
+    `sizes` is the casing; None: the mechanism only. It is ignored for an RV reducer.
 
     Raises
     ------
@@ -164,10 +166,10 @@ def assembly_sections(
 
 
 def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, Part]:
-    """Return all parts of an assembly as exact outlines by name, with the casing unless its sizes are None.
+    """Return all parts of an assembly as exact outlines by name, with the casing unless `sizes` is None.
 
-    Pins pressed into housing or output are separate parts; cams have the radius of the bore of their bearing if one is
-    in stock; the journal has a bore for the motor shaft if it is thick enough.
+    Pins pressed into housing or output are separate parts. Cams fit the bore of their bearing. A journal that is thick
+    enough has a bore for the motor shaft.
 
     Raises
     ------

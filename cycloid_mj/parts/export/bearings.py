@@ -49,10 +49,11 @@ def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
 
 
 def cam_seat(reducer: Reducer) -> float:
-    """Return the radius [m] of the cam in its bearing, or in the bore of the disc if it slides there.
+    """Return the bore radius [m] of the bearing of the cam, or the bore radius of the disc if the cam slides there.
 
-    Where no bearing in stock fits, rollers that touch each other fill the bore of the disc, which is their outer ring:
-    ``contact.cam_rollers``, or thinner ones that leave half of the room for the cam around the shaft.
+    Where no bearing in stock fits, rollers that touch each other fill the bore of the disc, which is their outer ring.
+    There are ``contact.cam_rollers`` of them. Where these leave no cam around the shaft, the rollers are thinner and
+    take half of the gap between the bore and the shaft.
     """
     gear, stock_bearing = reducer.design.gear, cam_bearing(reducer)
     if stock_bearing:
@@ -72,10 +73,9 @@ def roller_bore(reducer: Reducer) -> float:
 
 
 def free_pin(reducer: Reducer) -> stock.Roller | None:
-    """Return the roller in stock for the ring pins in sockets between the covers; None if none has its size.
+    """Return the roller in stock for the ring pins in sockets between the covers; None if no roller has their size.
 
-    Dowels are for press fits: 2 to 6 um thicker than their nominal size on the radius, they would jam in a socket, or
-    on the disc.
+    Dowels are not used: their radius is 2 to 6 um above the nominal size, so that they would jam in a socket.
     """
     design = reducer.design
     return stock.free_pin(2.0 * design.ring.pin_radius, 2.0 * ring_end(reducer), axial_play(reducer))
@@ -107,7 +107,7 @@ def press_fit(diameter: float, length: float) -> str:
 
 def output_pin_span(reducer: Reducer) -> tuple[float, float]:
     """Return the ends of an output pin [m], including its pressed-in lengths."""
-    output, drawn = reducer.design.output, lay_out_parts(reducer)[names.OUTPUT].stretches[1]
+    output, drawn = reducer.design.output, lay_out_parts(reducer)[names.OUTPUT].segments[1]
     return drawn.z0 - output.disc_thickness * (output.support == "both_ends"), drawn.z1 + output.disc_thickness
 
 
@@ -118,10 +118,10 @@ def output_pin_length(reducer: Reducer) -> float:
 
 
 def output_pin(reducer: Reducer) -> stock.Dowel | None:
-    """Return the pin in stock for the output pins; None if none has their size.
+    """Return the pin in stock for the output pins; None if no pin has their size.
 
-    Under a roller it is a dowel. A pin on which a disc slides is a pin gauge, or a dowel if the clearance of the disc's
-    holes is at least twice what a dowel is too thick.
+    A pin under a roller is a dowel. A pin on which a disc slides is a pin gauge, or else a dowel whose upper deviation
+    in diameter does not exceed the clearance of the disc's holes.
     """
     output, length = reducer.design.output, output_pin_length(reducer)
     diameter = 2.0 * output.root_radius
@@ -149,9 +149,9 @@ def sleeve_pin_fit(reducer: Reducer) -> str:
 
 
 def pin_pieces(reducer: Reducer) -> tuple[int, float]:
-    """Return of how many pieces in line each ring pin or sleeve of a drive consists, and the length of a piece [m].
+    """Return the number of pieces in line that form each ring pin or sleeve of a drive, and the length of a piece [m].
 
-    Only bought ring pins have several pieces: no pin in stock is as long as the ring of a wide drive.
+    Only bought ring pins have several pieces, in a ring that is wider than the longest pin in stock.
     """
     ring, width = reducer.design.ring, reducer.design.gear.stack_width
     if ring.has_sleeves or is_printed(reducer, names.PIN):
@@ -163,8 +163,8 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
     """Return the radius [m] of the cam in a drive, for a bearing whose bore has the radius `seat` (`cam_seat`).
 
-    It is less by the clearance if the bearing is pressed into the disc, but no less than the crank next to it needs.
-    The bore of the disc has the clearance where the cam, or rollers without a ring, turn in it.
+    For a bearing in stock it is the seat minus the cam clearance, but at least eccentricity plus shaft radius if the
+    seat is that large. Otherwise it is the seat, because the bore of the disc includes the clearance.
     """
     design, seat = reducer.design, cam_seat(reducer) if seat is None else seat
     flush = design.gear.eccentricity + design.shaft.radius
@@ -199,7 +199,7 @@ def bearing_fit(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str
 
 
 def shaft_bearing_fit(reducer: Reducer) -> str:
-    """Return the fit of the bearings of the crank; of sizes out of stock that of a bearing with rings."""
+    """Return the fit of the bearings of the crank; a size out of stock gets the fit of a bearing with rings."""
     bearing = shaft_bearing(reducer)
     if bearing:
         return bearing_fit(reducer, bearing, names.HOUSING)

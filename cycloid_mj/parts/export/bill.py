@@ -111,11 +111,16 @@ def bill(
 ) -> tuple[BillLine, ...]:
     """Return the bill of materials of a design: manufactured parts (`printing.manufactured_parts`), then bought parts.
 
-    `cam_seat` is the radius of the bore of the cam bearing [m]; 0: not chosen yet. `sizes` are those of the casing;
-    None: the mechanism only. `torques` are tightening torques [N m] by item.
+    The motor and the `consumables` are not included. Bearings out of stock have the dimensions of their seats.
 
-    Motor and lubricant are not part of the design, see `consumables`; the bearings of the output are sealed. Bearings
-    out of stock have the sizes of their seats.
+    Parameters
+    ----------
+    cam_seat
+        Radius of the bore of the cam bearing [m]; 0: not chosen yet.
+    sizes
+        Casing of the drive; None: the mechanism only.
+    torques
+        Tightening torques [N m] by item, which replace the fit in their lines.
 
     Raises
     ------
@@ -182,7 +187,10 @@ def _consumable(item: str, volume: float, material: str, designation: str, use: 
 
 
 def _inner_volume(part: Part, z: float, sizes: Casing) -> float:
-    """Compute the volume of a part at a height between the cavities [m3]."""
+    """Compute the volume [m3] of a part between the floor of the motor-side cavity and the first output bearing.
+
+    `z` [m] is the height of the origin of the part in the drive.
+    """
     solid = part.solid(VISUAL_CHORD_ERROR)
     low, high = sizes.floor - z, sizes.bearings[0][0] - z
     return sum(
@@ -313,7 +321,7 @@ def _shaft_line(reducer: Reducer, sizes: Casing | None) -> BillLine:
     """Return the line of the shaft of several discs: a ground bar with its bore and keyway."""
     diameter = 2.0 * reducer.design.shaft.radius
     shaft, material = bored_shaft(reducer, sizes), reducer.design.material_of(names.SHAFT)
-    length = max(stretch.z1 for stretch in shaft.stretches) - min(stretch.z0 for stretch in shaft.stretches)
+    length = max(segment.z1 for segment in shaft.segments) - min(segment.z0 for segment in shaft.segments)
     key = cam_key(reducer, sizes) if sizes else None
     line = _round_line(names.SHAFT, 1, (("diameter", 0.5 * diameter),), length, material)
     keyway = f"keyway {_mm(key.bought.width)} x {_mm(key.bought.in_shaft)} x {_mm(key.bought.length)} mm" if key else ""
@@ -405,7 +413,7 @@ def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
 
 
 def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
-    """Yield the lines of the bearings of the cams and of the shaft, of the sizes in stock or of their seats.
+    """Yield the lines of the bearings of the cams and of the shaft; out of stock, with the dimensions of their seats.
 
     `cam_seat` is the radius of the bore of the cam bearing [m]; 0: not chosen yet.
     """
@@ -457,7 +465,7 @@ def _round_line(
     length
         Length [m].
     material
-        Material; None: steel, filled as far as the bearing of this name is.
+        Material; None: steel, for a bearing with the share of `filling`.
     cut_length
         Length to which the parts are shortened [m]; 0: not shortened.
     """
@@ -475,9 +483,9 @@ def _material_name(material: Material) -> str:
 
 def _extent(part: Part) -> str:
     """Format length x width x height of a manufactured part, exactly where its outlines are circles."""
-    corners = np.array([_box(stretch.outline) for stretch in part.stretches])
+    corners = np.array([_box(segment.outline) for segment in part.segments])
     sides = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
-    height = max(stretch.z1 for stretch in part.stretches) - min(stretch.z0 for stretch in part.stretches)
+    height = max(segment.z1 for segment in part.segments) - min(segment.z0 for segment in part.segments)
     return " x ".join(_mm(float(length)) for length in (*sides, height)) + " mm"
 
 

@@ -17,7 +17,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Material, stock
 from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import crank_stretches, sleeve_core_radius
+from cycloid_mj.parts import crank_segments, sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import needs_rings
 from cycloid_mj.parts.export.casing_rules import (
     RULES,
@@ -197,7 +197,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     screws = choose_cover_screws(reducer, wall)
     outer = _cover_radius(screws, design.housing.outer_radius, wall)
     dowel, dowel_angles, dowel_circle = choose_dowels(reducer, screws, wall)
-    far_seat, near_seat = bearing_seats(reducer, crank_stretches(reducer))
+    far_seat, near_seat = bearing_seats(reducer, crank_segments(reducer))
     straddles = design.shaft.mounting == "straddle"
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     rim = design.output.pin_circle_radius + (1.0 + RIM) * design.output.pin_radius
@@ -255,14 +255,14 @@ def _size_motor_side(
         Fields of `Casing` by name.
     """
     design, wall, end = reducer.design, least_wall(reducer), ring_end(reducer)
-    half_width, stretches = design.gear.stack_width / 2.0, crank_stretches(reducer)
-    far_seat, near_seat = bearing_seats(reducer, stretches)
+    half_width, segments = design.gear.stack_width / 2.0, crank_segments(reducer)
+    far_seat, near_seat = bearing_seats(reducer, segments)
     seat = seat_radius(reducer, near_seat[1] - near_seat[0])
     second_disc_end = (
         -half_width - AXIAL_GAP - design.output.disc_thickness if design.output.support == "both_ends" else -half_width
     )
     cavity, max_cavity = _cavity(reducer, screws, max(rim if second_disc_end < -half_width else 0.0, seat - wall), wall)
-    weight = stretches.get("counterweight")
+    weight = segments.get("counterweight")
     floor = min(weight.z0 if weight else second_disc_end, second_disc_end) - AXIAL_GAP
     flange = choose_motor_flange(reducer, motor, outer, seat, wall, max_cavity)
     if flange.tapped:
@@ -318,7 +318,7 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
     bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
     flange_circle, flange_screws = _flange_pattern(reducer, hub, bolt, wall)
     hub_floor = design.gear.stack_width / 2.0 + AXIAL_GAP + design.output.disc_thickness + AXIAL_GAP
-    far_seat, _ = bearing_seats(reducer, crank_stretches(reducer))
+    far_seat, _ = bearing_seats(reducer, crank_segments(reducer))
     thread_end = (
         max(far_seat[1] + RULES.collar if straddles else 0.0, hub_floor)
         + 2.0 * wall
@@ -339,10 +339,9 @@ def _size_output_side(reducer: Reducer, screws: Screws, seat: float, rim: float)
 def _input_side(
     reducer: Reducer, motor: MotorFlange, bearing_start: float, wall: float, max_face: float
 ) -> tuple[float, float]:
-    """Return the plane of the motor and the start of the crank along z [m], for a motor on its cover.
+    """Return the position of the motor's flange face and the start of the crank along z [m].
 
-    A straddled crank with a bore for the motor shaft starts at its bearing; one to be coupled, or overhung, keeps its
-    journal.
+    A straddled crank with a bore for the motor shaft starts at its bearing. Any other crank keeps its journal.
 
     Parameters
     ----------
@@ -353,9 +352,9 @@ def _input_side(
     wall
         Minimum wall of the cover [m].
     max_face
-        Largest z of the plane of the motor [m].
+        Largest z of the flange face [m].
     """
-    journal = crank_stretches(reducer)["journal"].z0
+    journal = crank_segments(reducer)["journal"].z0
     bore_limit = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
     is_shortened = reducer.design.shaft.mounting == "straddle" and motor.shaft > 0.0
     start = bearing_start if is_shortened else journal
@@ -403,7 +402,7 @@ def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str 
 
 
 def cover_radius(reducer: Reducer) -> float:
-    """Return the outer radius of the covers [m], that of the housing where their screws fit in its wall.
+    """Return the outer radius of the covers [m]; it is that of the housing if the cover screws fit in its wall.
 
     Raises
     ------
@@ -419,7 +418,10 @@ def _cover_radius(screws: Screws, radius: float, wall: float) -> float:
 
 
 def seat_radius(reducer: Reducer, width: float) -> float:
-    """Return the radius of the seats of the shaft bearings [m]: of a bearing in stock, or as the rollers are rated."""
+    """Return the radius [m] of the seats of the shaft bearings, which are `width` [m] wide.
+
+    It is that of a bearing in stock, or `CasingRules.bearing_ratio` times the radius of the shaft.
+    """
     radius = reducer.design.shaft.radius
     stocked = stock.bearings_on(2.0 * radius, width, ringed=needs_rings(reducer))
     return 0.5 * stocked[0].outside if stocked else RULES.bearing_ratio * radius
@@ -475,7 +477,7 @@ def output_cover_step(sizes: Casing) -> float | None:
 
 def _bore_end(reducer: Reducer) -> float:
     """Compute the end along z [m] of the longest bore for the motor shaft: the cam if the crank is one piece."""
-    prisms = crank_stretches(reducer)
+    prisms = crank_segments(reducer)
     return prisms[names.CAM].z0 if reducer.design.gear.discs == 1 else max(one.z1 for one in prisms.values())
 
 
@@ -510,7 +512,7 @@ def _choose_hub_bearing(
 
 def bearing_width_of(reducer: Reducer) -> float:
     """Compute the width of each bearing of the shaft [m]."""
-    low, high = bearing_seats(reducer, crank_stretches(reducer))[0]
+    low, high = bearing_seats(reducer, crank_segments(reducer))[0]
     return high - low
 
 

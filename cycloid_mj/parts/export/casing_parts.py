@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
-from cycloid_mj.parts import Part, Stretch, lay_out_parts
+from cycloid_mj.parts import Part, Segment, lay_out_parts
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.contour import CircleContour
@@ -38,7 +38,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 COLLAR = "collar"
-"""Stretch of a crank in one piece that locates it between its bearings."""
+"""Segment of a crank in one piece that locates it between its bearings."""
 
 MIN_POCKET = 3e-3
 """Least width and depth of a pocket [m], for a cutter (assumed)."""
@@ -55,7 +55,11 @@ class CasingPosition:
 
 
 def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
-    """Return the parts of the casing by name, and for parts of the mechanism what the casing adds to them."""
+    """Return the parts of the casing by name.
+
+    The values of housing, output and shaft, parts of the mechanism, are only the cylinders and holes that the casing
+    adds to them.
+    """
     joints = drive_joints(reducer, sizes)
     bodies = {
         names.HOUSING: (names.HOUSING, ()),
@@ -100,7 +104,7 @@ def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | Non
     bore = motor_bore(reducer, sizes)
     holes = ((AXIS, *bore),) if bore else ()
     fitted_part = fit_part(reducer, sizes, names.SHAFT, shaft)
-    return fitted_part.of(cut_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted_part.stretches))
+    return fitted_part.of(cut_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted_part.segments))
 
 
 def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
@@ -110,52 +114,50 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. Shaft, cams and spacer
     have keyways. Bearings in stock are pressed into the discs, and rollers turn on their pins.
     """
-    stretches, family = part.stretches, names.family(name)
+    segments, family = part.segments, names.family(name)
     if name == names.HOUSING:
-        return part.of(_wider(item, sizes.play, item is stretches[0], item is stretches[-1]) for item in stretches)
+        return part.of(_wider(item, sizes.play, item is segments[0], item is segments[-1]) for item in segments)
     if name == PRESSED_PIN:
         half_pin_length = 0.5 * sleeve_pin_length(reducer)
-        return part.of(replace(stretch, z0=-half_pin_length, z1=half_pin_length) for stretch in stretches)
+        return part.of(replace(segment, z0=-half_pin_length, z1=half_pin_length) for segment in segments)
     if name == names.PIN:
         _, length = pin_pieces(reducer)
         outline = CircleContour(ring_pin_radius(reducer))
-        return part.of(replace(item, outline=outline, z0=-0.5 * length, z1=0.5 * length) for item in stretches)
+        return part.of(replace(item, outline=outline, z0=-0.5 * length, z1=0.5 * length) for item in segments)
     if family == names.GEAR and cam_bearing(reducer):
         bore = CircleContour(reducer.design.gear.bore_radius)
-        return part.of(replace(stretch, holes=(bore, *stretch.holes[1:])) for stretch in stretches)
+        return part.of(replace(segment, holes=(bore, *segment.holes[1:])) for segment in segments)
     if name == names.ROLLER:
         bore = CircleContour(roller_bore(reducer))
-        return part.of(replace(stretch, holes=(bore,)) for stretch in stretches)
+        return part.of(replace(segment, holes=(bore,)) for segment in segments)
     if family in (names.CAM, names.SPACER, names.SHAFT):
-        return part.of(_fit_crank_stretches(reducer, sizes, family, stretches))
+        return part.of(_fit_crank_segments(reducer, sizes, family, segments))
     return part
 
 
-def _wider(stretch: Stretch, play: float, at_start: bool, at_end: bool) -> Stretch:
-    """Return a stretch that is longer by a play [m] at its start, its end or both."""
-    return replace(stretch, z0=stretch.z0 - play * at_start, z1=stretch.z1 + play * at_end)
+def _wider(segment: Segment, play: float, at_start: bool, at_end: bool) -> Segment:
+    """Return a segment that is longer by a play [m] at its start, its end or both."""
+    return replace(segment, z0=segment.z0 - play * at_start, z1=segment.z1 + play * at_end)
 
 
-def _fit_crank_stretches(
-    reducer: Reducer, sizes: Casing, family: str, stretches: Sequence[Stretch]
-) -> Iterator[Stretch]:
-    """Yield the stretches of a shaft, cam or spacer with keyways and axial clearances; a shaft starts at its bearing.
+def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: Sequence[Segment]) -> Iterator[Segment]:
+    """Yield the segments of a shaft, cam or spacer with keyways and axial clearances; a shaft starts at its bearing.
 
     `family` is the kind of the part: ``names.SHAFT``, ``names.CAM`` or ``names.SPACER``.
     """
     if family == names.SHAFT:
-        stretches = (replace(stretches[0], z0=sizes.journal), *stretches[1:])
+        segments = (replace(segments[0], z0=sizes.journal), *segments[1:])
     if reducer.design.gear.discs == 1:
-        counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes, stretches)
-        for stretch in stretches:
-            low, high = stretch.name in (COUNTERWEIGHT, INNER), stretch.name in (JOURNAL, COUNTERWEIGHT)
+        counterweight_offset, collars = counterweight_shift(reducer), crank_collars(reducer, sizes, segments)
+        for segment in segments:
+            low, high = segment.name in (COUNTERWEIGHT, INNER), segment.name in (JOURNAL, COUNTERWEIGHT)
             moved = replace(
-                stretch, z0=stretch.z0 + counterweight_offset * low, z1=stretch.z1 + counterweight_offset * high
+                segment, z0=segment.z0 + counterweight_offset * low, z1=segment.z1 + counterweight_offset * high
             )
             yield from _add_collars(moved, collars)
         return
     key, radius = cam_key(reducer, sizes), reducer.design.shaft.radius
-    pieces = _split_spacer(reducer, sizes, stretches) if family == names.SPACER else tuple(stretches)
+    pieces = _split_spacer(reducer, sizes, segments) if family == names.SPACER else tuple(segments)
     if key is None:
         yield from pieces
     elif family == names.SHAFT:
@@ -169,22 +171,22 @@ def _fit_crank_stretches(
         yield from (replace(piece, holes=(slot,)) for piece in pieces)
 
 
-def _add_collars(stretch: Stretch, collars: Sequence[CrankRing]) -> Iterator[Stretch]:
-    """Yield a stretch of the crank, thicker where collars are within it."""
-    low = stretch.z0
+def _add_collars(segment: Segment, collars: Sequence[CrankRing]) -> Iterator[Segment]:
+    """Yield a segment of the crank, thicker where collars are within it."""
+    low = segment.z0
     for collar in collars:
-        if stretch.z0 - SAME_LENGTH < collar.low and collar.high < stretch.z1 + SAME_LENGTH:
+        if segment.z0 - SAME_LENGTH < collar.low and collar.high < segment.z1 + SAME_LENGTH:
             if collar.low > low + SAME_LENGTH:
-                yield replace(stretch, z0=low, z1=collar.low)
-            yield Stretch(COLLAR, CircleContour(collar.radius), stretch.holes, max(collar.low, low), collar.high)
+                yield replace(segment, z0=low, z1=collar.low)
+            yield Segment(COLLAR, CircleContour(collar.radius), segment.holes, max(collar.low, low), collar.high)
             low = collar.high
-    if stretch.z1 > low + SAME_LENGTH:
-        yield replace(stretch, z0=low)
+    if segment.z1 > low + SAME_LENGTH:
+        yield replace(segment, z0=low)
 
 
-def _split_spacer(reducer: Reducer, sizes: Casing, stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:
-    """Return a spacer with a rim narrower by the axial play on both sides, and a hub as long as the gap."""
-    (ring,) = stretches
+def _split_spacer(reducer: Reducer, sizes: Casing, segments: Sequence[Segment]) -> tuple[Segment, ...]:
+    """Split a spacer into hub, wide rim and hub along z; the rim is narrower by the axial play on both sides."""
+    (ring,) = segments
     hub = replace(ring, outline=CircleContour(hub_radius(reducer, sizes)))
     low, high = ring.z0 + sizes.play, ring.z1 - sizes.play
     return replace(hub, z1=low), replace(ring, z0=low, z1=high), replace(hub, z0=high)
@@ -209,7 +211,7 @@ def _motor_pocket(sizes: Casing) -> tuple[Pocket, ...]:
 
 
 def _output_cover(sizes: Casing) -> tuple[Round, ...]:
-    """Return the cover: one cylinder, or a slimmer one beyond the heads of its screws."""
+    """Return the cylinders of the output cover: a single one, or a slimmer one beyond the heads of its screws."""
     step = output_cover_step(sizes)
     if step:
         return (sizes.outer, sizes.end, step), (sizes.output_cavity + 2.0 * sizes.wall, step, sizes.top)

@@ -155,7 +155,7 @@ def shoulder_radius(ring: float, other: float) -> float:
 
 
 def flange_washer(reducer: Reducer, bolt: stock.Bolt) -> tuple[float, float]:
-    """Return radius of the counterbore and thickness [m] of a washer under a screw of the flange: 0 in a metal."""
+    """Return the radius of a flange screw's counterbore [m] and the thickness of the washer in it [m]; 0 in a metal."""
     if not is_plastic(reducer):
         return counterbore(bolt), 0.0
     washer = stock.washer_of(bolt.thread)

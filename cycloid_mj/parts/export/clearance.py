@@ -43,7 +43,7 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     from scipy.spatial import cKDTree
 
     grid = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
-    # the outline, not the trochoid: points in a lobe's tip are nearer to other stretches of the trochoid
+    # the outline, not the trochoid: points in a lobe's tip are nearer to other segments of the trochoid
     _, nearest = cKDTree(profile.outline(gear, grid)).query(points)
     t = grid[nearest]
     for _ in range(SEARCH.newton_steps):
@@ -71,7 +71,7 @@ def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: A
 def measure_disc(
     reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0
 ) -> tuple[OutlineClearance, ...]:
-    """Measure the smallest and largest clearance of each mating pair between a disc, the housing and their mates.
+    """Measure the smallest and largest clearance of the teeth, the bore and the holes of a disc, and of any sockets.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def _extremes(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[Outli
 
 
 def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
-    """Compute the clearance (n,) [m] of points (n, 2) [m] of a disc's outline, before its modification.
+    """Compute the clearance (n,) [m] at points (n, 2) [m] of a disc's outline, without its profile modification.
 
     With rotated flanks the disc is the intersection of two rotated profiles.
     """

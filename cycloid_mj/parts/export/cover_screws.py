@@ -45,10 +45,10 @@ class Screws:
 
 
 def choose_cover_screws(reducer: Reducer, wall: float) -> Screws:
-    """Choose the cover screws: in the wall of the ring, between its pins, or else outside of the ring.
+    """Choose the thickest cover screws that fit in the wall of the ring, between its pins.
 
-    Screws are tried from the thickest to the thinnest; thin ones are not in stock in the length of a wide ring. `wall`
-    [m] is the minimum wall around holes.
+    If no screws fit or none are long enough, the screws are outside of the ring. `wall` [m] is the minimum wall around
+    holes.
     """
     design = reducer.design
     ring, housing = design.ring, design.housing
@@ -112,11 +112,11 @@ def _thickest_dowel(max_diameter: float, max_length: float) -> stock.Dowel | Non
 
 
 def choose_dowels(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel | None, tuple[float, ...], float]:
-    """Choose two dowels for each face between covers and ring, with their angles [rad] and circle radius [m].
+    """Choose two dowels for each face between covers and ring; return dowel, angles [rad] and circle radius [m].
 
-    They are opposite each other between the screws. If the screws pass outside of the ring, they are in the wall of the
-    ring and keep it from turning; if it is too thin, they are in line with the screws, and centre the covers on each
-    other. None if no dowel in stock fits.
+    They are opposite each other between the screws. If the screws are outside of the ring, the dowels are in the wall
+    of the ring and keep it from turning. If that wall is too thin, the dowels are on the circle of the screws and
+    centre the covers on each other. The dowel is None if none in stock fits. `wall` [m] is the minimum wall.
     """
     design = reducer.design
     thread, ring_wall = screws.bolt.thread, design.housing.outer_radius - design.ring_root_radius - 2.0 * wall

@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.design import stock
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import crank_stretches, sleeve_core_radius
+from cycloid_mj.parts import crank_segments, sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import (
     FREE_FIT,
@@ -76,8 +76,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     design = reducer.design
     if design.gear.discs == 1:
         return None
-    stretches, radius = crank_stretches(reducer), design.shaft.radius
-    cams = [stretches[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
+    segments, radius = crank_segments(reducer), design.shaft.radius
+    cams = [segments[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
     low, high = cams[0].z0, cams[-1].z1
     key = stock.key_for(2.0 * radius, high - low)
     if key is None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.base import names
 from cycloid_mj.design import stock
-from cycloid_mj.parts import Stretch, crank_stretches
+from cycloid_mj.parts import Segment, crank_segments
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.export.bearings import cam_radius, shaft_bearing
 from cycloid_mj.parts.export.casing import Casing
@@ -42,12 +42,12 @@ class CrankRing:
 
 def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
     """Return the rings on the shaft of several discs: before the first cam, beyond the last of a straddled shaft."""
-    return tuple(_crank_rings(reducer, sizes, crank_stretches(reducer))) if reducer.design.gear.discs > 1 else ()
+    return tuple(_crank_rings(reducer, sizes, crank_segments(reducer))) if reducer.design.gear.discs > 1 else ()
 
 
 def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
-    """Return the rings between the bearings of an overhung crank; none of a straddled one, or between drawn cups."""
-    far, near = bearing_seats(reducer, crank_stretches(reducer))
+    """Return both rings between the bearings of an overhung crank; empty for a straddled crank, and for drawn cups."""
+    far, near = bearing_seats(reducer, crank_segments(reducer))
     if sizes.far or near[0] - far[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
         return ()
     outer, inner = names.all_numbered(BEARING_SPACER, 2)
@@ -58,12 +58,12 @@ def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
     )
 
 
-def crank_collars(reducer: Reducer, sizes: Casing, stretches: Iterable[Stretch]) -> tuple[CrankRing, ...]:
+def crank_collars(reducer: Reducer, sizes: Casing, segments: Iterable[Segment]) -> tuple[CrankRing, ...]:
     """Return the collars of a crank in one piece: before its counterweight, and beyond the cam of a straddled shaft.
 
-    `stretches` are those of the crank, whose counterweight balances exact outlines or polygons.
+    `segments` are those of the crank, whose counterweight balances exact outlines or polygons.
     """
-    return tuple(_crank_rings(reducer, sizes, {stretch.name: stretch for stretch in stretches}))
+    return tuple(_crank_rings(reducer, sizes, {segment.name: segment for segment in segments}))
 
 
 def counterweight_shift(reducer: Reducer) -> float:
@@ -77,14 +77,17 @@ def hub_radius(reducer: Reducer, sizes: Casing) -> float:
     return cam_radius(reducer) - reducer.design.gear.eccentricity - sizes.play
 
 
-def _crank_rings(reducer: Reducer, sizes: Casing, stretches: Mapping[str, Stretch]) -> Iterator[CrankRing]:
-    """Yield the rings or collars of a crank with its stretches by name, first that on the side of the motor."""
+def _crank_rings(reducer: Reducer, sizes: Casing, segments: Mapping[str, Segment]) -> Iterator[CrankRing]:
+    """Yield the rings or collars of a crank, the one on the side of the motor first; none that would be too thin.
+
+    `segments` are those of the crank by name.
+    """
     shaft = reducer.design.shaft
     radius = shoulder_radius(shaft.radius, sizes.seat)
-    if COUNTERWEIGHT not in stretches:
+    if COUNTERWEIGHT not in segments:
         radius = min(radius, hub_radius(reducer, sizes))
-    cams = [stretch for name, stretch in stretches.items() if names.family(name) == names.CAM]
-    ring_end = stretches[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in stretches else cams[0].z0
+    cams = [segment for name, segment in segments.items() if names.family(name) == names.CAM]
+    ring_end = segments[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in segments else cams[0].z0
     retreat = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
     thinnest, max_radius = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
     if radius >= thinnest:

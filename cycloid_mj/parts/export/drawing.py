@@ -148,13 +148,13 @@ def _draw_part(
 def _diameters(reducer: Reducer, part: Part, name: str, joints: Sequence[Joint]) -> Iterator[Dimension]:
     """Yield each diameter of a part about its axis, or about its cam, with its ends along z and its tolerance zone."""
     spans: dict[tuple[float, bool, tuple[float, float]], list[float]] = {}
-    for stretch in part.stretches:
-        for contour, inner in ((stretch.outline, False), *((hole, True) for hole in stretch.holes)):
+    for segment in part.segments:
+        for contour, inner in ((segment.outline, False), *((hole, True) for hole in segment.holes)):
             circle = circle_of(contour)
             centre = (0.0, 0.0) if circle is None else circle.centre
-            if circle and (np.hypot(*centre) <= SAME_LENGTH or (not inner and names.CAM in stretch.name)):
+            if circle and (np.hypot(*centre) <= SAME_LENGTH or (not inner and names.CAM in segment.name)):
                 key = round(circle.radius, 9), inner, centre
-                spans.setdefault(key, []).extend((stretch.z0, stretch.z1))
+                spans.setdefault(key, []).extend((segment.z0, segment.z1))
     for (radius, inner, centre), ends in spans.items():
         eccentricity = float(np.hypot(*centre))
         zone = _tolerance_zone(reducer, name, joints, radius, inner=inner)

@@ -71,9 +71,9 @@ def dxf_bytes(
 def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] = ()) -> list[tuple[str, list[Loop]]]:
     """Group the outlines of a part by layer of its DXF; return (name, outlines) of each layer.
 
-    Each outline is drawn once, from its lowest to its highest end along z. A layer has the name of a section, or where
-    several heights share the name ``z low to high`` [mm]. Tapped holes have the thread before, and holes within a
-    stretch of a crank the name of the stretch.
+    Each outline is drawn once, from its lowest to its highest end along z. A layer has the name of a section. Where
+    sections at several heights share the name, it is ``z low to high`` [mm]. The thread precedes this for tapped holes,
+    and the name of the segment for holes within a segment of a crank.
     """
     heights: dict[str, set[tuple[float, float]]] = {}
     spans: dict[tuple[str, object], list[tuple[float, float]]] = {}
@@ -85,20 +85,20 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
             loops[key] = loop
             spans.setdefault(key, []).append((section.z0, section.z1))
     layers: dict[str, list[Loop]] = {}
-    has_stretch_names = len(heights) > 1  # stretches with names of their own, as those of a crank
+    has_segment_names = len(heights) > 1  # segments with names of their own, as those of a crank
     for key, ends in spans.items():
         name, loop = key[0], loops[key]
         thread = next((item.words for item in threads if _is_drilled(loop, item)), "")
-        full_spans = _join_stretches(list(heights[name]))
-        for low, high in _join_stretches(ends):
-            prefix = thread or (name if has_stretch_names else "")
+        full_spans = _join_intervals(list(heights[name]))
+        for low, high in _join_intervals(ends):
+            prefix = thread or (name if has_segment_names else "")
             height_text = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
-            plain = not thread and (len(heights[name]) == 1 or (has_stretch_names and (low, high) in full_spans))
+            plain = not thread and (len(heights[name]) == 1 or (has_segment_names and (low, high) in full_spans))
             layers.setdefault(name if plain else f"{prefix} {height_text}".strip(), []).append(loop)
     return list(layers.items())
 
 
-def _join_stretches(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _join_intervals(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return intervals (start, end) along z [m] with those joined that follow each other without a gap, in order."""
     joined_intervals: list[tuple[float, float]] = []
     for low, high in sorted(ends):

@@ -12,7 +12,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.design.model import BEARING_CORNER, SHARES
-from cycloid_mj.parts import Part, Stretch
+from cycloid_mj.parts import Part, Segment
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.export.bearings import cam_radius
@@ -69,7 +69,7 @@ def _seat_radii(reducer: Reducer, sizes: Casing, part: Part) -> Array:
     """
     name, diameters = part.name, set[float]()
     if name in BEARINGS:
-        (ring,) = part.stretches
+        (ring,) = part.segments
         circles = [circle for contour in (ring.outline, *ring.holes) if (circle := circle_of(contour))]
         return np.array([circle.radius for circle in circles])
     for joint in drive_joints(reducer, sizes):
@@ -85,14 +85,14 @@ def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenE
 
     `radii` (n,) [m] are those of the seats.
     """
-    for stretch in part.stretches:
-        for contour, side in ((stretch.outline, 1.0), *((hole, -1.0) for hole in stretch.holes)):
+    for segment in part.segments:
+        for contour, side in ((segment.outline, 1.0), *((hole, -1.0) for hole in segment.holes)):
             circle = circle_of(contour)
             if circle is None or np.abs(radii - circle.radius).min() > SAME_LENGTH:
                 continue
-            for z in (stretch.z0, stretch.z1):
-                beyond = [other for other in part.stretches if other is not stretch and _touches(other, z)]
-                edge = _Edge(circle.centre, circle.radius, side, stretch, beyond)
+            for z in (segment.z0, segment.z1):
+                beyond = [other for other in part.segments if other is not segment and _touches(other, z)]
+                edge = _Edge(circle.centre, circle.radius, side, segment, beyond)
                 fillet = reducer.design.shaft.shoulder_fillet
                 chamfer = min(EDGES.chamfer, EDGES.share * circle.radius)
                 if edge.is_convex(chamfer):
@@ -101,30 +101,30 @@ def _break_edges(reducer: Reducer, part: Part, radii: Array) -> Iterator[BrokenE
                     yield BrokenEdge(circle.centre, circle.radius, z, fillet, is_fillet=True)
 
 
-def _touches(stretch: Stretch, z: float) -> bool:
-    """Return whether a stretch ends at a height [m]."""
-    return min(abs(stretch.z0 - z), abs(stretch.z1 - z)) <= SAME_LENGTH
+def _touches(segment: Segment, z: float) -> bool:
+    """Return whether a segment ends at a height [m]."""
+    return min(abs(segment.z0 - z), abs(segment.z1 - z)) <= SAME_LENGTH
 
 
 @dataclass(frozen=True)
 class _Edge:
-    """A circular edge: centre and radius [m], side of the air (1: outside, -1: inside), its stretch, those beyond."""
+    """A circular edge: centre and radius [m], side of the air (1: outside, -1: inside), its segment, those beyond."""
 
     centre: tuple[float, float]
     radius: float
     side: float
-    own: Stretch
-    beyond: Sequence[Stretch]
+    own: Segment
+    beyond: Sequence[Segment]
 
     def is_convex(self, size: float) -> bool:
-        """Return whether no other material is within a width [m] on both sides of the edge, and its own on one."""
+        """Return whether a chamfer of a `size` [m] fits: only the edge's own segment has material next to it."""
         width = EDGES.room * size
         if self.own.z1 - self.own.z0 < 2.0 * width or not _covered([self.own], self._points(-self.side * width)).all():
             return False
         return not any(_covered(self.beyond, self._points(step)).any() for step in (-width, width))
 
     def is_shoulder(self, size: float) -> bool:
-        """Return whether the material beyond the edge is wider by a width [m] all around, and its own long enough."""
+        """Return whether a fillet of a `size` [m] fits: the segment beyond is wider, and the own one long enough."""
         width = EDGES.room * size
         return self.own.z1 - self.own.z0 > width and bool(_covered(self.beyond, self._points(self.side * width)).all())
 
@@ -134,12 +134,12 @@ class _Edge:
         return np.array(self.centre) + (self.radius + step) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def _covered(stretches: Iterable[Stretch], points: Array) -> Mask:
-    """Return which points (n, 2) [m] the material of stretches covers, shape (n,)."""
+def _covered(segments: Iterable[Segment], points: Array) -> Mask:
+    """Return which points (n, 2) [m] the material of segments covers, shape (n,)."""
     covered = np.zeros(len(points), dtype=bool)
-    for stretch in stretches:
-        is_inside = within(points, stretch.outline.polygon(VISUAL_CHORD_ERROR))
-        for hole in stretch.holes:
+    for segment in segments:
+        is_inside = within(points, segment.outline.polygon(VISUAL_CHORD_ERROR))
+        for hole in segment.holes:
             is_inside &= ~within(points, hole.polygon(VISUAL_CHORD_ERROR))
         covered |= is_inside
     return covered

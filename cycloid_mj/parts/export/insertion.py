@@ -102,7 +102,10 @@ def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
 
 
 def _distinct(moving: list[str], placed: dict[str, PlacedPart]) -> list[str]:
-    """Return the first of equal parts around the axis: the others pass as it does."""
+    """Return one name for each group of equal parts at the same height, whose paths are equal by symmetry.
+
+    `moving` are names, `placed` the positions by name.
+    """
     representatives = {(placed[name].part, round(placed[name].origin[2], 9)): name for name in reversed(moving)}
     return [name for name in moving if name in representatives.values()]
 

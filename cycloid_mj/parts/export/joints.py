@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
-from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts import crank_segments
 from cycloid_mj.parts.export.bearings import DOWEL_FIT, hub_bearing_fit, shaft_bearing, shaft_bearing_fit
 from cycloid_mj.parts.export.casing import (
     DOWEL,
@@ -148,7 +148,7 @@ def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -> BoughtPart:
     """Return the bearings of the shaft with some `numbers`: 1 is in the hub, or far from the discs; 2 is near them."""
-    seats = bearing_seats(reducer, crank_stretches(reducer))
+    seats = bearing_seats(reducer, crank_segments(reducer))
     middles = [0.5 * (low + high) for low, high in seats]
     radius, width, bearing = reducer.design.shaft.radius, bearing_width_of(reducer), shaft_bearing(reducer)
     return BoughtPart(

@@ -257,7 +257,7 @@ def _build_supports(
 def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
     """Pack rectangles (length, depth) [m] in rows, the deepest first (shelf packing); return their lower left corners.
 
-    Rows are a `gap` [m] apart. The length of the rows is that which makes the longer side of the plate smallest.
+    Rows and rectangles are a `gap` [m] apart. The row length minimizes the longer side of the plate.
     """
     order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0]))
     widest = max(width for width, _ in sizes)
@@ -269,7 +269,7 @@ def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[fl
 def _pack_rows_to(
     sizes: Sequence[tuple[float, float]], order: Sequence[int], limit: float, gap: float
 ) -> list[tuple[float, float]]:
-    """Pack rectangles in a given `order` into rows of at most a length `limit` [m]; return their lower left corners."""
+    """Pack rectangles, in an `order` of indices, into rows up to a length `limit` [m]; return lower left corners."""
     corners = [(0.0, 0.0)] * len(sizes)
     x = y = depth = 0.0
     for i in order:

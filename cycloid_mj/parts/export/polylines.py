@@ -36,12 +36,12 @@ def polyline_sections(part: Part, chord_error: float) -> tuple[PolylineSection, 
     """Return the sections of a part as polygons and circles, with chords of an error of at most `chord_error` [m]."""
     return tuple(
         PolylineSection(
-            stretch.name,
-            tuple(_loop(contour, chord_error) for contour in (stretch.outline, *stretch.holes)),
-            stretch.z0,
-            stretch.z1,
+            segment.name,
+            tuple(_loop(contour, chord_error) for contour in (segment.outline, *segment.holes)),
+            segment.z0,
+            segment.z1,
         )
-        for stretch in part.stretches
+        for segment in part.segments
     )
 
 

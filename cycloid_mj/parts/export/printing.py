@@ -7,7 +7,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Material
-from cycloid_mj.parts import Part, Solid, Stretch, lay_out_parts, output_centres, parts, sleeve_core_radius
+from cycloid_mj.parts import Part, Segment, Solid, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.export.bearings import cam_radius, output_pin_span
 from cycloid_mj.parts.export.casing import (
@@ -183,15 +183,15 @@ def separate_parts(
     """
     parts_by_name = lay_out_parts(reducer, chord_error)
     housing = parts_by_name[names.HOUSING]
-    rings = housing.stretches[: reducer.design.ring.halves]
-    if pressed_stretches := housing.stretches[len(rings) :]:
+    rings = housing.segments[: reducer.design.ring.halves]
+    if pressed_segments := housing.segments[len(rings) :]:
         parts_by_name[names.HOUSING] = housing.of(rings)
-        core = Stretch(
+        core = Segment(
             PRESSED_PIN,
             CircleContour(sleeve_core_radius(reducer)),
             (),
-            pressed_stretches[0].z0,
-            pressed_stretches[0].z1,
+            pressed_segments[0].z0,
+            pressed_segments[0].z1,
         )
         parts_by_name[PRESSED_PIN] = parts_by_name[names.PIN].of([core], PRESSED_PIN)
     parts_by_name |= _split_output(reducer, parts_by_name[names.OUTPUT])
@@ -201,14 +201,14 @@ def separate_parts(
         for name in (names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)):
             if name in parts_by_name:
                 parts_by_name[name] = parts_by_name[name].of(
-                    _resize_cam(reducer, stretch, cam) for stretch in parts_by_name[name].stretches
+                    _resize_cam(reducer, segment, cam) for segment in parts_by_name[name].segments
                 )
     if sizes:
         parts_by_name = {name: fit_part(reducer, sizes, name, part) for name, part in parts_by_name.items()}
     for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
-        base_stretches = parts_by_name[name].stretches if name in parts_by_name else ()
+        base_segments = parts_by_name[name].segments if name in parts_by_name else ()
         density = STEEL if part.bought else part_material(reducer, name, sizes).density
-        parts_by_name[name] = Part(name, cut_holes(name, part, base_stretches), density)
+        parts_by_name[name] = Part(name, cut_holes(name, part, base_segments), density)
     if SECOND_OUTPUT in parts_by_name:
         density = part_material(reducer, SECOND_OUTPUT, sizes).density
         parts_by_name[SECOND_OUTPUT] = replace(parts_by_name[SECOND_OUTPUT], density=density)
@@ -237,30 +237,30 @@ def _checked_cam_radius(reducer: Reducer, seat: float) -> float:
     return cam_radius(reducer, seat)
 
 
-def _resize_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:
-    """Return a stretch of the crank, with another radius [m] if it is a cam."""
-    if stretch.name != names.CAM:
-        return stretch
+def _resize_cam(reducer: Reducer, segment: Segment, radius: float) -> Segment:
+    """Return a segment of the crank, with another radius [m] if it is a cam."""
+    if segment.name != names.CAM:
+        return segment
     cam: Contour = CircleContour(radius, (0.0, reducer.design.gear.eccentricity))
-    if isinstance(stretch.outline, TurnedContour):
-        cam = replace(stretch.outline, contour=cam)
-    return replace(stretch, outline=cam)
+    if isinstance(segment.outline, TurnedContour):
+        cam = replace(segment.outline, contour=cam)
+    return replace(segment, outline=cam)
 
 
 def _split_output(reducer: Reducer, output_part: Part) -> dict[str, Part]:
     """Split the output into parts by name: its discs, with bores, and its pins; empty if it is printed in one piece."""
     if in_one_piece(reducer):
         return {}
-    disc, *other_stretches = output_part.stretches
+    disc, *other_segments = output_part.segments
     radius = reducer.design.output.root_radius
     pressed_holes = RoundPart(names.OUTPUT, holes=((output_centres(reducer), radius, -np.inf, np.inf),))
-    pin = Stretch(OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
+    pin = Segment(OUTPUT_PIN, CircleContour(radius), (), *output_pin_span(reducer))
     pieces = {
         names.OUTPUT: output_part.of(cut_holes(names.OUTPUT, pressed_holes, [disc])),
         OUTPUT_PIN: output_part.of([pin], OUTPUT_PIN),
     }
     if reducer.design.output.support == "both_ends":
         pieces[SECOND_OUTPUT] = output_part.of(
-            cut_holes(SECOND_OUTPUT, pressed_holes, other_stretches[-1:]), SECOND_OUTPUT
+            cut_holes(SECOND_OUTPUT, pressed_holes, other_segments[-1:]), SECOND_OUTPUT
         )
     return pieces

@@ -10,7 +10,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
-from cycloid_mj.parts import Stretch
+from cycloid_mj.parts import Segment
 from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.contour import CircleContour, Contour, circle_of, circles_at
 from cycloid_mj.parts.curve import Circle
@@ -57,7 +57,7 @@ class RoundPart:
 
 
 def tube(bore: float, outside: float, width: float) -> RoundPart:
-    """Return a bearing, drawn as one ring of two radii and a width [m], centred at z = 0."""
+    """Return a bought ring (bearing, roller, washer or insert) of two radii and a width [m], centred at z = 0."""
     half = 0.5 * width
     return RoundPart(names.SHAFT, ((outside, -half, half),), ((AXIS, bore, -half, half),), bought=True)
 
@@ -74,17 +74,17 @@ def dowel_body(dowel: stock.Dowel) -> RoundPart:
     return RoundPart(names.PIN, ((0.5 * dowel.diameter, -half, half),), bought=True)
 
 
-def cut_holes(name: str, part: RoundPart, base_stretches: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
-    """Cut the holes of a round part into the part and into `base_stretches`; return both as exact stretches.
+def cut_holes(name: str, part: RoundPart, base_segments: Sequence[Segment] = ()) -> tuple[Segment, ...]:
+    """Cut the holes and pockets of `part` into `base_segments` and into the part; return the segments of both.
 
-    The stretches end at all faces of the part, of its holes and of its pockets.
+    Segments are divided at each face of the part, of its holes and of its pockets; new ones have the name `name`.
     """
     rounds = ((CircleContour(radius), z0, z1) for radius, z0, z1 in part.rounds)
-    shells = [*base_stretches, *(Stretch(name, contour, (), z0, z1) for contour, z0, z1 in (*rounds, *part.blocks))]
+    shells = [*base_segments, *(Segment(name, contour, (), z0, z1) for contour, z0, z1 in (*rounds, *part.blocks))]
     ends = [(shell.z0, shell.z1) for shell in shells]
     ends += [(start, end) for *_, start, end in (*part.holes, *part.pockets)]
     faces = sorted({z for pair in ends for z in pair})
-    stretches: list[Stretch] = []
+    segments: list[Segment] = []
     for shell in shells:
         inner_faces = [z for z in faces if shell.z0 + SAME_LENGTH < z < shell.z1 - SAME_LENGTH]
         for low, high in pairwise([shell.z0, *inner_faces, shell.z1]):
@@ -96,22 +96,22 @@ def cut_holes(name: str, part: RoundPart, base_stretches: Sequence[Stretch] = ()
                 if start < 0.5 * (low + high) < end
                 for hole in circles_at(radius, centres)
             ]
-            piece = Stretch(shell.name, shell.outline, (*shell.holes, *through_holes), low, high)
+            piece = Segment(shell.name, shell.outline, (*shell.holes, *through_holes), low, high)
             pocket = next(
                 (candidate for candidate in part.pockets if candidate[2] < 0.5 * (low + high) < candidate[3]), None
             )
-            stretches += _split_pocket(piece, pocket) if pocket else [piece]
-    return tuple(stretches)
+            segments += _split_pocket(piece, pocket) if pocket else [piece]
+    return tuple(segments)
 
 
-def _split_pocket(stretch: Stretch, pocket: Pocket) -> Iterator[Stretch]:
-    """Yield what an annular pocket leaves of a stretch: the wall outside of it, and the boss inside."""
+def _split_pocket(segment: Segment, pocket: Pocket) -> Iterator[Segment]:
+    """Yield what an annular pocket leaves of a segment: the wall outside of it, and the boss inside."""
     outer, inner, *_ = pocket
-    circles = [hole for contour in stretch.holes if (hole := circle_of(contour))]
+    circles = [hole for contour in segment.holes if (hole := circle_of(contour))]
     wall_holes = [hole for hole in circles if math.hypot(*hole.centre) - hole.radius > outer]
     boss_holes = [hole for hole in circles if math.hypot(*hole.centre) + hole.radius < inner]
-    yield replace(stretch, holes=(*_contours(wall_holes), CircleContour(outer)))
-    yield replace(stretch, outline=CircleContour(inner), holes=_contours(boss_holes))
+    yield replace(segment, holes=(*_contours(wall_holes), CircleContour(outer)))
+    yield replace(segment, outline=CircleContour(inner), holes=_contours(boss_holes))
 
 
 def _contours(circles: Iterable[Circle]) -> tuple[CircleContour, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
-from cycloid_mj.parts import Stretch
+from cycloid_mj.parts import Segment
 from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.export.assembly import assembly_parts, place_parts
@@ -53,7 +53,7 @@ _MATES = (
 
 @dataclass(frozen=True)
 class Annulus:
-    """Space that a stretch of a part sweeps: radii and ends along z [m], with its part and the body it moves with."""
+    """Space that a segment of a part sweeps: radii and ends along z [m], with its part and the body it moves with."""
 
     part: str
     body: str
@@ -83,7 +83,9 @@ class RunningGap:
 
 
 def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
-    """Measure the smallest distance of each pair of parts of different bodies; 0 or less: they touch.
+    """Return the smallest distance of each pair of parts of different bodies; pairs at 0 or less touch.
+
+    Pairs that overlap along z by design are left out where they overlap.
 
     Raises
     ------
@@ -122,32 +124,32 @@ def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
 
 
 def _part_annuli(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
-    """Yield the annuli that all stretches of all parts of a drive sweep, those of bearings by ring."""
+    """Yield the annuli that all segments of all parts of a drive sweep, those of bearings by ring."""
     parts = assembly_parts(reducer, sizes)
     for placement in place_parts(reducer, 0.0, sizes):
-        for stretch in parts[placement.part].stretches:
-            annulus = _sweep(placement, stretch)
+        for segment in parts[placement.part].segments:
+            annulus = _sweep(placement, segment)
             if names.family(placement.part) in (SHAFT_BEARING, OUTPUT_BEARING):
                 yield from _split_bearing(reducer, sizes, annulus)
             else:
                 yield annulus
 
 
-def _sweep(placement: PlacedPart, stretch: Stretch) -> Annulus:
-    """Return the annulus that a stretch of a part sweeps as its body turns about the axis, or orbits with a disc."""
+def _sweep(placement: PlacedPart, segment: Segment) -> Annulus:
+    """Return the annulus that a segment of a part sweeps as its body turns about the axis, or orbits with a disc."""
     x, y, z = placement.origin
     orbit = math.hypot(x, y) if names.family(placement.body) == names.GEAR else 0.0
     centre = np.zeros(2) if orbit else np.array([x, y])
-    inner, outer = _radii(stretch.outline, centre)
-    inner = max((_radii(hole, centre)[0] for hole in stretch.holes if _surrounds_axis(hole, centre)), default=inner)
-    solid = _surrounds_axis(stretch.outline, centre) and inner == _radii(stretch.outline, centre)[0]
+    inner, outer = _radii(segment.outline, centre)
+    inner = max((_radii(hole, centre)[0] for hole in segment.holes if _surrounds_axis(hole, centre)), default=inner)
+    solid = _surrounds_axis(segment.outline, centre) and inner == _radii(segment.outline, centre)[0]
     radii = 0.0 if solid else max(inner - orbit, 0.0), outer + orbit
-    ends = stretch.z0 + z, stretch.z1 + z
+    ends = segment.z0 + z, segment.z1 + z
     return Annulus(placement.part, placement.body, *(round(value, 10) for value in (*radii, *ends)))
 
 
 def _radii(contour: Contour, centre: Array) -> tuple[float, float]:
-    """Return the smallest and the largest distance of a contour about a centre (2,) from the axis [m]."""
+    """Return the smallest and largest distance [m] from the axis of a contour with its origin at `centre` (2,) [m]."""
     if circle := circle_of(contour):
         away = math.dist(circle.centre, (-centre).tolist())
         return abs(away - circle.radius), away + circle.radius
@@ -156,7 +158,7 @@ def _radii(contour: Contour, centre: Array) -> tuple[float, float]:
 
 
 def _surrounds_axis(contour: Contour, centre: Array) -> bool:
-    """Return whether a contour about a centre (2,) [m] winds around the axis."""
+    """Return whether a contour whose origin is at `centre` (2,) [m] encloses the axis."""
     if circle := circle_of(contour):
         return math.dist(circle.centre, (-centre).tolist()) < circle.radius
     x, y = (contour.polygon(VISUAL_CHORD_ERROR) + centre).T
@@ -165,7 +167,10 @@ def _surrounds_axis(contour: Contour, centre: Array) -> bool:
 
 
 def _split_bearing(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulus]:
-    """Yield the annuli of outer ring, rolling elements and inner ring of a bearing; a drawn cup has no inner ring."""
+    """Yield the annuli of inner ring, rolling elements and outer ring of the annulus of a bearing.
+
+    A drawn cup has no inner ring and is one annulus.
+    """
     is_on_shaft = bearing.part == SHAFT_BEARING
     ends = bearing.low, bearing.high
     is_in_hub = is_on_shaft and sizes.far is not None and bearing.low > 0.0

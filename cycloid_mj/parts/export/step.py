@@ -46,14 +46,13 @@ class BrokenEdge:
 def step_part(
     name: str, sections: Sequence[PartSection], solids_wanted: int = 1, edges: Sequence[BrokenEdge] = ()
 ) -> bytes:
-    """Encode the sections of a part as one STEP file of `solids_wanted` solids; equal sections give equal bytes.
-
-    `edges` get their chamfers and fillets.
+    """Encode the sections of a part as a STEP file with the chamfers and fillets `edges`; equal input, equal bytes.
 
     Raises
     ------
     CycloidError
-        The package OCP is not installed, or OpenCASCADE cannot build the solid.
+        The package OCP is not installed, OpenCASCADE cannot build the solid, or the sections do not form
+        `solids_wanted` separate solids.
     """
     document = occ.TDocStd_Document(occ.TCollection_ExtendedString("BinXCAF"))
     _add_part(document, name, sections, solids_wanted, edges)
@@ -212,7 +211,7 @@ def _silence() -> None:
 
 
 def _make_reproducible(model: Any) -> None:
-    """Renumber the occurrences of a STEP model from 1, and sort its colours by part; both depend on addresses."""
+    """Renumber the occurrences of a STEP model from 1, and sort its colours by part; both vary between runs."""
     entities = [model.Value(number) for number in range(1, model.NbEntities() + 1)]
     occurrences = (entity for entity in entities if isinstance(entity, occ.StepRepr_NextAssemblyUsageOccurrence))
     for number, occurrence in enumerate(occurrences, start=1):
@@ -252,7 +251,7 @@ def _fuse(first_body: Any, other_bodies: Sequence[Any]) -> Any:
 def _break_edges(shape: Any, edges: Sequence[BrokenEdge]) -> Any:
     """Return a solid with the chamfers and fillets of circular edges; those that are not full circles stay sharp.
 
-    All edges stay sharp if OpenCASCADE cannot build a valid solid with them.
+    All fillets, or all chamfers, stay sharp if OpenCASCADE cannot build a valid solid with them.
     """
     for maker, broken in (
         (occ.BRepFilletAPI_MakeFillet, [edge for edge in edges if edge.is_fillet]),

@@ -76,7 +76,7 @@ def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh 
     Returns
     -------
     Mesh or None
-        None if the face is not round, or has parts at several heights below.
+        None if the face is not round, is too narrow or low, or has parts at several heights below.
     """
     outer = _circle_of(overhang.outline)
     if not outer:
