@@ -67,7 +67,8 @@ def stop_angles(reducer: Reducer) -> tuple[float, float]:
 def turn_to_stop(model: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
     """Turn disc or output against its stop by a torque [N m] in MuJoCo; return the angle of its joint [rad].
 
-    After 2000 steps, the speeds are set to zero eight times, 250 steps apart, so that the parts settle.
+    `joint` is the name of a hinge of the model. After 2000 steps, the speeds are set to zero eight times, 250 steps
+    apart, so that the parts settle.
     """
     data = mujoco.MjData(model.model)
     data.joint(joint).qfrc_applied[0] = torque

@@ -104,7 +104,8 @@ def random_pose(unknowns: int, size: float) -> Array:
 def state_rows(layout: str) -> list[ValidationRow]:
     """Compare energy and forces of the springs at a random pose with those of springs on exact gaps.
 
-    `layout` is a key of `LAYOUTS`; the random displacements have the size `BALANCE.near`, and the load is up to 100 N.
+    `layout` is a key of `LAYOUTS`. The random displacements are at most `BALANCE.near`, the random forces at most 100
+    N; those of rotations are up to three times as large.
     """
     springs, reference = springs_and_reference(Reducer(design_with_errors(layout)))
     unknowns = springs.slope.shape[2]
@@ -147,7 +148,10 @@ def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
 
 
 def sample_rows() -> list[ValidationRow]:
-    """Compare the figures of one random sample of two discs with equilibria on exact gaps at three crank angles."""
+    """Compare rotations, largest forces and the number of loaded teeth of a random sample with those on exact gaps.
+
+    The sample has two discs; mean values, ranges and maxima are over the three crank angles `TURN`.
+    """
     design, count = design_with_errors(TWO), len(TURN)
     stiffness = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
     design = design.but(stiffness=stiffness)
@@ -220,8 +224,9 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
     """Compare a torque loop at a locked crank with the stick-slip law: the residual force of each step, to 0.1 %.
 
     `layout` is a key of `LAYOUTS`. The reference has springs on exact gaps; friction and material hysteresis are
-    springs that slip at a limit. A step in which the output moves by more than `max_travel` [m] is divided as long as
-    `spare_rows` remain; if there are more of them than loads, a row checks that no step is longer.
+    springs that slip at a limit. A step in which the output moves by more than `max_travel` [m] is divided, into at
+    most `spare_rows` additional steps in total. If `spare_rows` exceeds the number of loads, a second row checks the
+    travel of all steps.
     """
     springs, reference, rubbing = springs_with_friction(layout)
     path = np.zeros((len(LOOP), springs.slope.shape[2]))
@@ -245,10 +250,11 @@ def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> l
 
 
 def _reference_forces(reference: DisplacedSprings, rubbing: Rubbing, path: Array) -> Iterator[Array]:
-    """Yield the generalised force of springs and friction [N], shape (u,), at each pose of a path (m, u) [m] from rest.
+    """Yield the generalised force of springs and friction [N], shape (u,), at each pose of a path from rest.
 
     Contacts and cams have the `reference` springs on exact gaps, hysteresis of the material along the normal, and
-    friction across it; seals have constant friction. Each friction element is a spring that slips at its limit.
+    friction across it; seals have constant friction. Each friction element of `rubbing` is a spring that slips at its
+    limit. `path` are poses z [m] as in ``reducer.gaps``, shape (m, u).
     """
     count, discs = rubbing.stick.size, reference.design.gear.discs
     normal_count = reference.stiffness.size + discs

@@ -50,7 +50,11 @@ def _slow_ideal_row(quick: bool) -> ValidationRow:
 
 
 def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the mean radial and the mean upward force of the cam on an ideal reducer at rated speed and 10 g."""
+    """Compare the mean force of the cam on the disc with the closed form, in radial and in upward direction.
+
+    The reducer has almost no clearance, no friction and a stiff cam, runs at 1640 rpm under 0.5 N m, and gravity is 98
+    m/s2. `quick` is ignored.
+    """
     design = design_of_kind(
         FIXED, *IDEAL, "contact.stiffness_n_m=3e7", "load.torque_nm=0.5", "environment.gravity_y_m_s2=-98.0"
     )
@@ -120,7 +124,7 @@ def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
 
 
 def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
-    """Simulate a reducer with a nearly rigid cam at a crank speed [rpm]; return its last `duration` [s]."""
+    """Simulate a reducer with a nearly rigid cam at a crank speed [rpm]; return samples of the last `duration` [s]."""
     drive_changes = f"drive.speed_rpm={rpm!r}", f"drive.hold_s={SHARING.settled + duration!r}"
     reducer = rig.with_changes(reducer, *drive_changes, "load.rise_s=0.004", "settings.log_rate_hz=10000.0")
     model = build(reducer.design)

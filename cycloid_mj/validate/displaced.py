@@ -36,22 +36,24 @@ def phase_of(reducer: Reducer, disc: int) -> float:
 def in_ring_frame(
     reducer: Reducer, crank_angle: float, shifts: Array, rotations: Array, output_turn: float
 ) -> tuple[float, Array]:
-    """Transform a pose from the fixed frame to the ring's frame.
+    """Transform a pose of discs and output from the fixed frame to the frame of the ring, which may turn.
 
     Parameters
     ----------
     crank_angle
         Crank angle in the fixed frame [rad].
     shifts, rotations
-        Departures of each disc from its ideal pose: along the axes of the ring [m], shape (D, 2), and rotation [rad],
-        shape (D,).
+        Departures of each disc from its ideal pose: displacement along the axes of the ring [m], shape (D, 2), returned
+        unchanged; and angle in the fixed frame [rad], shape (D,).
     output_turn
-        Departure of the output (carrier or ring) from its ideal angle [rad].
+        Departure of the output (carrier or ring) from its ideal angle in the fixed frame [rad].
 
     Returns
     -------
     relative_angle, z
-        Crank angle in the frame of the ring [rad], and the unknowns of the springs there [m], shape (3 D + 1,).
+        Crank angle relative to the ring [rad], and the pose as in ``reducer.gaps`` [m], shape (3 D + 1,): x, y and
+        rotation of each disc, then rotation of the output. Rotations are multiplied by the radius of the circle of
+        output pins.
     """
     design = reducer.design
     ring, carrier = float(reducer.member.ring_angle(crank_angle)), float(reducer.member.gear_angle(crank_angle))
@@ -87,7 +89,7 @@ def _tooth_contacts(
     Parameters
     ----------
     crank, z
-        Crank angle [rad], and unknowns [m], shape (u,).
+        Crank angle relative to the ring [rad], and pose z [m] as in ``reducer.gaps``, shape (u,).
     disc
         Index of the disc.
     pin_shift
@@ -116,7 +118,7 @@ def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple
     Parameters
     ----------
     crank, z
-        Crank angle [rad], and unknowns [m], shape (u,).
+        Crank angle relative to the ring [rad], and pose z [m] as in ``reducer.gaps``, shape (u,).
     disc
         Index of the disc.
 
@@ -149,7 +151,7 @@ def _moment(arms: Array, forces: Array) -> Array:
 def cam_offsets(reducer: Reducer, crank: float, z: Array) -> Array:
     """Compute the offset of the centre of each disc from that of its cam [m], shape (D, 2), in the frame of the ring.
 
-    `crank` is the crank angle [rad], `z` are the unknowns [m] (u,).
+    `crank` is the crank angle relative to the ring [rad], `z` the pose [m] as in ``reducer.gaps``, shape (u,).
     """
     design = reducer.design
     errors, offsets = reducer.deviations, []
@@ -182,9 +184,9 @@ class DisplacedSprings:
     part of `stiffness` and is 0 here."""
 
     def contacts(self, unknowns: Array) -> tuple[Array, Array]:
-        """Compute the gaps of contacts, then of cams, and their gradients, at `unknowns` (u,) [m].
+        """Compute the gaps of contacts, then of cams, and their gradients by the unknowns.
 
-        The gaps include the free travel of ring pins.
+        `unknowns` is the pose z [m] as in ``reducer.gaps``, shape (u,). The gaps include the free travel of ring pins.
 
         Returns
         -------
@@ -208,7 +210,11 @@ class DisplacedSprings:
         return self._forces_at(self.gaps(z))
 
     def _forces_at(self, gaps: Array) -> Array:
-        """Compute the forces of contacts and cams [N] from their gaps [m], shape (n + D,); output pins may bend."""
+        """Compute the forces of contacts and cams [N], shape (n + D,), with the bending of output pins.
+
+        `gaps` are those of the contacts, then of the cams [m], shape (n + D,); for the output pins those of unbent
+        pins.
+        """
         discs = self.design.gear.discs
         force = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
         if self.bending.any():
@@ -230,9 +236,10 @@ class DisplacedSprings:
         return np.asarray(slopes.T @ self._forces_at(gaps))
 
     def balance(self, load: Array, start: Array) -> Array:
-        """Solve for the equilibrium under a load (u,) [N] by modified Newton steps; return its pose [m], shape (u,).
+        """Solve for the equilibrium by modified Newton steps; return its pose z [m] as in ``reducer.gaps``, shape (u,).
 
-        The stiffness matrix is that of the start pose (finite differences), which has to be near.
+        `load` is the generalised force on each unknown [N], shape (u,). The stiffness matrix is that at `start`, a pose
+        [m] near the solution, by finite differences.
 
         Raises
         ------

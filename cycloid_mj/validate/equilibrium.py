@@ -108,7 +108,7 @@ class PairSprings:
 def solve(
     reducer: Reducer, stiffness: Mapping[str, float], crank: float, start: Equilibrium | None = None
 ) -> Equilibrium:
-    """Solve for the pose at which contact forces and load are in equilibrium, by SciPy's hybrid Powell method.
+    """Solve for rotations and contact forces in static equilibrium at a locked crank, by SciPy's hybrid Powell method.
 
     Parameters
     ----------
@@ -144,14 +144,14 @@ def solve(
 
 
 def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
-    """Solve for the pose of equilibrium of a `locked` reducer by Powell's hybrid method, from an initial guess.
+    """Solve for the pose of equilibrium of a `locked` reducer by Powell's hybrid method.
 
-    `start` is the guess [m], shape (u,).
+    `start` is the initial guess, a pose z [m] as in the module docstring, shape (u,).
 
     Returns
     -------
     tuple
-        The pose [m], shape (u,), and the largest residual force [N].
+        The pose z [m], shape (u,), and the largest residual force [N].
     """
 
     def imbalance(x: Array) -> Array:
@@ -162,10 +162,10 @@ def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
 
 
 def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
-    """Minimise the energy of springs with uniform stiffness by a trust-region method; return the pose [m], (u,).
+    """Minimise the energy of a `locked` reducer with uniform contact stiffness; return the pose z [m], shape (u,).
 
-    It is the initial guess for the equilibrium of the `locked` reducer, whose springs depend on the local curvature.
-    `method` is that of SciPy.
+    The entries of z are in the module docstring. The pose is an initial guess for the equilibrium of springs whose
+    stiffness depends on the local curvature. `method` is a trust-region method of `scipy.optimize.minimize`.
     """
 
     def gradient(x: Array) -> Array:
@@ -219,7 +219,10 @@ def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
 
 
 def _make_equilibrium(locked: LockedReducer, z: Array) -> Equilibrium:
-    """Return rotations, tooth forces and cam force of a `locked` reducer in the equilibrium at a pose z [m]."""
+    """Return rotations, tooth forces and cam force of a `locked` reducer that is in equilibrium at a pose `z`.
+
+    The entries of `z` [m] are in the module docstring.
+    """
     springs = _springs_at_pose(locked, z, False)
     ring_springs, cam_spring = springs["ring"], springs["cam"]
     forces = np.zeros((locked.gear.ring_teeth, 2))
@@ -237,8 +240,8 @@ def _springs_at_pose(locked: LockedReducer, z: Array, uniform: bool) -> dict[str
 def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
     """Compute the springs of a `locked` reducer at a pose by kind: "ring", "cam", "output", and "socket" if pins move.
 
-    `pose` are the bytes of the unknowns [m], by which the result is cached; `uniform` is whether all tooth contacts
-    have the same stiffness.
+    `pose` is the pose z of the module docstring as bytes (`ndarray.tobytes`), by which the result is cached. With
+    `uniform`, all tooth contacts have the same stiffness.
     """
     unknowns = np.frombuffer(pose)
     springs = {
@@ -250,9 +253,10 @@ def _cached_springs(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[s
 
 
 def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
-    """Compute the nearest points of disc and ring of a `locked` reducer at a pose z [m].
+    """Compute the nearest points of disc and ring of a `locked` reducer by search along the exact curves.
 
-    They are searched for along the exact curves.
+    The entries of the pose `z` [m] are in the module docstring. The result has a row per ring pin; for an internal gear
+    a row per arc that the disc can touch, then the minima in its roots.
     """
     pose = locked.pose(z)
     if locked.design.ring.kind == "nonpin":
@@ -265,9 +269,11 @@ def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
 
 
 def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
-    """Compute the springs between disc and ring of a `locked` reducer at a pose z [m].
+    """Compute the springs between disc and ring of a `locked` reducer, with a row per row of `_nearest_points`.
 
-    Their stiffness is `uniform`, or follows from the local curvature.
+    The entries of the pose `z` [m] are in the module docstring. If `uniform`, all contacts have the stiffness of a pin
+    on a flat; otherwise it depends on the local curvature. The result has gaps, their gradients, stiffness and force
+    directions.
     """
     nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
     count, normals = nearest.distance.size, nearest.normals
@@ -287,10 +293,10 @@ def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings
 
 
 def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the springs of pins in sockets, or of sleeves on their pins, of a `locked` reducer at a pose z [m].
+    """Compute the springs of pins in sockets, or of sleeves on their pins, of a `locked` reducer, a row per ring pin.
 
-    Sockets are full circles: under load pins rest on the walls or carry nothing; an unloaded pin could leave an open
-    socket during the search.
+    The entries of the pose `z` [m] are in the module docstring. Sockets are full circles: an unloaded pin could leave
+    an open socket during the search. The force directions of the result are those on the pin.
     """
     shift = z[4:].reshape(-1, 2)
     distance = np.linalg.norm(shift, axis=1)
@@ -341,7 +347,10 @@ def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
 
 
 def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the spring between disc and cam of a `locked` reducer at a pose z [m]."""
+    """Compute the spring between disc and cam of a `locked` reducer; the result has a single row.
+
+    The entries of the pose `z` [m] are in the module docstring.
+    """
     eccentric_direction = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
     offset = z[:2] - locked.deviations.eccentricity * eccentric_direction
     distance = np.linalg.norm(offset)
@@ -353,9 +362,10 @@ def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
 
 
 def _output_springs(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the springs between output pins and holes of a `locked` reducer at a pose z [m].
+    """Compute the springs between output pins and holes of a `locked` reducer, a row per pin.
 
-    Each acts along the line between the centres of pin and hole.
+    The entries of the pose `z` [m] are in the module docstring. Each force acts along the line between the centres of
+    pin and hole.
     """
     output, pose = locked.design.output, locked.pose(z)
     ideal_positions = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)

@@ -121,14 +121,15 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
 
 
 def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute the distance of points (n, 2) [m] in the gear's frame, outside it, from the flanks less their offset.
+    """Compute the distance of points outside the gear from its flanks, less the `offset` of the flanks.
 
-    Rotated flanks: the nearer of the two families, where a foot beyond the end of its flank is moved to that end.
+    `points` are in the frame of the gear [m], shape (n, 2). Rotated flanks end at the tip and in the valley: where the
+    nearest point would lie beyond an end, the end is used. The nearer of both sides of a lobe counts.
 
     Returns
     -------
     tuple of Array
-        Distance [m], shape (n,), outward normal (n, 2), and parameter t of the foot point [rad], (n,).
+        Distance [m], shape (n,), outward normal (n, 2), and parameter t of the nearest point [rad], (n,).
     """
     if not flanks.rotation:
         return _waved_distance(flanks, points)
@@ -142,14 +143,11 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
 
 
 def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute distance, normal and parameter of `points` (n, 2) as `trochoid_distance`, for a trochoid with waves.
+    """Compute the signed distance of points [m] in the gear's frame, shape (n, 2), from a trochoid with waves.
 
-    Newton's method starts from the foot point on the trochoid.
-
-    Returns
-    -------
-    tuple of Array
-        As `trochoid_distance`: shapes (n,) [m], (n, 2) and (n,) [rad].
+    Newton's method starts from the nearest point of the trochoid without waves. The result is as in
+    `trochoid_distance`: distance [m], shape (n,), outward normal (n, 2), and parameter t of the nearest point [rad],
+    (n,).
     """
     distance, normals, t = trochoid_distance(flanks.gear, points)
     if not flanks.waves:
@@ -193,15 +191,16 @@ def _outwards(along: Array) -> Array:
 
 
 def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
-    """Compute distance, normal and foot of points (n, 2) [m] for the flanks on one side of the tips.
+    """Compute the distance of points [m] in the gear's frame, shape (n, 2), from the flanks on one side of the tips.
 
-    All are in the frame of the disc. `side` is 1 for the flanks before the tips (with growing parameter), -1 for those
-    after them; they are rotated by the modification.
+    `side` is 1 for the flanks before the tips (with growing parameter), -1 for those after them; they are rotated by
+    the modification.
 
     Returns
     -------
     tuple of Array
-        Distance less the offset (n,) [m], positive outside; unit normal (n, 2); parameter of the foot point (n,) [rad].
+        Distance less the offset of the flanks (n,) [m], positive outside; unit normal in the gear's frame (n, 2);
+        parameter t of the nearest point (n,) [rad].
     """
     gear, ends = flanks.gear, _flank_ends(flanks)
     rotated_points = rotate(points, side * flanks.rotation)
@@ -218,9 +217,10 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
 
 
 def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the signed distance of every pin from the disc at a `pose`, wherever it is.
+    """Compute the nearest points of the disc at a `pose` to every ring pin; the distance is the gap without clearance.
 
-    `centres` (N, 2) [m] are in the ring's frame; `flanks` are given if they are modified.
+    `centres` are those of the pins in the ring's frame [m], shape (N, 2); `flanks` are those of the disc, by default
+    the ideal flanks of `gear`.
     """
     distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
     pin_count = gear.ring_teeth
@@ -236,11 +236,12 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
 
 
 def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the gap of every arc of the internal gear to the disc, and the local minima of the gap inside `roots`.
+    """Compute the nearest points of the disc and an internal gear; their distance is the gap without clearance.
 
-    `pose` is that of the disc. Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next
-    lobe. An arc touches only within the fan of its normals, at most asin(c N/E) from the radial direction, with
-    eccentricity c, N lobes and the pin-circle radius E. `flanks` are given if they are modified.
+    First are the arcs that the disc at this `pose` can touch, then the local minima in the roots with the indices
+    `roots`. Root k is counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
+    within the fan of its normals, at most asin(c N/E) from the radial direction, with eccentricity c, N lobes and the
+    pin-circle radius E. `flanks` are those of the disc, by default the ideal flanks of `gear`.
     """
     flanks = flanks or _ideal(gear)
     arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
@@ -258,9 +259,9 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
 
 
 def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
-    """Find the local minima of the distance of the disc, at a `pose`, inside roots of the ring.
+    """Compute the local minima of the distance between the disc, at a `pose`, and the ring in `roots` (indices).
 
-    The lowest of three adjacent samples is refined by a parabola.
+    There may be none or several in a root. The lowest of three adjacent samples is refined by a parabola.
     """
     min_phase = gear.best_phase
     B = np.pi - (np.pi - min_phase) * np.cos(np.linspace(0, np.pi, 400))

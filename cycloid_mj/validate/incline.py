@@ -110,7 +110,8 @@ def pair_law() -> ContactParameters:
 def simulate_descent(contact_parameters: ContactParameters, angle: float, is_cylinder: bool) -> Descent:
     """Simulate a block, or a cylinder, on an incline of `angle` [rad] from rest, in the depth of static contact.
 
-    Returns its mean acceleration over the second half of `INCLINE.duration`, and speed and slip at the end.
+    Returns its mean acceleration over the second half of `INCLINE.duration` [m/s2], and speed and slip at the end
+    [m/s].
     """
     model = incline_model(contact_parameters, angle, is_cylinder)
     data = mujoco.MjData(model)
@@ -126,10 +127,10 @@ def simulate_descent(contact_parameters: ContactParameters, angle: float, is_cyl
 
 
 def incline_model(contact_parameters: ContactParameters, angle: float, is_cylinder: bool) -> Any:
-    """Compile the MuJoCo model of a body on an incline of `angle` [rad], with the contact parameters of a law.
+    """Compile the MuJoCo model (`MjModel`) of a block, or a cylinder, on an incline of `angle` [rad].
 
-    A cylinder can rotate and has the inertia m r^2/2. The model is compiled twice, as the parameters depend on its
-    masses.
+    A cylinder can rotate and has the inertia m r^2/2. The model is compiled twice, as the solver parameters of the
+    contact depend on its masses.
     """
     model = _compile_model("", angle, is_cylinder)
     bodies = [model.geom(name).bodyid[0] for name in ("plane", "foot")]

@@ -139,7 +139,10 @@ def model_rows(pins: str) -> list[ValidationRow]:
 
 
 def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
-    """Return the positions of the joints of crank, discs and output, [rad] or [m], at the unknowns z [m], by name."""
+    """Return the positions of the joints of crank, discs and output by name, [rad] or [m], at `BALANCE.crank`.
+
+    `unknowns` is the pose z [m] as in ``reducer.gaps``, shape (u,).
+    """
     angles = (
         float(kinematics.gear_rotation(reducer.tooth_profile, BALANCE.crank))
         + unknowns / reducer.design.output.pin_circle_radius

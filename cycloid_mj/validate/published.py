@@ -105,7 +105,8 @@ def hertz_rows(quick: bool) -> list[ValidationRow]:
 def printed_drive_rows(quick: bool) -> list[ValidationRow]:
     """Compare the backlash of the 3-D printed drive: simulated, by linear programme, and measured by its builder.
 
-    The simulated one is extrapolated from two torques to none. The measured one has no bound.
+    The simulated backlash is extrapolated to zero torque from runs under two torques. The row of the measured backlash
+    has no bound. `quick` is ignored.
     """
     design = rig.with_changes(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
     # torques that press the output against a stop [N m]
@@ -195,7 +196,8 @@ def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
 def efficiency_rows(quick: bool) -> list[ValidationRow]:
     """Compare the efficiency by Wang's formula with its printed results and with the simulated reducer.
 
-    The latter rows have no bound where the formula neglects the moment of friction, or the clearance.
+    Rows that compare the formula with the simulation have no bound: it neglects the moment of friction and the
+    clearance. Further rows with bounds compare the simulation with closed forms that include them.
     """
     rows = []
     for row_number, case in enumerate(WANG, start=1):
@@ -275,13 +277,13 @@ def output_efficiency(case: Wang) -> float:
 def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
     """Simulate a reducer of the proportions of a `case` of Wang, Luo and Su 2016.
 
-    `ideal`: almost no clearance and a rigid cam. Otherwise the default clearances and stiffness. With `quick` the run
-    is shorter.
+    With `ideal`, clearances are almost zero and the cam is rigid; otherwise they have their defaults. With `quick`, the
+    run lasts 8 mesh periods instead of a full turn of the crank.
 
     Returns
     -------
     tuple
-        Settled samples over full mesh periods, and the design.
+        Samples over full mesh periods after the transient, and the design.
     """
     design = wang_design(case, ideal)
     periods = 8 if quick else case.pins
@@ -298,7 +300,8 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
 def wang_design(case: Wang, ideal: bool) -> Design:
     """Return a design of the proportions of a `case` of Wang, Luo and Su 2016 with fixed pins.
 
-    `ideal` as in `wang_run`. Rollers on the output pins act as less friction.
+    With `ideal`, clearances are 1 nm and the contact stiffness is uniform. Rollers on the output pins are represented
+    by a smaller coefficient of friction.
     """
     eccentricity = case.shortening * case.pin_circle / 2.0 / case.pins
     sleeve_radius = case.output_pin / 2.0 + case.sleeve_wall

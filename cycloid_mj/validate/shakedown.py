@@ -14,8 +14,9 @@ def rows(quick: bool) -> list[ValidationRow]:
     """Compare first yield and shakedown under a rolling line contact with the elastic stress field below it.
 
     Residual stresses can cancel all but the orthogonal shear, which changes sign as the load passes (Melan): its
-    largest value is k at shakedown. By Johnson it is 0.25 p0 at (0.87, 0.50) half widths, and the load 1.66 times that
-    of first yield (Contact Mechanics, 1985, 9.2, Eqs 9.5 and 9.6); yield by von Mises with Poisson's ratio 0.3.
+    largest value is the shear strength k at shakedown. By Johnson it is 0.25 of Hertz's peak pressure p0 at (0.87,
+    0.50) half widths, and the load 1.66 times that of first yield (Contact Mechanics, 1985, 9.2, Eqs 9.5 and 9.6);
+    yield by von Mises with Poisson's ratio 0.3. `quick` is ignored.
     """
     shear_minimum = minimize(_minus_shear, np.array([0.8, 0.5]), method="Nelder-Mead", tol=1e-10)
     source = "Johnson, Contact Mechanics (1985), 9.2"

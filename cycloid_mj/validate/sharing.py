@@ -204,10 +204,10 @@ def _at_slow_speed(reducer: Reducer, rpm: float) -> Reducer:
 
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
-    """Compute the contacts of the ideal mesh at a crank angle [rad].
+    """Compute the contacts of the ideal mesh at a crank angle [rad]; for an internal gear the arcs, then the root
+    lines.
 
-    Returns index of the ring lobe (n,), normal of the ring (n, 2) and phase B [rad] (n,); for an internal gear the arcs
-    first, then the root lines.
+    Returns index of the ring lobe (n,), unit normal of the ring (n, 2) and phase B [rad] (n,).
     """
     gear = reducer.tooth_profile
     arc_contacts = envelope.arc_contacts(gear, crank)

@@ -91,9 +91,9 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
 
 
 def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
-    """Compare the figures of a run with massless pins, at their own time step, with those of real free pins.
+    """Compare a run with massless free pins, at its own time step, with a run with real free pins.
 
-    Raises the error of the run with real pins, if it failed.
+    `real_pins` are the figures of the latter, or its error, which is raised.
     """
     if isinstance(real_pins, RunError):
         raise real_pins
@@ -104,10 +104,11 @@ def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[Valida
 
 
 def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> list[ValidationRow]:
-    """Compare each time step of a study with its shortest.
+    """Compare the figures of runs with several time steps with those of the shortest step.
 
-    All figures up to the automatic step [us] have a row with a bound; for longer steps only the worst one has, without
-    a bound. A failed run is a row that fails. Rows of the observed order of convergence follow.
+    All figures up to the automatic step have a row with a bound; a longer step has a row, without a bound, of the
+    figure with the largest difference only. A failed run is a row that fails. Rows of the observed order of convergence
+    follow.
 
     Parameters
     ----------
@@ -170,9 +171,9 @@ def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunErr
 
 
 def _run_figures(kind: str, periods: int, *changes: str) -> StepFigures:
-    """Simulate a kind of ring for some mesh periods at rated load and 1640 rpm.
+    """Simulate a kind of ring for some mesh periods at rated load and 1640 rpm; return its `StepFigures`.
 
-    Returns figures that the time step must not change. `changes` are settings as for ``--set``, ``key=value``.
+    `changes` are settings as for ``--set``, ``key=value``.
     """
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)

@@ -123,13 +123,13 @@ def run_parts(
 ) -> Iterator[tuple[int, list[ValidationRow]]]:
     """Run validation parts in parallel processes, the longest first; yield the result of each as it ends.
 
-    A part that cannot be run yields one row, which fails and has the reason. Warnings of the parts are repeated here.
-    `workers` is the number of processes.
+    A part that cannot be run yields one failing row with the reason as its note. Warnings of the parts are issued again
+    in this process. `workers` is the number of processes.
 
     Yields
     ------
     tuple
-        Index of the part, and its rows.
+        Index of the part in `parts`, and its rows.
     """
     order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
     tasks = [(parts[index], quick) for index in order]
@@ -146,14 +146,14 @@ def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[
 
 
 def _run(task: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
-    """Run a validation part of a `task`, which also has whether it runs quickly.
+    """Run a validation part; `task` is the part and whether to be quick.
 
     A part that raises CycloidError has one failed row.
 
     Returns
     -------
     tuple
-        Rows, and the texts of the warnings, which a process would lose.
+        Rows, and the texts of the warnings, which would not leave a parallel process.
     """
     part, quick = task
     with warnings.catch_warnings(record=True) as caught:

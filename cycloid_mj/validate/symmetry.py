@@ -46,7 +46,10 @@ BINS = 16
 
 
 def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the reversed motion of a kind of ring with the mirror image of the forward motion, without gravity."""
+    """Compare ripple, tooth forces and efficiency of the reversed motion with the mirror image of the forward motion.
+
+    `kind` is the kind of ring. There is no gravity. With `quick` the runs last 4 mesh periods instead of 12.
+    """
     periods = 4 if quick else 12
     forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
     reducer = Reducer(design)
@@ -73,10 +76,10 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare gravity off, down and turned by a right angle with each other, over one crank turn.
+    """Compare runs of one crank turn with gravity off, downward, and sideways (rotated by a right angle).
 
-    The mechanism under turned gravity is the same one a quarter of a crank turn later, but for the place of its output
-    pins.
+    The mechanism under sideways gravity is the same a quarter of a crank turn later, except for the positions of its
+    output pins. `kind` is the kind of ring; `quick` is ignored.
     """
     # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
     step_changes = [] if kind == FREE else ["settings.timestep_us=5.0"]

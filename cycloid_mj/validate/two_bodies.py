@@ -97,7 +97,7 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def static_deflection(contact_parameters: ContactParameters, timestep: float) -> tuple[float, float]:
-    """Simulate until the disc is at rest under `TWO.force`; return its depth [m] and the contact force [N]."""
+    """Simulate until the disc is at rest under `TWO.force`; return its penetration [m] and the contact force [N]."""
     model = two_body_model(contact_parameters, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
     with install():
