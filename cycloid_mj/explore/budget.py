@@ -57,10 +57,10 @@ def size_of_budget_sets(samples: int) -> int:
 
 
 def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
-    """Return the sample sets of the pick-freeze estimators by name: A, B, and for each tolerance A with it from B.
+    """Return the sample sets of the pick-freeze estimators by name: "A", "B", and a mixed set for each tolerance.
 
-    `zones` are the tolerances by key, `samples` is the size of each set; the name of a mixed set is the key of its
-    tolerance.
+    A mixed set has the values of its tolerance from B, all others from A; its name is the key of the tolerance. `zones`
+    are the tolerances by key, `samples` is the size of each set.
     """
     swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
@@ -208,9 +208,10 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
 
 
 def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> list[int]:
-    """Return the indices of the tolerances in the linear model: those that change the figure, fewest numbers first.
+    """Return the indices of the tolerances in the linear model, in ascending order: those that change the figure.
 
-    The number of columns is limited to `SobolSettings.max_columns` of the rows. `deviations`: standardised, of set A.
+    The number of columns is limited to `SobolSettings.max_columns` of the rows; tolerances with the fewest random
+    numbers are included first. `deviations` are standardised, of set A, shape (n, numbers) for each tolerance.
     """
     rows = 2.0 * figure.first.size * (1.0 - 1.0 / SOBOL.folds)
     free_columns = SOBOL.max_columns * rows - 1.0

@@ -220,8 +220,10 @@ def plan_runs(
         Solver of the runs.
     starts
         Number of different initial states of each case without load; a loaded case has one.
-    variations, assumptions
-        Parameter variations of all cases; those of assumed inputs, of the loaded cases only.
+    variations
+        Parameter variations of all cases.
+    assumptions
+        Variations of assumed values of the contact model, of the loaded cases only.
     """
     by_case = {
         design: (design,) if design.load.torque else independent_starts(Reducer(design), starts) for design in cases

@@ -137,7 +137,8 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
 def default_links(requested: Iterable[Link], varied_keys: Iterable[str]) -> tuple[Link, ...]:
     """Return the links by the `RULES` that apply to an optimisation without a request.
 
-    A rule applies if one of its leaders is varied, and its key is neither varied nor linked by `requested`.
+    A rule applies if a key that it follows (`LinkRule.leaders`) is varied, and the key that it sets is neither varied
+    nor linked by `requested`.
     """
     varied_keys = set(varied_keys)
     excluded = varied_keys | {link.key for link in requested}

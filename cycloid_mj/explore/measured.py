@@ -45,7 +45,11 @@ class MeasuredFigures:
 
 
 def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFigures:
-    """Collect quantities as columns by name: the catalogue's key, else the quantity's key with its unit at the end."""
+    """Convert quantities to columns by name, with their units.
+
+    The name is the quantity's key if it is in `cycloid_mj.figures.FIGURES`, otherwise key and unit (``mass_kg``).
+    `more` are the other fields of `MeasuredFigures`: assumptions and warnings.
+    """
     quantities_by_name = {
         quantity.key if quantity.key in FIGURES else with_unit(quantity.key, quantity.unit): quantity
         for quantity in quantities
@@ -55,7 +59,10 @@ def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFig
 
 
 def _compute_statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Compute the quantities of the static sheet, under the catalogue's keys."""
+    """Compute the quantities of the static sheet as columns under their keys in `cycloid_mj.figures.FIGURES`.
+
+    The settings have no effect.
+    """
     from cycloid_mj.statics.sheet import sheet
 
     figures = sheet(reducer)
@@ -141,9 +148,10 @@ def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 
 
 def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
-    """Collect the checks of a design as columns: numbers and names of failures, values, and `_summarize_design`.
+    """Convert the results of all checks of a design to columns; the settings have no effect.
 
-    Checks without a value have no column. A design with errors has no summary. The settings have no effect.
+    The columns are numbers of failed errors and warnings, names of failed checks, the values of checks that have a
+    value, and, for a design without errors, those of `_summarize_design`.
     """
     from cycloid_mj.checks import check
 

@@ -323,9 +323,10 @@ class _Rows:
 
 @contextmanager
 def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
-    """Open the record of a search as a context: in memory, or in the folder `out`, where it is resumed.
+    """Open the record of a search as a context that yields its rows: in memory, or in the folder `out`.
 
-    The problem, the number of evaluations, the starts and the seed identify the search in a folder.
+    A search in a folder is resumed there if its problem, number of evaluations, starts, seed and package versions are
+    the same.
     """
     if out is None:
         rows: dict[int, PointResult] = {}

@@ -282,7 +282,7 @@ class Optimum(Tabular):
     ran_into = deprecated_attribute("Optimum", "ran_into", "active_bounds")
 
     def _checks_as_json(self, best_checks: BestChecks) -> dict[str, Any]:
-        """Convert the checks of the best design to JSON values."""
+        """Convert the checks of the best design to JSON: "statics", "dynamics" and "tolerances", None if missing."""
         dynamics = best_checks.dynamics
         return {
             "statics": {key: quantity.value for key, quantity in best_checks.sheet.quantities.items()}
@@ -335,7 +335,11 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
 
 
 def _tabulate_checks(best_checks: BestChecks) -> list[Table]:
-    """Tabulate the full statics of best and start, and of the best also its dynamics and its yield."""
+    """Tabulate the static sheets of the start design and the best design, with the change of each quantity.
+
+    Tables of the best design in full dynamics, of its distributions within the tolerances, and of its error budget
+    follow. Tables without results are left out.
+    """
     tables = []
     if best_checks.sheet is not None:
         start = best_checks.start.quantities if best_checks.start else {}

@@ -102,9 +102,9 @@ def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: in
 
 
 def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
-    """Convert rows of a table, key of the design file -> value or its text, to points with the values in their types.
+    """Convert rows of a table to points; the values get the types of their keys.
 
-    All rows must have the same keys.
+    A row maps each key of the design file to a value or its text. All rows must have the same keys.
 
     Raises
     ------

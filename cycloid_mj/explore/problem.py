@@ -185,8 +185,8 @@ def _as_tuple(words: str | Sequence[str]) -> tuple[str, ...]:
 def _parse_variable(key: str, values: Wanted) -> SearchRange | Choice:
     """Parse the values of a key: a range of real numbers, or a list of values to try in turn.
 
-    A pair of numbers is a range for a real number. A range of whole numbers becomes the list of all of them, and so
-    does ``lo:hi:n``. Raises UsageError as `parse_axis`.
+    A pair of numbers is a range for a real number. A range of whole numbers becomes the list of all of them; a range
+    ``lo:hi:n`` becomes the list of its n values. Raises UsageError as `parse_axis`.
     """
     if declaration_of(key).annotation is float and not isinstance(values, str) and len(values) == 2:
         values = f"{values[0]}:{values[1]}"

@@ -78,7 +78,10 @@ def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[st
 
 
 def _catalogue_key(name: str) -> str:
-    """Return a column by the catalogue's key where it is an older name of a figure: ``stiffness_ideal_nm_arcmin``."""
+    """Return a column `name`, ``key`` or ``measure.key``, with the main key of its figure in place of an alias.
+
+    Deprecated keys are aliases, too. Other names are returned unchanged.
+    """
     measure, dot, key = name.rpartition(".")
     try:
         return f"{measure}{dot}{figure(key).key}"

@@ -172,7 +172,7 @@ def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
 
 
 def apply_deviations(reducer: Reducer, nominal: Samples, deviations: Mapping[str, Array]) -> Samples:
-    """Return samples of the nominal design with deviations [m] added, by tolerance, shape (samples, ...).
+    """Return the `nominal` samples with deviations [m] added; `deviations` have shape (samples, ...), by tolerance.
 
     A deviation of the pin circle moves all pins radially by the same distance, in addition to their position errors.
     Waves of the profile are added to those of the same order.

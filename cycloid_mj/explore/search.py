@@ -145,6 +145,8 @@ def search_minimum(
 ) -> None:
     """Search for the point of lowest cost: successive halving over combinations and starts, then CMA-ES with restarts.
 
+    Nothing is returned: the results are those that `evaluate` records.
+
     Parameters
     ----------
     task
@@ -213,11 +215,11 @@ class _Run:
                 self._best = batch[lowest], points[lowest]
 
     def select_combination(self, start_point: Point, sigma: float) -> list[EvolutionSearch]:
-        """Select a combination of the choices by successive halving: drop the worse half after each round of searches.
+        """Select a combination of the choices by successive halving; return its search as a list of length 1.
 
-        `start_point` is the start point of all searches, `sigma` their first standard deviation, relative to the
-        ranges. Return the remaining search, in a list. With a single combination there are no rounds, and no
-        evaluations.
+        After each round of searches the worse half is dropped. `start_point` is the start point of all searches,
+        `sigma` their first standard deviation, relative to the ranges. With a single combination there are no rounds,
+        and no evaluations.
         """
         start = positions_in_ranges(self._task.ranges, start_point)
         remaining = [

@@ -139,7 +139,7 @@ class Tolerances(Tabular):
 
     @property
     def frame(self) -> Frame:
-        """A row for each sample."""
+        """A row for each sample: number, deviations [um], figures, and whether it jams (1 or 0)."""
         units = {key: unit for key in self.figures if (unit := figure(key).unit) != "1"} | dict.fromkeys(
             self.drawn, "um"
         )
@@ -148,7 +148,7 @@ class Tolerances(Tabular):
 
     @property
     def line(self) -> str:
-        """Design, yield, and mean and standard deviation of the figure of the budget."""
+        """Design, share of good samples, and mean and standard deviation of the figure of the budget."""
         unit = figure(self.budget_of).unit
         values = self.figures[self.budget_of][~self.jams]
         spread = f"{values.mean():.4g} +- {values.std():.2g} {unit}" if values.size else "all jam"
@@ -156,7 +156,10 @@ class Tolerances(Tabular):
 
     @property
     def yield_interval(self) -> tuple[float, float]:
-        """Bounds of the 95 % confidence interval of the yield (Wilson, J. Am. Stat. Assoc. 22, 1927), 0 to 1."""
+        """Bounds (0 to 1) of the 95 % confidence interval of the share of good samples.
+
+        Wilson, J. Am. Stat. Assoc. 22, 1927.
+        """
         count, good_share = self.samples, float(self.good.mean())
         weight = NormalDist().inv_cdf(0.975) ** 2 / count
         middle = (good_share + 0.5 * weight) / (1.0 + weight)
@@ -165,7 +168,7 @@ class Tolerances(Tabular):
 
     @property
     def words(self) -> str:
-        """Yield, limits, share of jammed samples, number of samples and seed, in a sentence."""
+        """Share of good samples, limits, share of jammed samples, number of samples and seed, in a sentence."""
         low, high = self.yield_interval
         limits = " and ".join(map(str, self.limits)) or "no limits"
         return (
@@ -240,7 +243,10 @@ class Tolerances(Tabular):
         }
 
     def tables(self) -> tuple[Table, ...]:
-        """Tabulate the distributions of the figures, the error budget, and the runs in full dynamics, if available."""
+        """Tabulate the distributions of the figures, the error budget, and the runs in full dynamics, in this order.
+
+        Tables without results are left out.
+        """
         tables = []
         if np.sum(~self.jams) > 1:
             rows = tuple((key, *item.cells, item.unit) for key, item in self.distributions.items())
@@ -307,10 +313,10 @@ def tolerance(
     verify: int = 0,
     solver: Solver = "planar",
 ) -> Tolerances:
-    """Compute yield, distributions and error budget of a design by Monte Carlo within its tolerances.
+    """Compute distributions of figures, share of good samples and error budget of a design within its tolerances.
 
-    Each sample is a drive with random errors, whose static equilibrium is solved. Equal seeds yield equal bits, on any
-    machine and with any number of workers.
+    This is a Monte Carlo study: each sample is a drive with random errors, whose static equilibrium is solved. Equal
+    seeds yield equal bits, on any machine and with any number of workers.
 
     Parameters
     ----------
@@ -330,16 +336,17 @@ def tolerance(
 
     Returns
     -------
-    Yield, distributions of the figures, and the share of each tolerance in their variance.
+    Share of samples that satisfy all limits and do not jam, distributions of the figures, and the share of each
+    tolerance in the variance of the budget's figure.
 
     Raises
     ------
     UsageError
         The design has no tolerances, a limit is not valid, or limits contradict each other.
     TooManyJams
-        99 % or more of the first 200 samples jam, or of all if there are fewer; it holds their figures.
+        99 % or more of the first 200 samples jam, or of all if there are fewer; its `tolerances` have their figures.
     StudyInterrupted
-        Ctrl-C; it holds the figures of the first samples, up to the first batch that is missing.
+        Ctrl-C; its `tolerances` have the figures of the first samples, up to the first batch that is missing.
     """
     if not 0 <= verify <= MAX_WORST:
         raise UsageError(
@@ -492,7 +499,7 @@ class _Study:
         return tuple(dict.fromkeys((*SAMPLED, *(limit.key for limit in self.limits))))
 
     def result(self, figures_by_batch: Mapping[int, Mapping[str, Array]]) -> Tolerances:
-        """Assemble the result of the leading batches that are solved; the first one must be.
+        """Assemble the result of the study from the leading batches that are solved; the first batch must be.
 
         `figures_by_batch` has the figures by index of the batch and by key, shape (samples,) each.
         """

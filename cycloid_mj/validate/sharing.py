@@ -204,8 +204,7 @@ def _at_slow_speed(reducer: Reducer, rpm: float) -> Reducer:
 
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
-    """Compute the contacts of the ideal mesh at a crank angle [rad]; for an internal gear the arcs, then the root
-    lines.
+    """Compute the contacts of the ideal mesh at a crank angle [rad]; for an internal gear arcs, then root lines.
 
     Returns index of the ring lobe (n,), unit normal of the ring (n, 2) and phase B [rad] (n,).
     """
