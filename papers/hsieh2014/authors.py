@@ -62,7 +62,10 @@ class Feature:
 
 
 def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Draw the paper's figures with both kinds of contact, and determine which change causes which feature."""
+    """Compare our contacts with those that the authors may have used: contact law IMPACT, and flanks of facets.
+
+    The result has the paper's figures with both contact laws, and tables of which change causes which feature.
+    """
     progress("planar runs with and without soft contact and facets")
     cases = planar_runs()
     progress("runs with IMPACT")
@@ -104,7 +107,10 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
-    """Run both designs with every combination of the two changes, and without gravity, stiffer and softer."""
+    """Run both designs with every combination of the two changes, and with variations of the soft contact.
+
+    Returns the forces of the starts at `PHASES`, by name of the case and name of the design.
+    """
     wanted: list[tuple[str, Design, Any, float, float]] = []
     for design in designs():
         line, stiff = line_contacts(design), GENERIC.stiffness
@@ -127,7 +133,7 @@ def planar_runs() -> dict[str, dict[str, list[PeakForces]]]:
 
 
 def brought_by(holds: Mapping[str, bool]) -> str:
-    """Return which change causes a feature, from the cases that show it: neither change, each alone, and both."""
+    """Return in words which change causes a feature; `holds` states for each case of `CHANGES` whether it shows it."""
     if holds[OURS]:
         return "neither: ours has it" + ("" if holds[BOTH] else "; both together remove it")
     alone = [name for name in (SOFT, FACETS) if holds[name]]
@@ -145,20 +151,20 @@ def _features(stress: Mapping[str, Mapping[str, Callable[[float], Any]]]) -> lis
     """List the evaluated features; `stress` maps the largest force on a design's part [N] to its stress [MPa]."""
     two = "pin: two maxima of the cam's force a turn, near 75 and 255 deg"
     features = [
-        Feature("Fig. 12", two, _maxima("pin"), _two_peaks),
-        Feature("Fig. 12", "nonpin: more and flatter maxima than pin", _maxima("nonpin"), _flatter),
-        Feature("Fig. 6", "the gear's speed fluctuates more with pins", *_rougher("rms", 1.0, "rad/s")),
-        Feature("Fig. 8", "the velocity of q fluctuates more with pins", *_rougher("q_rms", 1e3, "mm/s")),
-        Feature("Fig. 9", "pins stay within their clearance, 1 um", _reach, _stay),
+        Feature("Fig. 12", two, _maxima_function("pin"), _has_two_peaks),
+        Feature("Fig. 12", "nonpin: more and flatter maxima than pin", _maxima_function("nonpin"), _has_flatter_maxima),
+        Feature("Fig. 6", "the gear's speed fluctuates more with pins", *_fluctuation_functions("rms", 1.0, "rad/s")),
+        Feature("Fig. 8", "the velocity of q fluctuates more with pins", *_fluctuation_functions("q_rms", 1e3, "mm/s")),
+        Feature("Fig. 9", "pins stay within their clearance, 1 um", _describe_reach, _stays_in_clearance),
     ]
     for figure, part in (("Fig. 12", "shaft"), ("Fig. 14", "ring"), ("Fig. 13", "gear")):
         for name in ("pin", "nonpin"):
             words = f"{name}: the {part} stressed as high as in the paper"
-            features.append(Feature(figure, words, *_height(part, name, stress[name][part])))
+            features.append(Feature(figure, words, *_stress_functions(part, name, stress[name][part])))
     return features
 
 
-def _maxima(name: str) -> Callable[[Mapping[str, Sequence[PeakForces]]], str]:
+def _maxima_function(name: str) -> Callable[[Mapping[str, Sequence[PeakForces]]], str]:
     def tell(forces: Mapping[str, Sequence[PeakForces]]) -> str:
         curve = mean_curve(forces[name])
         angles = ", ".join(f"{angle:.0f}" for angle in maxima(curve))
@@ -167,21 +173,25 @@ def _maxima(name: str) -> Callable[[Mapping[str, Sequence[PeakForces]]], str]:
     return tell
 
 
-def _two_peaks(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
+def _has_two_peaks(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
     angles = maxima(mean_curve(forces["pin"]))
     return len(angles) == len(SHAFT_PEAKS) and all(
         abs(angle - wanted) <= NEAR for angle, wanted in zip(angles, SHAFT_PEAKS, strict=True)
     )
 
 
-def _flatter(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
+def _has_flatter_maxima(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
     pin, nonpin = (mean_curve(forces[name]) for name in ("pin", "nonpin"))
     flatter = np.ptp(nonpin) / np.mean(nonpin) < np.ptp(pin) / np.mean(pin)
     return bool(flatter) and len(maxima(nonpin)) > len(maxima(pin))
 
 
-def _rougher(field: str, scale: float, unit: str) -> tuple[Any, Any]:
-    """Return functions for the fluctuation of both designs, and for whether pin has more by the rank test."""
+def _fluctuation_functions(field: str, scale: float, unit: str) -> tuple[Any, Any]:
+    """Return two functions of the forces of both designs: their fluctuation in words, and whether pin fluctuates more.
+
+    `field` is the attribute of `PeakForces` that measures the fluctuation, `scale` the factor to the `unit` of the
+    text. A rank test decides the second function.
+    """
 
     def sizes(forces: Mapping[str, Sequence[PeakForces]]) -> tuple[StartSpread, StartSpread]:
         pin, nonpin = (
@@ -196,18 +206,22 @@ def _rougher(field: str, scale: float, unit: str) -> tuple[Any, Any]:
     return tell, lambda forces: rank_order(*sizes(forces)) > 0
 
 
-def _reach(forces: Mapping[str, Sequence[PeakForces]]) -> str:
+def _describe_reach(forces: Mapping[str, Sequence[PeakForces]]) -> str:
     reaches = StartSpread.of(1e6 * peaks.reach for peaks in forces["pin"])
     return f"{reaches.words} um"
 
 
-def _stay(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
+def _stays_in_clearance(forces: Mapping[str, Sequence[PeakForces]]) -> bool:
     clearance = designs()[0].clearance.pin_socket
     return all(peaks.reach <= (1.0 + GIVE) * clearance for peaks in forces["pin"])
 
 
-def _height(part: str, name: str, stress: Callable[[float], Any]) -> tuple[Any, Any]:
-    """Return functions for a part's stress [MPa] in the mean of the starts, and for whether it is the paper's."""
+def _stress_functions(part: str, name: str, stress: Callable[[float], Any]) -> tuple[Any, Any]:
+    """Return two functions of the forces of both designs: a part's stress in words, and whether it is the paper's.
+
+    `stress` maps the largest force on the part [N] to its stress [MPa]; the functions use the mean of the starts.
+    `name` is the design.
+    """
 
     def size(forces: Mapping[str, Sequence[PeakForces]]) -> float:
         return float(np.mean([stress(acting(peaks)[part]) for peaks in forces[name]]))
@@ -220,7 +234,7 @@ def _height(part: str, name: str, stress: Callable[[float], Any]) -> tuple[Any, 
 
 
 def _feature_tables(cases: Cases, features: Sequence[Feature]) -> tuple[Table, Table]:
-    """Return the tables of the features: for each combination of the changes, and with the soft contact varied."""
+    """Return the tables of the features: for each combination of the changes, and for variations of soft contact."""
     brought = {feature: brought_by({name: feature.holds(cases[name]) for name in CHANGES}) for feature in features}
 
     def rows(names: Sequence[str]) -> list[tuple[str, ...]]:
@@ -255,7 +269,10 @@ def _as_json(cases: Cases, feature: Feature) -> dict[str, Any]:
 
 
 def _torque_table(torques: Mapping[str, tuple[float, float]]) -> Table:
-    """Return the table of output torques with both contact laws, the paper's, and which law causes them."""
+    """Return the table of output torques with both contact laws, the paper's torques, and which law causes them.
+
+    `torques` are those of each design with line contacts and with IMPACT [N m].
+    """
     rows = []
     for name, both in torques.items():
         cells = [f"{torque:.2f}, {100 * torque / IDEAL:.1f} %" for torque in both]
@@ -275,7 +292,7 @@ def torque_brought_by(line: float, impact: float, paper: float) -> str:
 
 
 def _torque_plate(torques: Mapping[str, tuple[float, float]]) -> PaperFigure:
-    """Draw the output torque of both designs with both contact laws, and the paper's."""
+    """Draw the output torque of both designs with line contacts and with IMPACT [N m], next to the paper's."""
     from hsieh2014.paper_figures import torques_figure
 
     computed = {name: dict(zip(("line contacts", "IMPACT"), both, strict=True)) for name, both in torques.items()}
@@ -289,7 +306,7 @@ def _settled_torque(design: Design) -> float:
 
 
 def torques_by_turn(design: Design, turns: int = 7) -> Array:
-    """Compute the mean output torque of each crank turn of the torque test [N m], shape (turns,): the last is settled.
+    """Compute the mean output torque in each crank turn of the torque test [N m], shape (turns,); the last is settled.
 
     The damping of soft contacts delays the output torque by some turns, far more than that of line contacts. Over the
     last two of seven turns it is constant within 0.1 %.
@@ -300,7 +317,10 @@ def torques_by_turn(design: Design, turns: int = 7) -> Array:
 
 
 def _plates(base: Mapping[str, Series], soft: Mapping[str, Series], cases: Cases) -> Iterator[PaperFigure]:
-    """Draw Figs 6, 8 and 9 by both contact laws, side by side, and the cam's force over a turn."""
+    """Yield Figs 6, 8 and 9 with each contact law, and a figure of the cam's force over a turn.
+
+    `base` and `soft` are the runs by design with line contacts and with IMPACT, `cases` the planar runs.
+    """
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import cam_figure, speeds_figure, velocities_figure
 

@@ -193,7 +193,10 @@ def _page(
     plan: "Plan",
     command: str,
 ) -> str:
-    """Return the page, with the smaller format of each figure."""
+    """Return the HTML page of all stages and `errata`, with the smaller format of each figure.
+
+    `files` are the images by path, `command` is a sentence on command and run time.
+    """
     from hsieh2014.page import reproduction_page
     from hsieh2014.plan import SAMPLES, main_runs
 

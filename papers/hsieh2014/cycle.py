@@ -16,7 +16,7 @@ RELIEVED = 0.1
 
 
 def cycle_table(cases: Mapping[str, Sequence[Run]]) -> Table:
-    """Return the table of pin 1's load cycle, for each case with ring pins: name -> runs; loaded runs count."""
+    """Return the table of pin 1's load cycle; of the runs by name, `cases`, only loaded runs with ring pins count."""
     rows: list[tuple[str | float, ...]] = []
     for name, runs in cases.items():
         for motion in (settle_run(run) for run in runs):
@@ -29,16 +29,26 @@ def cycle_table(cases: Mapping[str, Sequence[Run]]) -> Table:
 
 
 def cycle(motion: Series) -> tuple[float, float, float, float]:
-    """Return where pin 1 is loaded and relieved [deg], for which share of the turn [%], and the loaded pins."""
+    """Return the load cycle of pin 1; the angles are NaN if it is always or never loaded.
+
+    Returns
+    -------
+    tuple of float
+        Crank angles from which it is loaded and relieved [deg], loaded share of the turn [%], mean number of loaded
+        pins.
+    """
     force = tooth_forces(motion)[motion.one_turn]
     loaded = force[:, 0] > RELIEVED * force[:, 0].max()
     degrees = np.mod(np.degrees(motion.crank_angle[motion.one_turn]), 360.0)
     count = float(np.mean(np.count_nonzero(force > RELIEVED * force.max(), axis=1)))
-    return _change(degrees, loaded), _change(degrees, ~loaded), 100.0 * float(loaded.mean()), count
+    return _angle_of_change(degrees, loaded), _angle_of_change(degrees, ~loaded), 100.0 * float(loaded.mean()), count
 
 
-def _change(degrees: Array, begins: Mask) -> float:
-    """Return the angle [deg] at which the longest True stretch begins; NaN if the mask is constant."""
+def _angle_of_change(degrees: Array, begins: Mask) -> float:
+    """Return the angle [deg] at which the longest interval with a True mask begins; NaN if the mask is constant.
+
+    `degrees` are the crank angles of a turn, `begins` is the mask, shape (n,) each.
+    """
     starts = np.flatnonzero(begins & ~np.roll(begins, 1))
     if starts.size == 0:
         return float("nan")

@@ -19,7 +19,7 @@ class Varied:
 
 def decisions(base: Sequence[Ranking], sweep: Sequence[Varied]) -> list[str]:
     """Return a sentence for each ranking: its ratio for each parameter, and which parameters decide it."""
-    return [_decision(ranking, _answers(ranking, sweep)) for ranking in base] if sweep else []
+    return [_describe_decision(ranking, _answers(ranking, sweep)) for ranking in base] if sweep else []
 
 
 def _answers(base: Ranking, sweep: Sequence[Varied]) -> dict[str, list[tuple[str, Ranking]]]:
@@ -35,7 +35,7 @@ def _case(ranking: Ranking) -> tuple[str, str, str, float]:
     return ranking.quantity, ranking.pin, ranking.nonpin, ranking.load_nm
 
 
-def _decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -> str:
+def _describe_decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -> str:
     """Describe how each varied parameter changes a ranking.
 
     A parameter is decisive if less than a third of the designs' difference (log ratio) remains.

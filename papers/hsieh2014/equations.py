@@ -38,9 +38,10 @@ def zeta_at(law: CrankLaw) -> Callable[[Array], Array]:
 
 
 def eq2(sign: int, pin_angle: float, crank: npt.ArrayLike) -> tuple[Array, Array]:
-    """Point of the gear that a pin touches, and that pin's centre, in the gear frame (Eq. 2), (..., 2) [m].
+    """Compute the point of the gear that a pin touches, and that pin's centre, in the gear frame (Eq. 2), (..., 2) [m].
 
-    The pin's centre E u(zeta) less rho (-sin, cos)(alpha + sign zeta), turned into the gear frame; -1 is right.
+    The point is the pin's centre E u(zeta) less rho (-sin, cos)(alpha + sign zeta), rotated into the gear frame. `sign`
+    1 is as printed, -1 as corrected; `pin_angle` is the pin's angle on the ring, `crank` the crank angle [rad].
     """
     N, c, E, rho = GEAR.symbols
     phi = np.asarray(crank, float)
@@ -127,10 +128,10 @@ def eq21(direction: Array, force: Array, inertia: Array) -> float:
 
 
 def eq27(speed: Array, time: float) -> Array:
-    """Acceleration of the gear's centre [m/s^2] from two constraints that move with the crank (Eq. 27), shape (2,).
+    """Compute the acceleration of the gear's centre [m/s^2], shape (2,), from two constraints that move (Eq. 27).
 
-    Omega(s, t) = (s . u, s . v - c) with u, v across and along the eccentric: Omega_s s'' = -(2 (dOmega_s/dt) s'
-    + d2Omega/dt2); `speed` replaces s'.
+    Omega(s, t) = (s . u, s . v - c) with u, v across and along the eccentric: Omega_s s'' = -(2 (dOmega_s/dt) s' +
+    d2Omega/dt2). `speed` is inserted for s', shape (2,); `time` is in seconds.
     """
     law = HOLD
     theta, omega, s = law.angle_at(time), SPEED, kinematics.gear_centre(GEAR, law.angle_at(time))

@@ -85,9 +85,9 @@ def least_and_most(errors: Iterable[tuple[float, float]]) -> tuple[float, float]
 
 
 def rubbing(sign: int) -> float:
-    """Compute how far the outline by Eq. 2 is from being tangent to the pin: largest cosine between tangent and radius.
+    """Compute how far the outline by Eq. 2 is from being tangent to the pin [1]: largest cosine of tangent and radius.
 
-    An outline touches a pin where its tangent is perpendicular to the pin's radius.
+    An outline touches a pin where its tangent is perpendicular to the pin's radius. `sign` is that of `equations.eq2`.
     """
     worst = 0.0
     for pin_angle in 2 * np.pi * np.array([1, 5, 11]) / eq.GEAR.ring_teeth:
@@ -153,7 +153,10 @@ def _eq19() -> tuple[float, float]:
 
 
 def _eq20() -> tuple[float, float]:
-    """Compare Eq. 20 with the size of the acceleration of q, at constant speed and in the ramp."""
+    """Compute the relative errors of Eq. 20 as printed and as corrected, at constant speed and in the ramp.
+
+    The reference is the magnitude of the acceleration of q.
+    """
     wanted = np.linalg.norm(acceleration(eq.HOLD, 5e-5), axis=1)
     zeta, rate = eq.zeta_at(eq.HOLD)(TIMES), eq.SPEED / eq.GEAR.lobes
     ramp_run = np.linalg.norm(acceleration(eq.RAMP, 2e-4), axis=1)
@@ -164,7 +167,10 @@ def _eq20() -> tuple[float, float]:
 
 
 def _eq21() -> tuple[float, float]:
-    """Check Eq. 21 with a unit mass that swings on the eccentric; its acceleration follows from constant energy."""
+    """Compute the relative errors of Eq. 21 as printed and as corrected, for a unit mass that swings on the eccentric.
+
+    The acceleration of the mass follows from constant energy.
+    """
     c, theta, rate = eq.GEAR.eccentricity, 0.7, 30.0
     growth = GRAVITY / c * np.sin(theta)
     at_rest = np.array([0.0])

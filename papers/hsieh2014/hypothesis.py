@@ -47,9 +47,9 @@ def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str)
 def stress_by_case(
     forces: Mapping[Case, PeakForces], stress: Mapping[str, Mapping[str, Callable[[float], Any]]]
 ) -> dict[tuple[str, str], dict[str, float]]:
-    """Return the stress for the forces of every case: (part, design) -> case -> stress [MPa].
+    """Return the stress [MPa] for the forces of every case: by part and design, then by the case in words.
 
-    `stress` maps the largest force on a design's part to its stress.
+    `stress` has functions from the largest force on a part [N] to its stress, by design, then by part.
     """
     stresses: dict[tuple[str, str], dict[str, float]] = {}
     for (name, contact, error), peaks in forces.items():
@@ -65,7 +65,10 @@ def acting(forces: PeakForces) -> dict[str, float]:
 
 
 def table(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> Table:
-    """Return the table of the forces of every case, and of those that would cause the paper's stress."""
+    """Return the table of the forces of every case, and of the forces that would cause the paper's stress.
+
+    The latter are `wanted` [N], by design, then by part.
+    """
     rows: list[tuple[str | float, ...]] = [
         (f"{name}, {contact.name}", f"{1e6 * error:g}", f"{force.tooth:.3g}", f"{force.cam:.3g}", f"{force.output:.3g}")
         for (name, contact, error), force in forces.items()
@@ -85,7 +88,10 @@ def table(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, f
 
 
 def sentences(loads: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Return sentences on the results of the cases."""
+    """Return sentences on the forces of the cases, and on the forces that would cause the paper's stress.
+
+    The latter are `wanted` [N], by design, then by part.
+    """
     lines = []
     for name, forces in wanted.items():
         exact = loads[name, STEEL, EXACT]

@@ -30,7 +30,10 @@ def idle(plan: Plan, runs: Runs) -> Levels:
 
 
 def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
-    """Run all starts without load with one parameter varied at a time; return their fluctuations by variation."""
+    """Run all starts without load with one parameter varied at a time; return the rms of their fluctuations.
+
+    The rms values are by variation, then as in `Levels`.
+    """
     cases = {
         variation: {design.name: varied_idle_runs(plan, variation, design) for design in designs()}
         for variation in variations(plan)
@@ -75,7 +78,7 @@ def nudge_gravity(design: Design) -> Design:
 
 
 def divergence(run: Run, other: Run) -> Divergence:
-    """Compare two runs of the same length by the transmission error of the disc."""
+    """Compute how fast two runs of the same length diverge, from the difference of the disc's transmission errors."""
     motion = settle_run(run)
     error, same = motion.gear_angle.error, settle_run(other).gear_angle.error
     size = np.abs(error - same) / (float(np.std(error[motion.hold])) or 1.0)

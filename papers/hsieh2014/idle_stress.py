@@ -62,7 +62,10 @@ class ByForce:
 
     @classmethod
     def through(cls, force: Array, stress: Array, rated: float) -> "ByForce":
-        """Fit the line to forces [N] and stresses [MPa], shape (n,) each; the slope is at least 0."""
+        """Fit the line to forces [N] and stresses [MPa], shape (n,) each; the slope is at least 0.
+
+        `rated` is the slope [MPa/N] for forces beyond the largest of these.
+        """
         slope, offset = np.polyfit(force, stress, 1)
         if slope < 0.0:
             slope, offset = 0.0, np.mean(stress)
@@ -140,7 +143,7 @@ def idle_stress(
     grids = {part_study.findings.part: part_study.grid for part_study in study.parts}
     turn = settings.turn
     parts = [*((part, NO_OTHERS) for part in grids), *((OUTPUT, pins) for pins in OTHER_PINS.values())]
-    heavy = _heavy(starts, parts, turn, window)
+    heavy = _heaviest_loads(starts, parts, turn, window)
     largest, loaded, curves, by_force = {}, {}, {}, {}
     for (part, grid), of_starts in zip(grids.items(), heavy, strict=False):
         under, loaded[part] = _under_load(rated, part, grid)
@@ -160,10 +163,14 @@ def idle_stress(
     return IdleStress(study, largest, loaded, curves, outputs, by_force)
 
 
-def _heavy(
+def _heaviest_loads(
     starts: Sequence[Run], parts: Sequence[tuple[str, OutputPins]], turn: Array, window: int
 ) -> "list[list[PartLoads]]":
-    """Return the heaviest loads of each start on several parts, with the given or changed output pins."""
+    """Return for each of several parts the loads of each start at its heaviest crank angles.
+
+    `parts` are names of parts with changes of the output pins, `turn` the crank angles [rad]; forces are the largest in
+    a `window` of samples.
+    """
     from cycloid_mj.stress.loads import part_loads
 
     heavy: list[list[PartLoads]] = [[] for _ in parts]
@@ -211,7 +218,7 @@ def _with_pins(other: Reducer, settings: "StudySettings", of_starts: "Sequence[P
 
 
 def heaviest(loads: "PartLoads", count: int) -> "PartLoads":
-    """Return the loads at the crank angles of the largest single force, and of the largest sum, half of each."""
+    """Return `loads` at `count` crank angles: half have the largest single force, half the largest sum of forces."""
     from cycloid_mj.stress.study import select_angles
 
     size = np.nan_to_num(np.linalg.norm(loads.force, axis=2))

@@ -14,10 +14,10 @@ TEMPERATURES = (20.0, 60.0)
 
 
 def largest_mean_friction(reducer: Reducer, rate: float) -> float:
-    """Compute the largest mean coefficient of teeth and output pins at an output rate [1] under the rated torque.
+    """Compute the largest mean friction coefficient of teeth and output pins [1] from the output rate.
 
-    All lost power is that of teeth and output pins, which slide under ideal load sharing: nothing is left for cam,
-    seals and grease.
+    `rate` is the rated output torque over that without losses [1]. All lost power is that of teeth and output pins,
+    which slide under ideal load sharing: nothing is left for cam, seals and grease.
     """
     design, gear = reducer.design, reducer.tooth_profile
     speed, torque, output = design.drive.speed, design.rated_torque, design.output
@@ -32,7 +32,7 @@ def largest_mean_friction(reducer: Reducer, rate: float) -> float:
 
 
 def lubrication_table() -> Table:
-    """Compare the measured output rates with the interval of the friction law ``film``."""
+    """Tabulate the measured output rates next to the efficiency by the friction law ``film``, 5 to 95 % interval."""
     rows = []
     for name, kinds in TORQUES.items():
         rate = kinds["measured"] / IDEAL

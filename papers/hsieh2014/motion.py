@@ -74,10 +74,10 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     head = ("over the settled turns", *(f"{each.design.name}, {_load(each)}" for each in compared))
     rows: list[tuple[str | float, ...]] = [(name, *map(number, judged.values())) for _, name, number in NUMBERS]
     return StageResult(
-        _plates(compared, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
+        _figures_by_load(compared, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
         (Table("Figs 6-8 in numbers", head, tuple(rows)),),
         tuple(
-            _ratio(over_starts(plan, runs, design, attrgetter("mean_speed")), _rated_run(compared, design))
+            _judge_gear_speed(over_starts(plan, runs, design, attrgetter("mean_speed")), _rated_run(compared, design))
             for design in designs()
         ),
         {name: {key: number(each) for key, _, number in NUMBERS} for name, each in judged.items()},
@@ -102,8 +102,8 @@ def q_path(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         )
         for design in designs()
     ]
-    plates = _plates(compared, "fig7_q_path", "Fig. 7", words, paths_figure)
-    near = _each(compared[:2], "fig7_q_path_magnified", "Fig. 7", magnified, path_figure)
+    plates = _figures_by_load(compared, "fig7_q_path", "Fig. 7", words, paths_figure)
+    near = _figures_by_run(compared[:2], "fig7_q_path_magnified", "Fig. 7", magnified, path_figure)
     return StageResult((*plates, *near), claims=tuple(claims), notes=(note,))
 
 
@@ -114,7 +114,7 @@ def q_velocity(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     words = "velocity of q with Eq. 18, and its error"
     note = "The paper: both designs follow the closed form; the velocity fluctuates more with pins."
     return StageResult(
-        _plates(motions(plan, runs), "fig8_q_velocity", "Fig. 8", words, velocities_figure), notes=(note,)
+        _figures_by_load(motions(plan, runs), "fig8_q_velocity", "Fig. 8", words, velocities_figure), notes=(note,)
     )
 
 
@@ -125,7 +125,7 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
     compared = [motion for motion in motions(plan, runs) if motion.pin_1]
     words = "centre of pin 1 in its socket (dashed: the clearance), its distance from the middle, and its spin"
-    plates = _each(compared, "fig9_pin_1", "Fig. 9", words, lambda each: pin_figure(each, _pin(each)))
+    plates = _figures_by_run(compared, "fig9_pin_1", "Fig. 9", words, lambda each: pin_figure(each, _pin(each)))
     shown = pins_figure({_load(each): at_degrees(each) for each in compared})
     words = "Pin 1 in its socket at crank angles of 0, 120, 240 and 360 deg; displacements are magnified."
     plates = (PaperFigure("fig9a_pin_1_turned", "Fig. 9(a)", words, shown), *plates)
@@ -138,10 +138,13 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     return StageResult(plates, claims=claims, notes=(note,))
 
 
-def _plates(
+def _figures_by_load(
     compared: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Sequence[Series]], Any]
 ) -> tuple[PaperFigure, ...]:
-    """Draw the runs of each load in one figure, at the paper's sampling."""
+    """Draw the runs of each load together in one figure, with one sample per degree.
+
+    `name`, `figure` and `words` are the start of the file name, the paper's figure and the caption; `draw` draws runs.
+    """
     loads: dict[str, list[Series]] = {}
     for each in compared:
         loads.setdefault(_load(each), []).append(at_degrees(each))
@@ -153,10 +156,10 @@ def _plates(
     )
 
 
-def _each(
+def _figures_by_run(
     compared: Sequence[Series], name: str, figure: str, words: str, draw: Callable[[Series], Any]
 ) -> tuple[PaperFigure, ...]:
-    """Draw each run in a separate figure, at the paper's sampling."""
+    """Draw each run in a separate figure, with one sample per degree; parameters as those of `_figures_by_load`."""
     return tuple(
         PaperFigure(
             f"{name}_{_key(each)}", figure, f"{each.design.name}, {_load(each)}: {words}.", draw(at_degrees(each))
@@ -182,8 +185,12 @@ def _pin(motion: Series) -> Any:
     return motion.pin_1
 
 
-def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
-    """Judge whether the mean gear speed of a design is that of the ratio within 1e-3, over the starts without load."""
+def _judge_gear_speed(evidence: OverStarts[float], rated: Series) -> Claim:
+    """Judge whether the mean gear speed is the crank speed over the ratio, within 1e-3, in the starts without load.
+
+    `evidence` are the mean speeds of the starts [rad/s], `rated` is the run under the rated load, whose speed is
+    reported.
+    """
     design, speeds = rated.design, StartSpread.of(evidence.base)
     exact = abs(design.drive.speed) / design.lobes
     fewer = exact * design.lobes / (design.lobes - 1)
@@ -203,7 +210,10 @@ def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
 
 
 def _judge_transmission_error(evidence: OverStarts[float], rated: Series) -> Claim:
-    """Judge whether the disc has a transmission error from 0.1 arcsec on, over the starts without load."""
+    """Judge whether the disc has a transmission error of 0.1 arcsec or more, in the starts without load.
+
+    `evidence` are the peak-to-peak errors of the starts [arcsec], `rated` is the run under the rated load.
+    """
     sizes, under = StartSpread.of(evidence.base), transmission_error(rated)
     cause = "the clearances: within them an idle gear floats"
     judged = ruling(evidence, lambda size: size >= 0.1, lambda some: f"{StartSpread.of(some).words} arcsec", cause)

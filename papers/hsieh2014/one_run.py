@@ -37,31 +37,34 @@ def claims(studies: Sequence[StressFindings]) -> tuple[Claim, ...]:
     """
     studies = [findings for findings in studies if findings.load == no_load().load]
     by_ring = {findings.ring: findings for findings in reversed(studies)}
-    judged = [claim for findings in studies for claim in _alone(findings)]
+    judged = [claim for findings in studies for claim in _design_claims(findings)]
     if by_ring.keys() >= {"pin", "nonpin"}:
-        judged += _against(by_ring["pin"], by_ring["nonpin"])
+        judged += _design_comparisons(by_ring["pin"], by_ring["nonpin"])
     return tuple(judged)
 
 
-def _alone(findings: StressFindings) -> Iterator[Claim]:
-    """Judge the claims on one design: height of each part, order of the parts, and patterns."""
+def _design_claims(findings: StressFindings) -> Iterator[Claim]:
+    """Yield the claims on a single design: maximum stress and order of the parts, and patterns over the turn."""
     parts = [part for part in ORDER if part in findings]
-    yield from (_height(findings, findings[part]) for part in parts)
+    yield from (_judge_height(findings, findings[part]) for part in parts)
     if len(parts) == len(ORDER):
-        yield _order(findings)
-    for part, judge in (("shaft", _shaft_peaks), ("output", _output), ("pin_1", _pin_cycle)):
+        yield _judge_order(findings)
+    for part, judge in (("shaft", _judge_shaft_peaks), ("output", _judge_output), ("pin_1", _judge_pin_cycle)):
         if part in findings:
             yield judge(findings)
 
 
 def _judge(statement: statements.Statement, name: str, value: str, holds: bool, decided_by: str) -> Claim:
-    """Return the judged claim for a design; the tables of the study contain the numerical errors."""
+    """Judge a statement on the design or part `name`: it agrees if it `holds`, otherwise it disagrees.
+
+    `value` and `decided_by` are result and cause in words. The tables of the study contain the numerical errors.
+    """
     renamed = replace(statement, claim=f"{name}: {statement.claim}")
     return renamed.judge(Value(value), Value("one more refinement"), majority_verdict([holds]), decided_by)
 
 
-def _height(findings: StressFindings, part: PartFindings) -> Claim:
-    """Judge whether a part's largest bulk stress is near the paper's."""
+def _judge_height(findings: StressFindings, part: PartFindings) -> Claim:
+    """Judge whether a part's largest bulk stress is from 0.5 to 1.1 times the paper's maximum."""
     name, bound, height = findings.design, HEIGHTS[part.part, findings.ring], part.bulk_peak.stress / MEGAPASCAL
     ratio = height / bound
     return _judge(
@@ -73,12 +76,12 @@ def _height(findings: StressFindings, part: PartFindings) -> Claim:
         f"bulk {height:.3g} MPa at {_degrees(part):.0f} deg ({part.bulk.min() / MEGAPASCAL:.3g} at least)",
         LEAST <= ratio <= MOST,
         f"{findings.load:.4g} N m at the output and the assumed dimensions (stress goes with the load: the paper's "
-        f"value would take {1 / ratio:.2g} times as much), and {_near(part)}",
+        f"value would take {1 / ratio:.2g} times as much), and {_describe_other_causes(part)}",
     )
 
 
-def _near(part: PartFindings) -> str:
-    """Return in words what else decides the largest stress of a part."""
+def _describe_other_causes(part: PartFindings) -> str:
+    """Return in words what decides the largest stress of a part besides its load and its dimensions."""
     if part.part == "shaft":
         return "where the bearings stand and how the inner corners are rounded, which the paper does not tell"
     contact, near = (stress / MEGAPASCAL for stress in (part.contact_peak.stress, part.near_field))
@@ -89,7 +92,7 @@ def _near(part: PartFindings) -> str:
     )
 
 
-def _order(findings: StressFindings) -> Claim:
+def _judge_order(findings: StressFindings) -> Claim:
     """Judge whether shaft, ring and gear are in the paper's order by stress."""
     peaks = [findings[part].bulk_peak.stress / MEGAPASCAL for part in ORDER]
     contacts = ", ".join(f"{part} {findings[part].contact_peak.stress / MEGAPASCAL:.3g}" for part in ORDER)
@@ -103,7 +106,7 @@ def _order(findings: StressFindings) -> Claim:
     )
 
 
-def _shaft_peaks(findings: StressFindings) -> Claim:
+def _judge_shaft_peaks(findings: StressFindings) -> Claim:
     """Judge whether the shaft's stress peaks near the paper's two angles."""
     shaft = findings["shaft"]
     degrees = np.degrees(shaft.angle)
@@ -123,7 +126,7 @@ def _shaft_peaks(findings: StressFindings) -> Claim:
     )
 
 
-def _output(findings: StressFindings) -> Claim:
+def _judge_output(findings: StressFindings) -> Claim:
     """Judge whether the output's stress is low and regular."""
     output = findings["output"]
     others = [findings[part].governing for part in ORDER if part in findings]
@@ -137,7 +140,7 @@ def _output(findings: StressFindings) -> Claim:
     )
 
 
-def _pin_cycle(findings: StressFindings) -> Claim:
+def _judge_pin_cycle(findings: StressFindings) -> Claim:
     """Judge whether pin 1 is loaded only near crank angle 0."""
     pin = findings["pin_1"]
     degrees = np.mod(np.degrees(pin.angle), 360.0)
@@ -157,8 +160,8 @@ def _pin_cycle(findings: StressFindings) -> Claim:
     )
 
 
-def _against(pin: StressFindings, nonpin: StressFindings) -> Iterator[Claim]:
-    """Compare the stress of the pin design with that of the nonpin design, for each part."""
+def _design_comparisons(pin: StressFindings, nonpin: StressFindings) -> Iterator[Claim]:
+    """Yield the claims, for each part of both designs, that it has less stress in the nonpin design."""
     for part in ORDER:
         if part not in pin or part not in nonpin:
             continue

@@ -50,7 +50,11 @@ def over_starts(
     figure: Callable[[RunFigures], T],
     has: Callable[[Design], bool] = lambda changed: True,
 ) -> OverStarts[T]:
-    """Return a figure of every start without load, and of those with single changes that affect a design."""
+    """Return a quantity of every start of a design without load, as designed and with single parameters varied.
+
+    `figure` computes the quantity from the results of a run. Variations that do not change the design, or for which
+    `has` is False, are left out.
+    """
     designs = {variation: variation.of(Reducer(design)) for variation in variations(plan)}
     changed = [variation for variation, other in designs.items() if other != design and has(other)]
     base, varied = idle_runs(plan, design), {each: varied_idle_runs(plan, each, design) for each in changed}
@@ -72,15 +76,15 @@ def ruling(
     Parameters
     ----------
     evidence
-        The figure of every start.
+        The quantity of every start.
     holds
-        Whether a start shows the feature.
+        Whether a start shows the feature, from its quantity.
     words
-        Description of the result of some starts.
+        Description of the quantity of some starts.
     decisive
         Cause that applies whatever is varied, in words.
     judged
-        Function that judges the starts together.
+        Function that judges all starts together from whether each shows the feature.
     """
 
     def judge_starts(starts: Sequence[T]) -> Verdict:

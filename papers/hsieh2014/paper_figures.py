@@ -167,7 +167,10 @@ def heights_figure(
 
 @with_style
 def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
-    """Draw the cam's force over a crank turn: a panel for each design, a line for each ``design, case``."""
+    """Draw the cam's force over a crank turn: a panel for each design, a line for each case.
+
+    `curves` are the forces in bins of the turn [N], by ``design, case``; `marks` are angles of dotted lines [deg].
+    """
     names = list(dict.fromkeys(label.partition(", ")[0] for label in curves))
     figure = create_figure(3.0)
     panels = figure.subplots(1, len(names), sharey=True, squeeze=False)[0]
@@ -191,9 +194,10 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
 def torques_figure(
     ours: Mapping[str, Mapping[str, float]], stated: Mapping[str, Mapping[str, float]], ideal: float
 ) -> Figure:
-    """Draw output torques: a panel for each design, a bar for each computed case and a grey bar for each stated one.
+    """Draw output torques: a panel for each design, a bar for each computed case and a grey bar for each stated torque.
 
-    A dashed line is the torque without losses.
+    `ours` and `stated` are torques [N m] by design, then by case; a dashed line is `ideal`, the torque without losses
+    [N m].
     """
     figure = create_figure(2.2)
     panels = figure.subplots(1, len(ours), sharex=True, sharey=True, squeeze=False)[0]

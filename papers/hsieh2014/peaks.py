@@ -47,7 +47,10 @@ def peak(run: Run, pair: str, window: int = 1) -> Array:
 
 
 def pairs_on(run: Run, part: str) -> list[str]:
-    """List the mating pairs of a run that act on a part; on pin 1, or its substitute, only the gear."""
+    """List the contact pairs of a run whose forces act on a part; on pin 1 only the contact with the gear.
+
+    Pin 1 is the pin, or lobe, at the position of pin 1 relative to gravity.
+    """
     ring = next(stem for stem in (SOCKET, LOBE, PIN) if run.pairs(KINDS[stem]))
     if part == PIN_1:
         return [f"{LOBE if ring == LOBE else PIN}_{standing_for_pin_1(design_of(run))}"]
@@ -99,7 +102,10 @@ def by_angle(run: Run, among: Sequence[str]) -> Array:
 
 
 def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
-    """Compute the largest force on each part [N] in each bin of the crank turn, by the pairs that act on it."""
+    """Compute the largest force on each part in each bin of the crank turn [N], shape (BINS,), by part.
+
+    `of_parts` are the pairs that act on each part. The crank angle is measured from the direction of gravity.
+    """
     motion = settle_run(run)
     forces = {
         part: np.max([peak(run, pair) for pair in among], axis=0)[motion.hold] for part, among in of_parts.items()

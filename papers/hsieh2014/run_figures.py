@@ -38,7 +38,7 @@ class RunFigures:
 
 
 def run_figures(run: Run) -> RunFigures:
-    """Compute all figures of a run."""
+    """Compute all quantities of a run that the stages need, so that its log is read only once."""
     motion = settle_run(run)
     measures = measure_run(motion)
     return RunFigures(

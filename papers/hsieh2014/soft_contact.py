@@ -162,7 +162,10 @@ def _facets(design: Design, chord_error: float, seed: int) -> Array:
 
 @njit
 def _facet_height(t: float, facets: Any, curve: Trochoid) -> float:
-    """Return how far the facet at the parameter t of the trochoid protrudes from the flank [m]."""
+    """Return how far the facet at the parameter t [rad] of the trochoid `curve` protrudes from the flank [m].
+
+    `facets` are chord errors [m], shape (lobes, facets of a lobe).
+    """
     lobes, count = facets.shape
     if count == 1:
         return 0.0
@@ -177,10 +180,12 @@ def _facet_height(t: float, facets: Any, curve: Trochoid) -> float:
 
 @njit
 def _move_pin(pin: Any, home: float, tooth: Any, values: Any, timestep: float) -> Any:
-    """Move a free pin by a time step, and return the forces on it: by the gear, and by socket and edge the larger one.
+    """Move a free pin by a time step; return the force of the gear and the larger force of socket or edge on it [N].
 
-    `pin` has displacement and velocity. `tooth` is the contact with the gear: normal, the gear's velocity there, spring
-    force and damping. Dampers act on the speed at the end of the step: a pin is too light for them otherwise.
+    `pin` has displacement [m] and velocity [m/s], shape (4,), and is modified; `home` is its angle on the ring [rad].
+    `tooth` is the contact with the gear: normal (2), the gear's velocity there (2), spring force and damping. `values`
+    are the parameters of `soft_idle`. Dampers act on the speed at the end of the step: a pin is too light for them
+    otherwise.
     """
     rho, socket, pin_mass, half = values[2], values[5], values[11], values[20]
     gravity_x, gravity_y, k, e, damping, full = values[13], values[14], values[16], values[17], values[18], values[19]
@@ -215,10 +220,10 @@ def _move_pin(pin: Any, home: float, tooth: Any, values: Any, timestep: float) -
 
 @njit
 def _press_teeth(gear: Any, force: Any, pins: Any, free: bool, facets: Any, values: Any, timestep: float) -> Any:
-    """Add the teeth's force and torque on the gear to `force`; move free pins.
+    """Return the `force` (2) and torque on the gear with those of the teeth added; move free pins, in place.
 
-    Also return the largest forces of teeth and sockets and the largest displacement of a pin. `gear` has position,
-    angle and their rates.
+    Also return the largest forces of teeth and sockets [N], and the largest displacement of a pin [m]. `gear` has
+    position, angle and their rates; `values` are the parameters of `soft_idle`.
     """
     x, y, turned, vx, vy, spin = gear
     fx, fy, moment = force
@@ -254,9 +259,10 @@ def _press_teeth(gear: Any, force: Any, pins: Any, free: bool, facets: Any, valu
 
 @njit
 def _press_output_pins(gear: Any, force: Any, output: Any, holes: int, values: Any) -> Any:
-    """Add the output pins' force and torque on the gear to `force`; also return the output's torque, the largest force.
+    """Return the `force` (2) and torque on the gear with those of the output pins added.
 
-    `gear` has position, angle and their rates, `output` its angle and rate.
+    Also return the torque on the output [N m] and the largest force [N]. `gear` has position, angle and their rates,
+    `output` its angle and rate; `values` are the parameters of `soft_idle`.
     """
     x, y, turned, vx, vy, spin = gear
     fx, fy, moment = force
@@ -285,7 +291,10 @@ def _press_output_pins(gear: Any, force: Any, output: Any, holes: int, values: A
 def _integrate(
     values: Any, teeth: int, holes: int, free: bool, facets: Any, steps: int, timestep: float, per_turn: int
 ) -> Any:
-    """Integrate the motion by semi-implicit Euler; return the fields of `PeakForces`, then its curve."""
+    """Integrate the motion by semi-implicit Euler; return the first `OTHERS` fields of `PeakForces`, then its curve.
+
+    `values` are the parameters of `soft_idle`; the last full turns, of `per_turn` steps each, are evaluated.
+    """
     c, speed, cam_play, circle = values[1], values[3], values[6], values[7]
     gear_mass, gear_inertia, output_inertia = values[9], values[10], values[12]
     gravity_x, gravity_y, phase, k, e, damping, full = values[13:20]

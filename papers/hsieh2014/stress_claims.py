@@ -30,9 +30,10 @@ def stress_claims(
     rated: Mapping[str, Run],
     searched: Searched | None = None,
 ) -> Iterator[Claim]:
-    """Judge every claim on stress.
+    """Yield the judged claims on stress, part by part.
 
-    By the name of the design: its stress, starts without load, run under the rated load. `searched` are the variations.
+    `studies` are the stresses, `starts` the runs without load and `rated` the run under the rated load, by design.
+    `searched` are the variations.
     """
     searched = searched or Searched()
     evidence = Evidence(
@@ -79,7 +80,8 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
         rated=rated_value(idle_stress, part),
         searched=(*searched.ranges, *searched.contact_ranges),
         removals=[
-            Removal(words, f"{_of(size)} MPa", verdicts.range_verdict(size, low, high)) for words, size in cases.items()
+            Removal(words, f"{_range_words(size)} MPa", verdicts.range_verdict(size, low, high))
+            for words, size in cases.items()
         ],
         p=verdicts.sign_test_p(verdicts.within(ours, low, high)),
     )
@@ -92,7 +94,10 @@ def smaller(
     evidence: Evidence,
     ranges: Sequence[Range],
 ) -> Claim:
-    """Judge whether a part's stress is lower without pins, by `property_of` its curve over a turn."""
+    """Judge whether a part's mean stress, or its fluctuation, is smaller without pins than with them.
+
+    `property_of` computes this quantity [MPa] from the stress curve over a turn.
+    """
 
     def sizes(changed: Variation | None) -> tuple[StartSpread, StartSpread]:
         pin, nonpin = (evidence.sizes(name, part, property_of, changed) for name in ("pin", "nonpin"))
@@ -129,7 +134,10 @@ def _left_open(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], miss
 
 
 def _orders(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], missed: float = 0.0) -> list[Removal]:
-    """Judge the order of pin and nonpin for each single change."""
+    """Judge for each single change whether the stress is smaller without pins.
+
+    `varied` are the stresses of pin and nonpin [MPa]; medians that differ by less than `missed` [MPa] have no order.
+    """
     removals = []
     for each, (pin, nonpin) in varied.items():
         words = f"{nonpin.words} without pins, {pin.words} MPa with them, p = {verdicts.chance(pin, nonpin):.2g}"
@@ -137,7 +145,7 @@ def _orders(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], missed:
     return removals
 
 
-def _of(size: StartSpread) -> str:
+def _range_words(size: StartSpread) -> str:
     return size.words if len(size.values) > 1 else f"{size.mean:.3g}"
 
 

@@ -45,7 +45,10 @@ class Evidence:
     def sizes(
         self, design: str, part: str, property_of: Callable[[Array], float], changed: Variation | None = None
     ) -> StartSpread:
-        """Compute the stress [MPa] of a design's part over a turn, a property `of` its curve in each start."""
+        """Compute a quantity of the stress curve of a design's part over a turn, in each start [MPa].
+
+        `property_of` computes it from the curve, `changed` is a variation; None for the design itself.
+        """
         stress = self.stress[design].by_force[part]
         return StartSpread.of(property_of(stress(curve)) for curve in self.curves(design, part, changed))
 

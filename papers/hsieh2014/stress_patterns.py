@@ -35,7 +35,7 @@ OUTPUT_RANGES = (
 
 
 def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
-    """Judge the positions of the shaft's two peaks per turn, those of the cam's force."""
+    """Judge whether the shaft has the paper's two stress peaks per turn, from the peaks of the cam's force."""
     curves = [forces["shaft"] for forces in evidence.forces["pin"]]
     each = [largest_of_halves(curve) for curve in curves]
     others = {

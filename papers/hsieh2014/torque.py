@@ -68,7 +68,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     ]
     return StageResult(
         (*views, *plates),
-        (_columns(measurements, alike), _search_table(searches), lubrication_table(), *tables),
+        (_torque_table(measurements, alike), _search_table(searches), lubrication_table(), *tables),
         (*claims(measurements, searches), order, precision(runs(rated_runs(plan))), capacity()),
         {
             name: {key: each.as_json() for key, each in measurement.quantities.items()}
@@ -92,8 +92,12 @@ def _at_equal_play(plan: Plan) -> float:
     return rated_test(design, averaging_periods(design, STEADY.min_periods(plan.quick))).output
 
 
-def _columns(measurements: Mapping[str, Measurement], alike: float) -> Table:
-    """Return the table of output torques, which separates the effect of the design from clearance and compliance."""
+def _torque_table(measurements: Mapping[str, Measurement], alike: float) -> Table:
+    """Return the table of output torques of pin, nonpin, and nonpin with the pin design's play and stiffness.
+
+    `alike` is the output torque of the last [N m], which separates the effect of the design from clearance and
+    compliance.
+    """
     torques = {name: measurement["output_torque"] for name, measurement in measurements.items()} | {
         equal_play_design().name: alike
     }

@@ -112,7 +112,10 @@ def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
 
 
 def _solutions(design: Design, grid: Mapping[Case, float], target: float) -> tuple[Solution, ...]:
-    """Return the solutions for a rate, each confirmed by a run; empty if the grid does not enclose it."""
+    """Return the tooth frictions that reproduce an output rate; none if the grid does not enclose the rate.
+
+    Each is confirmed by a run. `target` is the output torque over that without losses [1], `grid` the computed rates.
+    """
     inside: list[tuple[Bearings, float]] = [
         (bearings, friction)
         for bearings in SEARCHED

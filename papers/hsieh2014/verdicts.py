@@ -97,7 +97,7 @@ def sign_test_p(holds: Iterable[bool]) -> float | None:
 def majority_verdict(holds: Iterable[bool]) -> Verdict:
     """Judge by the sign test whether most starts show a feature, or most do not.
 
-    With 12 starts this needs 10, so that a single start decides nothing. A single figure decides by itself.
+    With 12 starts this needs 10, so that a single start decides nothing. A single value decides by itself.
     """
     seen = list(holds)
     p = sign_test_p(seen)

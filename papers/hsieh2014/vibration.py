@@ -55,7 +55,7 @@ CAPTIONS = {
 
 
 def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Rank the fluctuations of both designs without load over independent starts, and vary what is left open."""
+    """Judge which design fluctuates more without load over independent starts, also with single parameters varied."""
     # requested together, so that the runs fill every core
     mains = main_runs(plan)[:2]
     pairs = [(design, nudge_gravity(design)) for design in mains]
@@ -120,7 +120,7 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
         error=Value(f"spread of {len(pin.values)} starts", ratio.half, RATIO),
         verdict=verdict,
         decided_by=_cause(key, base, sweep, verdict, deciding),
-        rated=_beside(quantity, rated[key]),
+        rated=_rated_value(quantity, rated[key]),
         searched=ranges(plan),
         removals=[_removal(each, levels[key], quantity.unit) for each, levels in sweep.items()],
         p=chance(pin, nonpin),
@@ -142,7 +142,7 @@ def _cause(key: str, base: Levels, sweep: Mapping[Variation, Levels], verdict: V
     return f"{words}; given by the paper: {', '.join(agreeing)}" if agreeing else words
 
 
-def _beside(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
+def _rated_value(quantity: Ranked, rated: Mapping[str, StartSpread]) -> Value:
     pin, nonpin, *others = (each.mean for each in rated.values())
     ratio = rated["pin"].over(rated["nonpin"]).values[0]
     third = "".join(f"; {equal_play_design().name} {level:.3g}" for level in others)
