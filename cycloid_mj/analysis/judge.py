@@ -144,7 +144,10 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
 
 
 def _speed(speed: Compared, motion: Series) -> SpeedFindings:
-    """Return the mean speeds over full periods, and rms and peak error over all evaluated samples [rad/s]."""
+    """Return the means of a speed over full periods, and its rms and peak error over all evaluated samples [rad/s].
+
+    `speed` is an attribute of the series `motion`, compared with its closed form [rad/s].
+    """
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),
         mean_rad_s=_mean(speed.simulated, motion),
@@ -165,7 +168,7 @@ def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
 
 
 def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
-    """Compare the acceleration of q with Eq. 19 [m/s^2], between successive samples of a mask (n,).
+    """Return rms and peak error of the acceleration of q against Eq. 19 [m/s2] between the samples of a mask (n,).
 
     Accelerations are differences of velocities; Eq. 19 is evaluated at the mean crank angle and speed of both samples.
     None if no two successive samples are in the mask, or if the crank turns by more than `MAX_CRANK_STEP` between them.

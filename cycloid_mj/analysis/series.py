@@ -63,7 +63,7 @@ class PinPath:
     position
         Displacement of its centre from the socket's (from the pin's) [m], shape (n, 2).
     radial
-        Size of that [m], shape (n,).
+        Magnitude of that displacement [m], shape (n,).
     spin
         Its speed of rotation [rad/s], counter-clockwise positive, shape (n,).
     clearance
@@ -361,9 +361,9 @@ def _disc_columns(gear: str) -> tuple[str, ...]:
 
 
 def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, Compared]:
-    """Return the motion of a disc and its closed form, by attribute of `Series`.
+    """Return the motion of a disc, compared with its closed form, by the names of the attributes of `Series`.
 
-    These are the disc's angle [rad] and speed [rad/s], and position [m] and velocity [m/s] of its point q (2,) [m].
+    These are the disc's angle [rad] and speed [rad/s], and position [m] and velocity [m/s] of its point `q` (2,) [m].
     """
     design = reducer.design
     *_, angle_column, _, _, speed_column = _disc_columns(names.gears(design.gear.discs)[disc])

@@ -247,7 +247,7 @@ def decimate(values: Array, factor: int, means: bool = False) -> Array:
     values
         Evenly spaced samples, shape (n,) or (n, k).
     factor
-        Number of samples for each one that is kept; 1 returns the values.
+        Number of samples for each sample that is kept; 1 returns the values.
     means
         Whether values are means from one sample to the next; the filter then corrects their attenuation.
 

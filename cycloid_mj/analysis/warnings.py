@@ -51,8 +51,8 @@ COARSE = "the log rate or the hold is too low for these powers: raise settings.l
 def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterator[str]:
     """Yield all warnings about the results of a run, evaluated over a window.
 
-    They cover an incomplete run or its note, a run that is too short, those of `run_warnings`, and a penetration of
-    `contacts` of more than half of the allowed one.
+    They are about an incomplete run or its note, a run that is too short, and a penetration of `contacts` above half of
+    its limit, and include those of `run_warnings`.
     """
     run = motion.run
     if not run.complete:

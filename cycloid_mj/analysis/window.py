@@ -58,7 +58,7 @@ def settling(reducer: Reducer) -> float:
 def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
     """Return a mask of the settled samples at constant crank speed, shape (n,), of samples at times (n,) [s].
 
-    They begin `settle` [s] after the ramp, but never after more than half of the hold that was run. By default `settle`
+    They begin `settle` [s] after the ramp, at the latest in the middle of the hold that was run. By default `settle`
     is `settling`, counted from the end of the load's rise if that is later than the end of the ramp.
 
     Raises
@@ -112,9 +112,10 @@ def turn_by_turn(crank_angle: Array) -> list[slice]:
 
 
 def one_turn(crank_angle: Array) -> slice:
-    """Return the samples of a crank turn from crank angle 0 (modulo a turn), else of the first turn, else all.
+    """Return the slice of the samples of one full crank turn, both ends included; of all samples without a full turn.
 
-    The size of `crank_angle` (n,) [rad] increases.
+    The turn begins at the first multiple of 2 pi, or at the first sample if no full turn follows that multiple.
+    `crank_angle` (n,) [rad] does not change its sign, and its magnitude increases.
     """
     turns = np.abs(crank_angle) / (2 * np.pi)
     for start in (np.ceil(turns[0] - 1e-6), turns[0]):
@@ -125,6 +126,6 @@ def one_turn(crank_angle: Array) -> slice:
 
 
 def last_turn(crank_angle: Array) -> slice:
-    """Return the last turn, or everything if it is shorter: in a ramp, it is the closest to the final speed."""
+    """Return the slice of the samples of the last full crank turn; of all samples without a full turn."""
     turns = np.abs(crank_angle) / (2 * np.pi)
     return slice(int(np.searchsorted(turns, turns[-1] - 1 - 1e-6)), turns.size)

@@ -26,7 +26,7 @@ def full_turns(motion: Series) -> list[slice]:
 
 
 def compute_level(values: Array, parts: Sequence[slice]) -> Level:
-    """Compute the level of a signal, shape (n,), or of the size of vectors, shape (n, 2), over parts of it."""
+    """Compute the level of a signal, shape (n,), or of the magnitude of vectors, shape (n, 2), over parts of it."""
     size = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
     return Level(rms(np.concatenate([size[part] for part in parts])), tuple(rms(size[part]) for part in parts))
 

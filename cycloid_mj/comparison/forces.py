@@ -30,12 +30,12 @@ class ForceSummary:
 
 def tooth_forces(motion: Series) -> Array:
     """Compute the force of each tooth of the ring on each of D discs [N], shape (n, D N)."""
-    return _force_sizes(motion, motion.design.tooth_pair)
+    return _force_magnitudes(motion, motion.design.tooth_pair)
 
 
 def cam_force(motion: Series) -> Array:
     """Compute the force of the cam on the disc of the series [N], shape (n,)."""
-    return _force_sizes(motion, "cam")[:, motion.disc]
+    return _force_magnitudes(motion, "cam")[:, motion.disc]
 
 
 def forces(motion: Series) -> ForceSummary:
@@ -45,8 +45,8 @@ def forces(motion: Series) -> ForceSummary:
     """
     turns = full_turns(motion)
     rows = slice(turns[0].start, turns[-1].stop)
-    teeth, cams = tooth_forces(motion)[rows], _force_sizes(motion, "cam")[rows]
-    output_pins = _force_sizes(motion, "output")[rows]
+    teeth, cams = tooth_forces(motion)[rows], _force_magnitudes(motion, "cam")[rows]
+    output_pins = _force_magnitudes(motion, "output")[rows]
     loaded_teeth, largest_force = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
     return ForceSummary(
         teeth_mean=float(loaded_teeth.mean()),
@@ -60,6 +60,6 @@ def forces(motion: Series) -> ForceSummary:
     )
 
 
-def _force_sizes(motion: Series, kind: str) -> Array:
+def _force_magnitudes(motion: Series, kind: str) -> Array:
     force = motion.run.forces(kind)
     return np.hypot(force[..., 0], force[..., 1])

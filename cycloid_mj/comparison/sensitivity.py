@@ -50,16 +50,16 @@ class Sensitivity:
 
     @property
     def is_determined(self) -> bool:
-        """True if the sign of the figure is certain, and its size within a factor `UNDETERMINED`."""
+        """True if the sign of the figure is certain, and its magnitude within a factor `UNDETERMINED`."""
         ratios = [1.0, *(1.0 + change for change in self.changes)]
         return min(ratios) > 0.0 and max(ratios) / min(ratios) < UNDETERMINED
 
 
 def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
-    """Compute how each dynamic figure of loaded runs changes with each assumption of the contact model.
+    """Collect the values of each dynamic quantity of loaded runs, with and without each change of an assumption.
 
     `varied_trials` has, for each assumption, the same runs as `reference` in the same order, with that assumption
-    changed. Figures without a value in the reference run are left out, as are changes to a run without a value.
+    changed. Quantities without a value in a reference run are omitted, as are changes to a run without a value.
     """
     return [
         Sensitivity(
@@ -81,10 +81,10 @@ def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, 
 
 
 def sensitivity_table(sensitivities: Sequence[Sensitivity], condition: str) -> Table:
-    """Return a table of the change of each figure with each assumption: one row per figure, one column per design.
+    """Return a table of the change of each quantity with each assumption: a row per quantity, a column per design.
 
-    Changes are relative [%], or in points for figures in %; "not determined" where `Sensitivity.is_determined` is
-    False. `condition` is part of the title. If a design has several loads, its column has those of the last one.
+    Changes are relative [%], or in points for quantities in %; "not determined" where `Sensitivity.is_determined` is
+    False. `condition` is part of the title. If a design has several loads, its column has the changes under the last.
     """
     assumptions = " and ".join(item.words for item in ASSUMPTIONS)
     designs = list(dict.fromkeys(item.design for item in sensitivities))

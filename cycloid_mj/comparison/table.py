@@ -91,9 +91,9 @@ COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", 
 
 
 def figure_frame(trials: Iterable[Trial]) -> Frame:
-    """Return a frame of the figures of all runs: one row per figure and trial, with the columns `COLUMNS`.
+    """Return a data frame of the quantities of all trials: a row per quantity and trial, with the columns `COLUMNS`.
 
-    Mean, least and largest value are over the independent starts; figures without a value are left out.
+    Mean, least and largest value are over the independent starts; quantities without a value are omitted.
     """
     rows: list[dict[str, Cell]] = [
         {
@@ -114,10 +114,10 @@ def figure_frame(trials: Iterable[Trial]) -> Frame:
 
 
 def table(trials: Sequence[Trial]) -> Table:
-    """Return a table of the figures under one load: quantity, one column per design, unit.
+    """Return a table of the quantities of several designs under one load: name, one column per design, unit.
 
-    `trials` are those under the load. A figure of several starts is written as range and mean; a row without any value
-    is omitted. The title has the time window of the first trial and the smallest number of starts.
+    `trials` are those under the load. A quantity of several starts is written as range and mean; a row without any
+    value is omitted. The title has the time window of the first trial and the smallest number of starts.
     """
     findings = trials[0].measures.findings
     window, starts = findings.window, min(len(trial.starts) for trial in trials)

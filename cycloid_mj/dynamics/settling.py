@@ -47,8 +47,9 @@ def closed_stiffness(reducer: Reducer) -> float:
     """Estimate the torsional stiffness of a drive [N m/rad] with half of the teeth and half of the output pins closed.
 
     In series are: k sum l^2 of the teeth with the arms l and the stiffness k of tooth and seat in series; k (c (N-1))^2
-    of the cam; and k n R^2/4 of n output pins on the radius R. Each is multiplied by the number of discs. The twist of
-    carrier, shaft and housing is added. The stiffness of an RV reducer is `closed_form_stiffness`.
+    of the cam, with the eccentricity c and N ring teeth; and k n R^2/4 of n output pins on the radius R. Each is
+    multiplied by the number of discs. The compliance of carrier, shaft and housing in torsion is added. The stiffness
+    of an RV reducer is `closed_form_stiffness`.
     """
     design = reducer.design
     if isinstance(reducer, RvReducer):
@@ -68,8 +69,8 @@ def closed_stiffness(reducer: Reducer) -> float:
 def swing_period(reducer: Reducer) -> float:
     """Compute the oscillation period [s] of output and discs at a locked crank, at the stiffness under rated load.
 
-    With wide clearances fewer teeth carry load, and the period is half as long again. Under a floating sun, which does
-    not hold them, the cranks of an RV reducer oscillate against each other on their bearings, which may take longer.
+    With wide clearances fewer teeth carry load, and the real period is half as long again. With a floating sun, the
+    cranks of an RV reducer may oscillate against each other on their bearings; the result is the longer period.
     """
     squared = turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load)
     if isinstance(reducer, RvReducer) and reducer.planet.sun_support == "floating":
@@ -81,7 +82,8 @@ def swing_period(reducer: Reducer) -> float:
 def crossing_time(reducer: Reducer) -> float:
     """Compute the time [s] in which the load carries the output across its backlash; 0 without load or backlash.
 
-    A rotating crank carries it there within one turn, at any load, which limits the time.
+    A rotating crank carries it there within one turn, at any load: the result is at most the time of one turn over
+    `SETTLING.crossings`, by which it is multiplied in the settling time.
     """
     drive, load = reducer.design.drive, abs(reducer.design.load.torque)
     if not load:

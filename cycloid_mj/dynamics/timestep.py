@@ -133,8 +133,8 @@ def describe_accuracy(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> st
 def step_limits(reducer: Reducer, must_follow: bool = False) -> dict[str, float]:
     """Return the longest step [s] that each criterion allows: stiffness of contacts, rolling, tooth passing, orbit.
 
-    Contacts of moving pins may settle within the step where `may_settle` permits it, unless the step `must_follow`
-    their oscillation.
+    Keys are the reasons of a `TimeStep`. Contacts of moving pins may settle within the step where `may_settle` permits
+    it, unless the step `must_follow` their oscillation.
     """
     limits = {
         f"stiffness of {kind}": math.sqrt(

@@ -99,8 +99,8 @@ class _GroupSamples:
     def finish(self, samples: int) -> list[Array]:
         """Return times [s] and columns of this group, shape (k,) each, of the first `samples` samples of the log.
 
-        If only some `rows` of the log are read, the arrays hold these rows as far as they lie among those samples.
-        The arrays are read-only, so that a `Run` need not copy them.
+        If only some `rows` of the log are read, the arrays have those of the rows that are among these samples. The
+        arrays are read-only, so that a `Run` need not copy them.
         """
         count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:

@@ -95,7 +95,7 @@ class LogWriter:
             Whether the file has a hidden name until it is complete.
         """
         self.samples = 0
-        self._groups = _check_groups(groups)
+        self._groups = _column_groups(groups)
         self._flushed_samples = 0
         self._last_time = -np.inf
         self._is_open = True
@@ -338,7 +338,15 @@ def _open_log(
     metadata: Metadata,
     attachments: Mapping[str, bytes],
 ) -> tuple[LogFile, Writer]:
-    """Open the file of a log and write metadata and attachments; leave no file if that fails."""
+    """Open the file of a log and write metadata and attachments; return the file and its MCAP writer.
+
+    If that fails, the file is removed. Arguments are those of `LogWriter`, `metadata` those of `preamble`.
+
+    Raises
+    ------
+    LogError
+        The file exists, another process writes it, or it cannot be written.
+    """
     log_file = LogFile(path, force, hidden)
     try:
         return log_file, _write_preamble(log_file.stream, metadata, attachments)
@@ -384,7 +392,7 @@ def _add_channel(mcap: Writer, topic: str, schema: int, metadata: dict[str, str]
     return number
 
 
-def _check_groups(groups: Groups) -> list[ColumnGroup]:
+def _column_groups(groups: Groups) -> list[ColumnGroup]:
     """Convert topics with their columns to column groups, in order.
 
     Raises

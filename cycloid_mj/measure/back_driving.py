@@ -129,7 +129,7 @@ class BreakAway:
         return f"{words} N m over {turning} starts around the crank turn{stuck}"
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the scatter of the starts to JSON values."""
+        """Convert to JSON values: spread of the break-away torques [N m], and number of starts that stay at rest."""
         return {
             "from_rest": self.spread.as_json() if self.spread else None,
             "from_rest_locked": len(self.starts) - len(self.turning),

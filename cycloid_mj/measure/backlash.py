@@ -124,7 +124,7 @@ def backlash(
     Returns
     -------
     Measurement
-        Figures with their numerical errors and closed forms, curves and tables.
+        Quantities with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles

@@ -56,7 +56,7 @@ def ideal_limit(reducer: Reducer) -> Reducer:
 
 
 def wang_efficiency(reducer: Reducer) -> EfficiencyReference:
-    """Compute eta_x eta_sx of Wang, Luo and Su 2016, without the efficiencies of the bearings that they multiply by.
+    """Compute the efficiency eta_x eta_sx of Wang, Luo and Su 2016, without the factors of their formula for bearings.
 
     eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi), eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_sx = 1 - 4 f K1 Dp/(pi Dw), with
     the friction mu of the mesh, the diameters Dp of the pin circle, d of a pin and Dw of the circle of output pins, the

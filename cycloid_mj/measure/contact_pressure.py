@@ -29,7 +29,7 @@ class ContactPressures:
 
     @property
     def force(self) -> Array:
-        """Sizes of the forces [N], shape (n, contacts)."""
+        """Magnitudes of the forces [N], shape (n, contacts)."""
         return np.hypot(self.vector[..., 0], self.vector[..., 1])
 
     @property
@@ -78,7 +78,8 @@ class ContactPressures:
 def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     """Compute forces [N] and Hertz pressures [Pa] of all contacts in the samples of a run, by kind of mating pair.
 
-    The crank angle begins in the first turn. The force is that of the most loaded line, in a rolling cam of one roller.
+    The crank angle begins in the first turn. Forces are those of the mating pairs; the pressure is that of the most
+    loaded of their contact lines, in a rolling cam of one roller.
     """
     crank_angle = run["crank_angle"]
     shifted_angle = crank_angle - 2.0 * math.pi * np.floor(crank_angle[0] / (2.0 * math.pi))

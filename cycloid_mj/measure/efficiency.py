@@ -74,7 +74,7 @@ def efficiency(
     Returns
     -------
     Measurement
-        Figures with their numerical errors and closed forms, curves and tables.
+        Quantities with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     steady_reducer = steady_design(reducer)
@@ -92,7 +92,7 @@ def efficiency(
         measure="efficiency",
         design=steady_reducer.design,
         condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=by_key(rated_point, _losses(point), _drag_quantities(steady_reducer, efficiency_map)),
+        quantities=by_key(rated_point, _loss_quantities(point), _drag_quantities(steady_reducer, efficiency_map)),
         curves=_curves(efficiency_map),
         tables=(
             loss_breakdown.table(point.powers, published, efficiency_map.error),
@@ -155,7 +155,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     ]
 
 
-def _losses(rated: OperatingPoint) -> list[Quantity]:
+def _loss_quantities(rated: OperatingPoint) -> list[Quantity]:
     """Return friction by kind of pair, power of normal forces, input and output power at the rated point [W].
 
     Errors are the differences from the first half of the run; kinds without friction have a note.

@@ -74,7 +74,7 @@ class HysteresisLoop:
     centre_lead: Array
     """Deviation of the disc's angle [rad], and `bench.centre_lead` [m], shape (n,) each."""
     run: Run
-    """The whole run."""
+    """The complete run."""
 
     def read_branch(self, share: float, loading: bool, sign: int, values: Array | None = None) -> float:
         """Read a branch of the loop at a share of the nominal torque, by a least-squares line through points nearby.
@@ -89,6 +89,11 @@ class HysteresisLoop:
             Sign of the torque, +1 or -1.
         values
             Values over the loop, shape (n,); by default the turn of the output [rad].
+
+        Returns
+        -------
+        float
+            Value of the line at that torque, in the unit of `values`.
         """
         coefficients = self._fit_branch((1.0 - LOOP.window) * share, (1.0 + LOOP.window) * share, loading, sign, values)
         return float(np.polyval(coefficients, sign * share * self.rated))

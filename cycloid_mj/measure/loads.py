@@ -92,7 +92,7 @@ def loads(
     progress: Progress = silent,
     solver: Solver = "planar",
 ) -> Measurement:
-    """Measure the loads of a design over a crank turn.
+    """Measure contact forces, Hertz pressures and the capacity of a design over a crank turn.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def loads(
     Returns
     -------
     Measurement
-        Figures with their numerical errors and closed forms, curves and tables.
+        Quantities with their numerical errors and closed forms, curves and tables.
 
     Raises
     ------
@@ -328,7 +328,7 @@ def _kind_quantities(
 def _disc_quantities(run: Run, half_step_run: Run, reducer: Reducer) -> Iterator[Quantity]:
     """Yield the load shares of several discs and the bearing reactions over a run.
 
-    Errors are the changes to `half_step_run`, which has half the time step.
+    Errors are the differences from `half_step_run`, which has half the time step.
     """
     first_periods = run.select(slice(0, len(half_step_run)))
     all_samples, coarse, fine = (
@@ -359,8 +359,8 @@ def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantit
 def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: float) -> dict[str, float]:
     """Compute by kind of contact the factor on the torque at which the largest pressure reaches a limit [1].
 
-    `pressure_limit` is relative to the strength of the material. Pressures grow with the square root of the force.
-    Conformal or unloaded kinds are omitted from `contacts_by_kind`.
+    `pressure_limit` [1] is relative to the yield strength of the material. Pressures grow with the square root of the
+    force. The result omits kinds whose largest pressure is 0 or that of a conformal contact.
     """
     pressures = {
         kind: contacts.peak_pressure for kind, contacts in contacts_by_kind.items() if contacts.peak_pressure > 0.0
@@ -375,9 +375,9 @@ def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
 
 
 def _contact_curves(contacts: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
-    """Yield the force [N] over the crank angle on some loaded contacts of one kind, including the most loaded one.
+    """Yield the force [N] over the crank angle on some loaded contacts of one kind, including the most loaded contact.
 
-    For teeth the ideal force of the most loaded one is added.
+    For teeth, a curve with the ideal force on the most loaded contact is added.
     """
     peaks = contacts.force.max(axis=0)
     loaded_contacts = np.flatnonzero(peaks > CARRYING_SHARE * contacts.peak_force)
@@ -407,10 +407,10 @@ def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
 
 
 def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
-    """Yield size [N] and direction [deg] of the cam's force on a `disc`, by its index, over the crank angle.
+    """Yield magnitude [N] and direction [deg] of the cam's force on a `disc`, by its index, over the crank angle.
 
-    `contacts` are those of the cams. The direction is counter-clockwise from the eccentric, whose `phase` [rad] on the
-    crank is given.
+    `contacts` are those of the cams. The direction is counter-clockwise from the eccentric; `phase` [rad] is the angle
+    of the eccentric on the crank.
     """
     angle_deg, (x, y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
     name = f"disc {disc + 1}" if contacts.vector.shape[1] > 1 else ""
@@ -437,9 +437,10 @@ def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
 
 
 def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
-    """Compute the tooth forces by ideal load sharing [N] at crank angles [rad] (n,), shape (n, D N).
+    """Compute the tooth forces by ideal load sharing [N] at crank angles [rad] (n,), shape (n, contacts).
 
-    The columns are N mates of each disc; with a ring in two halves, of each disc and half.
+    The columns are the ring pins or lobes on the first disc, then those on the next; with a ring in two halves each
+    disc has them twice, for one half after the other.
     """
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)

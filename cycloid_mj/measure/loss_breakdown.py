@@ -27,8 +27,8 @@ def loss_shares(powers: Powers) -> dict[str, float]:
 def table(powers: Powers, published: Sequence[Published], error: float) -> Table:
     """Return a table of the losses in percent of the input power, part by part, followed by the published rates.
 
-    `error` is the numerical error of the efficiency [1]. A published rate without friction was outside of the runs'
-    range.
+    `error` is the numerical error of the efficiency [1]. A published rate has the friction NaN if it lies outside of
+    the range of the runs.
     """
     remaining, rows = 1.0, []
     for part, share in loss_shares(powers).items():

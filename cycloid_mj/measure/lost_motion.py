@@ -45,7 +45,7 @@ def lost_motion(
     Returns
     -------
     Measurement
-        Figures with their numerical errors and closed forms, curves and tables.
+        Quantities with their numerical errors and closed forms, curves and tables.
 
     Raises
     ------

@@ -31,7 +31,7 @@ class LostMotionLoops:
 
     Attributes
     ----------
-    design
+    reducer
         The drive.
     service, ideal
         Loops of the design as it is, and without friction and weight, one for each crank angle.
@@ -169,7 +169,8 @@ def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
 def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
     """Yield the torsional stiffness [N m/arcmin], and the compliances of output, cam and mesh in series [arcmin/(N m)].
 
-    The stiffness is that of the design, and without friction and weight; the compliances are those without.
+    The stiffness is that of the design, and that without friction and weight. The compliances are without friction and
+    weight.
     """
     unit = "N m/arcmin"
     static_values = [ARCMINUTE / item.compliance(item.turn) for item in data.statics]
@@ -203,8 +204,8 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
     """Return the quantities of the loops that friction causes: width, work, and shift.
 
     The width [arcmin] is that at half the nominal torque; width and work [mJ], the area inside a loop, are means over
-    the crank angles. The shift [arcmin] is the largest distance of a loop from that of the mechanism without weight
-    and friction.
+    the crank angles. The shift [arcmin] is the largest distance, over the crank angles, of the middle of a loop from
+    that of the loop without weight and friction.
     """
     service, width = (data.service, data.service_checks), "width of the loop at half the nominal torque"
     damping_width = float(np.mean([loop.width for loop in data.ideal])) / ARCMINUTE
@@ -245,9 +246,9 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
 
 
 def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
-    """Return the loop at the first crank angle, in full and near zero torque, and readings over the crank angle.
+    """Return curves of the loop at the first crank angle, complete and near zero torque, and readings over crank angle.
 
-    Those of statics, and the backlash of rigid parts, are left out where there are none.
+    Readings of statics and the backlash of rigid parts are omitted if `data` lacks them.
     """
     service, ideal = data.service[0], data.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"

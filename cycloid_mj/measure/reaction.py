@@ -32,8 +32,8 @@ class Unbalance:
     balanced: float
     """The same with the counterweight, if there is one [kg m]."""
     couple: float
-    """Unbalance of the couple as built, about the middle plane of all discs, the sum of m y z [kg m2]; of several discs
-    the size of the sums of m x z and m y z."""
+    """Couple unbalance with the counterweight about the middle plane of all discs, the sum of m y z [kg m2]; of several
+    discs the magnitude of the vector with the sums of m x z and m y z."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,11 @@ def weight_force(reducer: Reducer) -> Array:
 
 
 def unbalance(reducer: Reducer) -> Unbalance:
-    """Compute static unbalance [kg m] and couple unbalance [kg m2] of a design from the masses of its solids."""
+    """Compute static unbalance [kg m] and couple unbalance [kg m2] of discs and crank, from the masses of the solids.
+
+    With one disc, the static unbalance is returned without and with the counterweight, and all values are components
+    along the eccentric, with a sign. With several discs all values are magnitudes, and `bare` equals `balanced`.
+    """
     design = reducer.design
     shaft_solid, gear_mass, eccentricity = body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
     shaft_mass, discs = mass_properties(shaft_solid), design.gear.discs

@@ -125,7 +125,7 @@ def extreme_quantities(
     numerical
         Numerical error of a value.
     scale
-        Size of the unit: values, errors and closed forms are divided by it.
+        Divisor of values, errors and closed forms, such as the unit in SI.
     closed_form
         Closed form near the values, for the error; see `error_of_extreme`.
     reference

@@ -52,7 +52,8 @@ class FrictionVariant:
 def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
     """Return the variants of the friction table: the design's friction, each pair alone, all pairs together.
 
-    With the law ``film`` no pair has a coefficient of its own.
+    Each support of the ring's pins has its own variants; further variants have another bearing of cam or output.
+    `quick` omits other supports, single pairs and bearings. The law ``film`` omits single pairs and bearings.
     """
     ring_variants = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
     rows = [row for kind in ring_variants for row in _sliding_variants(kind, quick)]

@@ -223,7 +223,7 @@ def _equal_input(
 
 
 def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
-    """Return the input of the clearances of pairs in series.
+    """Return the input that scales the clearances of some kinds of pairs in common; its value is their sum [um].
 
     `kinds` are the kinds of pairs; each of the `factors`, one for each end of the range, multiplies the design's
     clearances.

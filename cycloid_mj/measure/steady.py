@@ -41,7 +41,7 @@ def averaging_periods(reducer: Reducer, min_periods: int, load: float | None = N
 
 
 def _weight_matters(reducer: Reducer, load: float) -> bool:
-    """Return whether the weight of the discs exceeds a share of the force of a load [N m] on their cams."""
+    """Return whether the discs weigh more than ``STEADY.heavy_disc_share`` of the cam force under a load [N m]."""
     design, gravity = reducer.design, reducer.design.environment
     weight = design.gear.discs * body_masses(reducer)[GEAR].mass * math.hypot(gravity.gravity_x, gravity.gravity_y)
     return weight * design.gear.eccentricity * design.reduction > STEADY.heavy_disc_share * abs(load)
@@ -53,7 +53,7 @@ def run_steady(
     periods: int,
     solver: Solver = "planar",
     compiled: Model | None = None,
-    course: DriveCycle | None = None,
+    cycle: DriveCycle | None = None,
 ) -> Run:
     """Simulate a design at full speed from the start; return the samples of some mesh periods in steady state.
 
@@ -64,17 +64,17 @@ def run_steady(
     reducer
         The drive under its load.
     settling_time
-        Time before the first sample [s], multiplied by the slowness of the drive relative to the paper's.
+        Time before the first sample [s]; it is multiplied by `slowness` of the drive.
     periods
         Number of mesh periods.
     solver
         Solver of the run.
-    compiled, course
-        Model and drive cycle; by default the solver's own at constant speed and load.
+    compiled, cycle
+        Model and drive cycle; by default a new model, and the cycle at constant speed and load.
     """
     settling_time *= slowness(reducer)
     timed_design = with_log_rate(reducer).steady(settling_time, periods / reducer.mesh_periods)
-    run = simulate(timed_design.design, compiled or model_for(solver, timed_design), course)
+    run = simulate(timed_design.design, compiled or model_for(solver, timed_design), cycle)
     run = run.select(run.time >= settling_time * (1.0 - 1e-9))
     warn(reducer.design.name, balance_warnings(run, reducer, REMEDY))
     return run

@@ -60,7 +60,7 @@ def te(
     Returns
     -------
     Measurement
-        Figures with their numerical errors and closed forms, curves and tables.
+        Quantities with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     require_motion(reducer)

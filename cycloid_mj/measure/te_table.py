@@ -29,9 +29,9 @@ Statics = Mapping[TraceCondition, ErrorCurves]
 def quantities(
     reducer: Reducer, traces: Traces, finer_traces: FinerTraces, statics: Statics, turns: int
 ) -> list[Quantity]:
-    """Return all figures of the transmission error [arcsec].
+    """Return all quantities of the transmission error [arcsec].
 
-    These are the levels of each condition, shifts between conditions, and the orders of each cause.
+    These are the levels of each condition, shifts between conditions, and the rms of the orders of each cause.
 
     Parameters
     ----------
@@ -122,8 +122,8 @@ def separates_orders(reducer: Reducer, turns: int) -> bool:
 def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any]:
     """Return the strongest orders of each condition with their causes, as JSON values.
 
-    `turns` is the number of crank turns, and "turns_that_part_orders" that from which the orders of ring and holes are
-    apart.
+    `turns` is the number of crank turns. In the result, "turns_that_part_orders" is the smallest number of turns that
+    separates the orders of the ring from those of the holes, and "apart" is whether `turns` separates them.
     """
     return {
         "turns": turns,

@@ -71,7 +71,7 @@ def torque(
     Returns
     -------
     Measurement
-        Figures with their numerical errors and closed forms, curves and tables.
+        Quantities with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     steady_reducer = steady_design(reducer).working_at(reducer.design.rated_torque)
@@ -216,9 +216,9 @@ def explain_published(
 ) -> list[Published]:
     """Return the published torques with the common friction at which the model has the same rate.
 
-    With the numerical `error` of a rate [1], each is simulated at its friction; the error of the friction is the
-    deviation of that run plus `error`, over the slope of the rate. Those outside of the range have a friction of NaN
-    and no error. `rate_by_variant` are the output rates of the friction variants [1].
+    With the numerical `error` of a rate [1], each torque is simulated at its friction; the error of the friction is the
+    deviation of that run plus `error`, over the slope of the rate. Torques outside of the range of the variants have a
+    friction of NaN and no error. `rate_by_variant` are the output rates of the friction variants [1].
     """
     rates = sensitivity.common_rates(rate_by_variant, sensitivity.pins_of(reducer))
     explained_figures = [
@@ -254,9 +254,9 @@ def _quantities(
     held_crank_efficiency: float,
     by_input: Sequence[InputEffect],
 ) -> list[Quantity]:
-    """Return the figures of the rated test: torques, output rate, ripple, efficiency and energy balance.
+    """Return the quantities of the rated test: torques, output rate, ripple, efficiency and energy balance.
 
-    Errors are by half the time step, and by the second half of the run for the ripple.
+    Errors are the changes with half the time step and half the averaging time, of the ripple in the second half.
 
     Parameters
     ----------

@@ -73,7 +73,7 @@ def vibration(
     Returns
     -------
     Measurement
-        Figures with their numerical errors and closed forms, curves and tables.
+        Quantities with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     require_motion(reducer)
@@ -247,7 +247,7 @@ def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Cu
 def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
     """Yield the amplitude spectra of the drawn signals at the design's speed, over the frequency [Hz].
 
-    For vectors it is the root sum of squares of the axes. Runs too short for the window have none.
+    For vectors the amplitude is the root sum of squares of the axes. Runs too short for the window have no spectrum.
     """
     for key in _spectrum_keys(reducer):
         name, unit = _ALL[key]

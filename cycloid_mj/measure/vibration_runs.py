@@ -51,20 +51,20 @@ class VibrationRun:
     first's, and there are ``shaft_tilting`` and ``output_tilting`` [N m], the moments of the discs' forces about the
     middle of all, ``shaft_bearing_far`` and ``shaft_bearing_near`` [N], (n, 2)."""
     orbit: float
-    """The rms size of the gear centre's acceleration [m/s2]."""
+    """The rms magnitude of the gear centre's acceleration [m/s2]."""
     rate: float
     """Samples kept per second."""
     sampled_rms: Mapping[str, float]
-    """Key -> rms size of a signal with what is above half of the rate, up to half of `sampled_rate`."""
+    """Key -> rms magnitude of a signal including frequencies above half of the rate, up to half of `sampled_rate`."""
     sampled_rate: float
     """Samples taken per second."""
     mean_force: Array
     """Mean force on the housing [N], shape (2,)."""
     run: Run
-    """The whole run."""
+    """The complete run."""
 
     def rms(self, key: str) -> float:
-        """Compute the rms size of a signal."""
+        """Compute the rms magnitude of a signal."""
         return rms(self.signals[key])
 
     def above(self, key: str) -> float:
@@ -76,7 +76,7 @@ class VibrationRun:
         return rms(self.signals[key][: len(self.crank) // 2])
 
     def rotating(self, key: str) -> float:
-        """Compute the size of the part of a vector signal that rotates with the crank."""
+        """Compute the magnitude of the part of a vector signal that rotates with the crank."""
         x, y = self.signals[key].T
         return float(abs(np.mean((x + 1j * y) * np.exp(-1j * np.sign(self.speed) * self.crank))))
 
@@ -157,7 +157,7 @@ def _remove_mean(key: str, signal: Array) -> Array:
 
 
 def _decimate_run(run: Run, stride: int) -> Run:
-    """Keep one of `stride` samples of a run; its contact force peaks are the largest since the previous one."""
+    """Return a run with every `stride`-th sample; peaks of contact forces are the largest since the sample before."""
     decimated_run = run.select(slice(None, None, stride))
     starts = np.maximum(np.arange(len(decimated_run)) * stride - stride + 1, 0)
     peaks = {

@@ -65,7 +65,7 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
     q
         Point of the disc whose path is shown, in the frame of the disc [m]. Default: centre of hole 1, on +y.
     settle
-        Time after the ramp that is not evaluated [s], at most half of the hold. Default: the settling time of a jolt.
+        Time after the ramp that is not evaluated [s], at most half of the hold. Default: an estimate.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
     Warns
     -----
     CycloidWarning
-        Why figures of a run are not representative of its design; the page lists the same warnings.
+        Why results of a run are not representative of its design; the page lists the same warnings.
     """
     if not 1 <= len(runs) <= MAX_RUNS:
         raise UsageError(

@@ -16,14 +16,14 @@ def encode_array(values: npt.ArrayLike) -> dict[str, Any]:
 
 
 def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array]:
-    """Reduce columns to about a number of samples that include every extreme (min-max decimation).
+    """Reduce columns to about `max_samples` samples that include every extreme (min-max decimation).
 
     Parameters
     ----------
     time
-        Shape (n,).
+        Times of the samples, increasing, shape (n,).
     values
-        Shape (n, k).
+        Columns, shape (n, k).
     max_samples
         Requested number of samples.
 

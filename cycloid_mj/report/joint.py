@@ -60,7 +60,7 @@ def joint_page(
         .render(
             title=f"cycloid_mj: {reduced.name} as a joint",
             reducer=reduced,
-            numbers=list(_main_figures(reduced).items()),
+            numbers=list(_main_values(reduced).items()),
             quantities=_quantity_table(reduced),
             population=[
                 {"title": table.title, "text": TextTable.of(table)} for table in (drives.tables() if drives else ())
@@ -82,8 +82,8 @@ def joint_page(
     )
 
 
-def _main_figures(reduced: ReducedJoint) -> dict[str, str]:
-    """Return the main figures of a joint as text with units: ratio, backlash, stiffness, efficiencies and inertia."""
+def _main_values(reduced: ReducedJoint) -> dict[str, str]:
+    """Return the main quantities of a joint as texts with units: ratio, backlash, stiffness, efficiency and inertia."""
     quantities = reduced.quantities
     return {
         "ratio": f"{reduced.ratio:g}:1",

@@ -45,7 +45,7 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             conditions=_conditions(reviewed),
             warnings=[(item.name, line) for item in reviewed for line in item.findings.warnings],
             unmet=list(_unmet(reviewed)),
-            numbers=_main_figures,
+            numbers=_main_values,
             animated=any(mechanisms),
             magnified=min((shown["usual"] for shown in mechanisms if shown), default=1),
             widest=[1e3 * shown["widest"] if shown else None for shown in mechanisms],
@@ -69,8 +69,8 @@ def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
             yield item.name, checks
 
 
-def _main_figures(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield name and text, with unit, of the main figures of a run: efficiency, errors of output and disc, contacts.
+def _main_values(item: Reviewed) -> Iterator[tuple[str, str]]:
+    """Yield name and text, with unit, of the main quantities of a run: efficiency, errors of output and disc, contacts.
 
     The efficiency is a text without a load or in a ramp. Backlash and stiffness are those of the static equilibrium,
     and are left out if there is none.

@@ -74,7 +74,7 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
 def losses(reviewed: Sequence[Reviewed]) -> TextTable:
     """Tabulate the mean losses [W] by friction and by contact damping: a row for each run and kind of mating pair.
 
-    The share of the input input_power is empty if the crank takes none. Without losses, the table has no rows.
+    The share of the input power is empty if the crank receives no power. Without losses, the table has no rows.
     """
     rows = []
     for item in reviewed:
