@@ -158,7 +158,7 @@ class Calibration(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Fitted values, one row each."""
+        """Table of the fitted values in their units, with the ends of their 95 % intervals, a row each."""
         names = ("key", "value", "unit", "low", "high", "identified")
         rows: list[dict[str, Cell]] = [
             dict(zip(names, (key, item.value, item.unit, *item.ci95, item.identified), strict=True))
@@ -197,7 +197,7 @@ class Calibration(Presented):
 
     @property
     def misfits(self) -> tuple[str, ...]:
-        """Describe the stretches that the fitted model cannot follow, and a better candidate; a sentence each."""
+        """Sentences on deviations of the fitted model from the loops above its assumed error, and on a better model."""
         best, sentences = self.preferred, list(self._worst_stretches())
         if best is None or best.key == model_selection.WRITTEN:
             return tuple(sentences)
@@ -215,7 +215,10 @@ class Calibration(Presented):
         return (*sentences, better + (remedy if best.key == "load" else ""))
 
     def _worst_stretches(self) -> Iterator[str]:
-        """Yield a sentence for each loop on its stretch (a sixth of the loop) that deviates most from the model."""
+        """Yield a sentence for each loop on the section of it that deviates most from the fitted model.
+
+        A loop has six sections (`model_selection.compare_stretches`); loops within the model error are skipped.
+        """
         all_stretches = self.stretches
         for loop in self.fitted.loops:
             stretches = [item for item in all_stretches if item.loop == loop.name]
@@ -233,7 +236,7 @@ class Calibration(Presented):
         return _advise_loops(self.fitted, self.unidentified, self.indistinguishable)
 
     def tables(self) -> tuple[Table, ...]:
-        """Return tables of fitted values, figures, loops, deviations by stretch, and compared models."""
+        """Return tables of fitted values, loop figures, loops, deviations by section of a loop, and compared models."""
         compared = (
             ("candidate models of the loops", self.candidates),
             ("which losses explain the loops", self.variants),
@@ -259,7 +262,7 @@ class Calibration(Presented):
         return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
     def _figure_table(self) -> Table:
-        """Return a table of the figures of the measured and the fitted loops with their definitions."""
+        """Return a table of play, stiffness, ... of the measured and the fitted loops, with their definitions."""
         modelled_figures = self.modelled.in_units()
         rows = []
         for key, item in self.measured.in_units().items():
@@ -283,7 +286,7 @@ class Calibration(Presented):
         return Table("loops", header, tuple(rows))
 
     def _deviation_table(self) -> Table:
-        """Return a table of the deviation of the fitted model from each stretch of each loop."""
+        """Return a table of the deviation of the fitted model from each section of each loop."""
         deviation = "measured less model, mean [deg]", "rms [deg]", "rms of the height"
         rows: list[tuple[str | float, ...]] = []
         for stretch in self.stretches:
@@ -296,7 +299,7 @@ class Calibration(Presented):
         return Table("where the fitted model misses the loops", header, tuple(rows))
 
     def as_json(self) -> dict[str, Any]:
-        """Convert values, intervals, figures, loops, models and notes to JSON values."""
+        """Convert values, intervals, loop figures, loops, compared models and notes to JSON values."""
         figures = self.measured.in_units()
         return {
             "design": self.design.name,
@@ -429,10 +432,10 @@ def calibrate(
 
 
 def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
-    """Fit the parameters of a problem to its loops, and return the calibration.
+    """Fit the parameters of a problem to its loops, and return the calibration with values, intervals and notes.
 
-    With candidates, all of `model_selection.CANDIDATES` are fitted first; the best of them decides whether each loop
-    has a zero offset of torque.
+    If `with_candidates`, all of `model_selection.CANDIDATES` are fitted first. The model with the lowest Bayesian
+    information criterion then decides whether each loop has a zero offset of torque.
 
     Raises
     ------
@@ -475,10 +478,11 @@ def compare_losses(
     progress: Progress = silent,
     on_fit: Callable[[Calibration], object] = lambda _: None,
 ) -> Calibration:
-    """Fit constant friction, that of the contacts, a lossy material, and both, to the same loops (`LOSSES`).
+    """Fit models with different losses to the loops of a calibration; return it with these fits as `variants`.
 
-    Return the calibration with these fits as `variants`. Contacts have friction only where they are elastic, so that
-    the stiffness of the teeth is fitted in place of that of the structure.
+    The losses are those of `LOSSES`: constant friction alone, with friction of the contacts, with a lossy material, and
+    with both. The stiffness of the teeth is fitted in place of that of the structure, since only elastic contacts have
+    friction.
 
     Parameters
     ----------
@@ -555,8 +559,9 @@ def _build_calibration(fitted: Fitted) -> Calibration:
 def _estimate_value(fitted: Fitted, index: int) -> Estimate:
     """Return the fitted value of the parameter with an index, its intervals, and whether the loops determine it.
 
-    They do not if the value or its interval is at a bound of the search, if the prior has most of the knowledge, or if
-    the interval is wider than the value. A value at a bound has no interval of noise (NaN).
+    The loops do not determine it if the value or its interval is at a bound of the search, if the prior contributes
+    more to it than the loops (`LIMITS.max_prior_share`), or if the interval is wider than the value. The interval of
+    noise alone is NaN for a value at a bound.
     """
     parameter, scaled_value, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
     value, low, high = (parameter.from_scale(float(item)) for item in (scaled_value, *interval))
@@ -578,9 +583,9 @@ def _percent(shares: Sequence[float]) -> str:
 
 
 def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[model_selection.ModelFit]) -> Table:
-    """Return a table of fits of several models to the same loops, with their criteria above the lowest.
+    """Return a table of residuals, information criteria and values of several models' fits to the same loops.
 
-    `title` is that of the table, `compared` are the fits.
+    The criteria are differences from the lowest. `title` is that of the table, `compared` are the fits.
     """
     bayesian, akaike = (min(getattr(item, key) for item in compared) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
@@ -616,10 +621,10 @@ def _format_number(value: float) -> str:
 def _advise_loops(
     fitted: Fitted, undetermined_keys: Sequence[str], indistinguishable: Sequence[tuple[str, str, float]]
 ) -> tuple[str, ...]:
-    """Describe loops that would determine some values, a sentence each.
+    """Recommend further loops to measure, a sentence each, that would determine the values of some keys.
 
-    `undetermined_keys` are keys of values, `indistinguishable` pairs of keys with their correlation. There are
-    sentences for play, friction and stiffness only; other keys have none.
+    `undetermined_keys` are the keys of undetermined values, `indistinguishable` pairs of keys with their correlation.
+    There are recommendations for play, friction and stiffness only.
     """
     open_keys = {*undetermined_keys, *(key for pair in indistinguishable for key in pair[:2])}
     max_torque, bench = max(loop.most for loop in fitted.loops), fitted.bench
@@ -650,7 +655,7 @@ def _advise_loops(
 
 
 def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
-    """Return remarks on loops, intervals and offsets, a sentence each."""
+    """Return remarks on omitted points, values at bounds, intervals and torque offsets of a fit, a sentence each."""
     notes, sign = [], "counts deflection against the torque: its sign was changed"
     for loop in fitted.loops:
         notes += [f"{loop.name} {sign}"] if loop.flipped else []

@@ -133,10 +133,10 @@ class Fitted:
         return len(self.scaled) - (0 if self.torque_offset else len(self.loops))
 
     def bayesian_criterion(self, independent_counts: Sequence[float]) -> float:
-        """Compute the Bayesian information criterion from the number of independent residuals of each loop.
+        """Compute the Bayesian information criterion [1] from the number of independent residuals of each loop.
 
-        Criteria of models compare only where that number is the same: a model that leaves something out has correlated
-        residuals, and by its own count would have less to explain.
+        Models are comparable only by criteria with the same numbers. The numbers of `independent` differ between
+        models, since a model without a relevant effect has correlated residuals.
         """
         return _misfit(self.residuals, independent_counts) + self.free_values * float(np.log(sum(independent_counts)))
 
@@ -178,7 +178,9 @@ def fit_loops(
     intervals: bool = True,
     torque_offset: bool | None = None,
 ) -> Fitted:
-    """Fit parameters of a model to loops by robust least squares from several starts.
+    """Fit parameters of a model to measured loops by robust least squares; return values, intervals and residuals.
+
+    The search begins from several starts.
 
     Parameters
     ----------
@@ -189,8 +191,8 @@ def fit_loops(
     start
         Scaled values of a single start, shape (v,); by default several starts (`FitProblem.starts`).
     intervals
-        Whether intervals are by profile likelihood. Else they are those of the linearised model, which take no further
-        search, and the values are the likeliest.
+        Whether intervals are by profile likelihood. Otherwise they are those of the linearised model, which take no
+        further search, and the values are the likeliest.
     torque_offset
         Whether each loop has a zero offset of torque; by default chosen by the Bayesian information criterion.
 
@@ -199,7 +201,8 @@ def fit_loops(
     RunError
         No static balance exists.
     FitStopped
-        Ctrl-C: it has the best values by then, with intervals of the linearised model where there are no others.
+        Ctrl-C: its `fitted` has the best values so far, with intervals of the linearised model where there are no
+        others.
     """
     problem = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials(), torque_offset is not False)
     interval_searches = {"ends": 2 * len(problem.parameters), "nearest": 1} if intervals else {}
@@ -236,7 +239,7 @@ def _refine(
     offset_gain: float,
     interval_searches: dict[str, int],
 ) -> Array:
-    """Continue the search from the best solution, and restart it from each better point found for an interval.
+    """Continue the search from the best solution; restart it whenever a search for an interval reaches a lower cost.
 
     Parameters
     ----------
@@ -274,14 +277,14 @@ def _refine(
 
 
 def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
-    """Compute the fit of a `problem` at scaled values, shape (v,), with the intervals of the linearised model.
+    """Return residuals, uncertainties and intervals of a `problem` at scaled values, shape (v,), without a search.
 
-    The intervals include `MODEL_ERROR`.
+    The intervals are those of the linearised model and include `MODEL_ERROR`.
 
     Raises
     ------
     RunError
-        A loop has no model there.
+        The model has no static equilibrium for a loop at these values.
     """
     low, high = problem.bounds
     loop_residuals = problem.residuals_by_loop(scaled_values)
@@ -345,7 +348,7 @@ def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
 def _choose_offset(
     problem: FitProblem, solutions: list[tuple[float, Array]]
 ) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
-    """Choose by the Bayesian information criterion whether the loops have zero offsets of torque.
+    """Choose by the Bayesian information criterion whether zero offsets of torque are fitted for the loops.
 
     `problem` is that with offsets; `solutions` are cost and scaled values (v,) of its searches, the best first.
 
@@ -375,9 +378,10 @@ def _choose_offset(
 
 
 def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
-    """Set the ends of each interval by profile likelihood (Venzon and Moolgavkar 1988).
+    """Replace the ends of the intervals in `fitted` by those of profile likelihood (Venzon and Moolgavkar 1988).
 
-    Values at a bound, and those on which no residual depends, keep their ends.
+    Values at a bound, and those on which no residual depends, keep their ends. The function returns early if a search
+    reaches a lower cost than the solution.
 
     Parameters
     ----------
@@ -392,7 +396,7 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
     Returns
     -------
     Array or None
-        Scaled values (v,) with a lower cost than the solution, if a search reached some.
+        Scaled values (v,) with a lower cost than the solution; None if no search reached any.
     """
     inverse, lowest_cost = fitted.uncertainty.inverse, valleys[0][0]
     is_distinct = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in valleys[1:]]
@@ -426,9 +430,9 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
 def _profile_distance(
     problem: FitProblem, fitted: Fitted, valley: tuple[float, Array], index: int, side: int, allowed_rise: float
 ) -> tuple[float, tuple[float, Array] | None]:
-    """Compute the signed distance of a value from a valley at which the profile cost has risen by an allowed amount.
+    """Compute the signed distance of a value from its best value at which the profile cost has risen by `allowed_rise`.
 
-    The value of an `index` is fixed at distances that double, all others are fitted again, and the end is interpolated.
+    The value is fixed at distances that double, and all others are fitted again. The distance is then interpolated.
     Values are scaled, without unit.
 
     Parameters
@@ -436,7 +440,7 @@ def _profile_distance(
     problem, fitted
         The least-squares problem and its solution.
     valley
-        Cost and scaled values (v,) at the bottom of the valley.
+        Cost and scaled values (v,) at a local minimum of the cost, from which distances are counted.
     index, side
         Index of the value; 0 for its lower end, 1 for its upper end.
     allowed_rise

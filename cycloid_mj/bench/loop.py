@@ -221,7 +221,9 @@ def _parse_number(text: str, location: str) -> float:
 
 
 def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str = "") -> MeasuredLoop:
-    """Create a loop from torque and deflection in chronological order, after checks; find its reversals and branches.
+    """Create a loop from torque and deflection in chronological order, with checks; determine reversals and branches.
+
+    The sign of the deflection is changed if it decreases with the torque.
 
     Parameters
     ----------
@@ -324,7 +326,7 @@ def _require_no_outlier(values: Array, column: str, origin: str) -> None:
 
 
 def _mean_opening(loop: MeasuredLoop) -> float:
-    """Compute the mean rotation of the falling branches above the rising ones [rad], over the torques of both.
+    """Compute by how much the deflection is larger at falling than at rising torque [rad], the mean over the torques.
 
     It is negative for a loop that releases energy.
     """
@@ -347,10 +349,11 @@ def _median_filter(values: Array) -> Array:
 
 
 def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> int:
-    """Count the points before the loop: those of a first branch that starts away from later branches of its direction.
+    """Return the number of points of the first branch if it only leads from rest to the loop, or else 0.
 
-    `torque` [N m], `deflection` [rad] and the number `branch` of reversals before each point have shape (n,). A bench
-    that starts from rest starts in the middle of the loop; a closed loop starts on its own branch.
+    It leads to the loop if it starts at a distance from the later branches of the same direction
+    (`SETTINGS.lead_distance`). `torque` [N m], `deflection` [rad] and the number `branch` of reversals before each
+    point have shape (n,).
     """
     same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
     if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
@@ -368,9 +371,10 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
 
 
 def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
-    """Compute the torque of a reversal near an index [N m]: the outermost of its neighbours, clipped if an outlier.
+    """Compute the torque of the reversal near the point with an index [N m]: the extreme among neighbouring points.
 
-    `torque` [N m] and its moving `medians` have shape (n,).
+    It is limited to a distance from the median there, so that an outlier does not count. `torque` [N m] and its moving
+    `medians` have shape (n,).
     """
     neighbours = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
     outermost = float(neighbours.max() if medians[index] >= np.median(neighbours) else neighbours.min())
@@ -380,17 +384,18 @@ def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
 
 
 def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:
-    """Find the torques at which the course reverses, with those of its start and its end, and the branch of each point.
+    """Determine the torques at which a torque history reverses, and the number of the branch of each point.
 
-    A reversal is an extreme after which the torque returns by `SETTINGS.reversal` of its range. A first branch that
-    starts half-way is taken to come from the extreme before it, as in a closed loop, and the last to go to the next
-    one.
+    `torque` [N m], shape (n,), is in chronological order. A reversal is an extreme after which the torque returns by at
+    least `SETTINGS.reversal` times the range of the torque. If the first branch does not begin at an end of the loop,
+    its start torque is set to that of the second reversal; likewise the end of the last branch to the torque of the
+    last reversal but one.
 
     Returns
     -------
     torques, branch
-        Torques of start, reversals and end [N m], and the number of reversals before each point, shape (n,). No torques
-        if the course does not reverse.
+        Torques of start, reversals and end [N m], in chronological order, none if the torque does not reverse; and the
+        number of reversals before each point, shape (n,).
     """
     medians = _median_filter(torque)
     min_reversal = SETTINGS.reversal * float(np.ptp(medians))

@@ -119,10 +119,10 @@ class _Line(NamedTuple):
 
 
 def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
-    """Compute play, width, stiffness and Coulomb torque of the loops of one drive (`DEFINITIONS`).
+    """Compute play, width, stiffness and Coulomb torque of the loops of one drive, with 95 % intervals (`DEFINITIONS`).
 
-    Play and stiffness are those of the loop with the largest torque, the others those of the lowest loop. A figure that
-    a loop does not show, as with too few points on a branch, is NaN.
+    Play and stiffness are those of the loop with the largest torque. Width and Coulomb torque are those of the loop
+    with the smallest range of deflection. Values that a loop does not show, e.g. with too few points, are NaN.
     """
     largest_loop, smallest_loop = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
     coulomb = loop_coulomb_torque(smallest_loop)
@@ -147,10 +147,10 @@ def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
 
 
 def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure:
-    """Compute the mean slope of both loading branches of a loop [N m/rad], as `stiffness_nm_per_rad` is defined.
+    """Compute the stiffness [N m/rad] of a loop between two torques, the mean of both sides, with its 95 % interval.
 
-    `low` and `high` are the magnitudes of the torques between which lines are fitted [N m]. NaN where the loop does not
-    reach the higher one.
+    Lines are fitted to the loading branches for torques with magnitudes from `low` to `high` [N m], and beyond 1.2
+    times the Coulomb torque. NaN if a side of the loop ends below 98 % of `high`, or has too few points.
     """
     if min(high, *map(abs, loop.ends)) < high * READING.loaded[1]:
         return NO_FIGURE
@@ -161,9 +161,10 @@ def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure
 
 
 def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
-    """Compute the rotation [rad] between the middles of a loop's branches at +3 % and -3 % of a rated torque [N m].
+    """Compute the lost motion of a loop [rad], with its 95 % interval.
 
-    NaN if a branch does not cross one of these torques.
+    It is the rotation between +3 % and -3 % of `rated_torque` [N m], at each of which the mean of rising and falling
+    branch is read. NaN if a branch does not cross one of these torques.
     """
     level = LOST_MOTION_SHARE * rated_torque
     crossings = [
@@ -179,11 +180,11 @@ def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
 
 
 def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
-    """Compute the rotation [rad] between a loop's branches at zero torque, each unloaded from its side.
+    """Compute the hysteresis loss of a loop [rad], with its 95 % interval: the rotation at zero torque after unloading.
 
-    It is that of the lines through the points of the branches from 3 % of a rated torque [N m] down to 0.5 %, before
-    the play, extended to zero torque. Without enough points there, the branch is interpolated. NaN if a branch does not
-    cross zero torque.
+    It is the distance of both unloading branches. A line through the points of a branch between 3 % and 0.5 % of
+    `rated_torque` [N m], where it has not yet crossed the play, is extended to zero torque. With too few points there,
+    the branch is interpolated at zero torque. NaN if a branch does not cross zero torque.
     """
     readings = []
     for direction in (1, -1):
@@ -204,12 +205,15 @@ def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
 
 
 def loop_width(loop: MeasuredLoop) -> LoopFigure:
-    """Compute the rotation between the branches of a loop at zero torque [rad]."""
+    """Compute the rotation between falling and rising branch of a loop at zero torque [rad], with its 95 % interval."""
     return _branch_distance(loop, loop.torque, loop.deflection, 0.0)
 
 
 def loop_coulomb_torque(loop: MeasuredLoop) -> LoopFigure:
-    """Compute half the torque between the branches of a loop halfway up its deflection [N m]; NaN if one is missing."""
+    """Compute half the torque between the branches of a loop at its middle deflection [N m], with its 95 % interval.
+
+    NaN if a branch does not cross that deflection.
+    """
     inner = loop.deflection[loop.points_left_out :]
     value, low, high = _branch_distance(loop, loop.deflection, loop.torque, 0.5 * float(inner.max() + inner.min()))
     return LoopFigure(-0.5 * value, -0.5 * high, -0.5 * low)
@@ -218,10 +222,11 @@ def loop_coulomb_torque(loop: MeasuredLoop) -> LoopFigure:
 def _fit_loading_line(
     loop: MeasuredLoop, direction: int, low: float, high: float, coulomb_torque: float
 ) -> _Line | None:
-    """Fit a line, deflection over torque, to the loading branches of one side of a loop between two torques [N m].
+    """Fit a line, deflection [rad] over torque [N m], to the loading branches of one side of a loop.
 
-    `low` and `high` are magnitudes, `direction` is 1 for positive, -1 for negative torque. Points below
-    `READING.loaded_coulomb` Coulomb torques are left out. Return None if there are too few points.
+    `low` and `high` are the magnitudes of the torques between which points count [N m], `direction` is 1 for positive,
+    -1 for negative torque. Points below `READING.loaded_coulomb` times `coulomb_torque` [N m] are left out; NaN: none.
+    Return None if there are too few points.
     """
     signed_torque = direction * loop.torque
     is_in_interval = (
@@ -231,7 +236,10 @@ def _fit_loading_line(
 
 
 def _line_stiffness(line: _Line | None) -> LoopFigure:
-    """Return the inverse slope of a loading line [N m/rad] with its interval; NaN without a line."""
+    """Return the inverse slope of a loading line [N m/rad] with its 95 % interval.
+
+    All are NaN without a line, or if its slope is not positive.
+    """
     if line is None or line.slope <= 0.0:
         return NO_FIGURE
     half_width = _quantile(line.freedom) * line.slope_variance**0.5
@@ -249,10 +257,10 @@ def _mean_stiffness(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
 
 
 def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coulomb: LoopFigure) -> LoopFigure:
-    """Compute the rotation between both loading lines at the Coulomb torque of their sides [rad], with its interval.
+    """Compute the rotation between both loading lines at the Coulomb torque of their sides [rad], with 95 % interval.
 
-    `positive_line` and `negative_line` are the lines of positive and negative torque; NaN without one of them. The
-    interval covers the scatter of both lines and that of the Coulomb torque, which moves the ends along the lines.
+    `positive_line` and `negative_line` are the lines of positive and negative torque; the result is NaN if either is
+    missing. The interval includes the scatter about both lines and the uncertainty of the Coulomb torque [N m].
     """
     if positive_line is None or negative_line is None or math.isnan(coulomb.value):
         return NO_FIGURE
@@ -264,7 +272,7 @@ def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coul
 
 
 def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
-    """Compute the distance of the falling branches above the rising ones in `values`, at a level of `abscissa`.
+    """Compute falling less rising branch of a loop in `values`, at a level of `abscissa`, with its 95 % interval.
 
     `abscissa` and `values` are torque and deflection of the loop, in either order, shape (n,). NaN if a branch does not
     cross the level.
@@ -289,8 +297,8 @@ def _find_crossings(
     Returns
     -------
     tuple or None
-        Value, variance and degrees of freedom for the falling, then the rising branches; None if one does not cross the
-        level.
+        Value, variance and degrees of freedom for the falling, then the rising branches; None if a branch does not
+        cross the level.
     """
     crossings = []
     for direction in (-1, 1):
@@ -308,9 +316,10 @@ def _find_crossings(
 
 
 def _interpolate_leap(x: Array, y: Array, level: float) -> _Crossing:
-    """Interpolate y, shape (n,), where a branch leaps past a level of x; return value, variance, degrees of freedom.
+    """Interpolate y of a branch, shape (n,), between the two points on both sides of a level of x.
 
-    The variance is that of a uniform distribution between the points on both sides, with infinite degrees of freedom.
+    Return value, variance and degrees of freedom. The variance is that of a uniform distribution between both points;
+    the degrees of freedom are infinite.
     """
     order = np.argsort(x)
     upper = int(np.searchsorted(x[order], level))
@@ -319,10 +328,10 @@ def _interpolate_leap(x: Array, y: Array, level: float) -> _Crossing:
 
 
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
-    """Fit a line to the masked ones of n points (x, y), shape (n,) each, by least squares.
+    """Fit a line to the points (x, y) selected by a mask, shape (n,) each, by least squares.
 
-    The variances account for autocorrelated residuals: the number of independent points is smaller by
-    `autocorrelation_time`. None for too few points, or if all have the same x.
+    The number of independent points, on which variances and degrees of freedom depend, is that of the points divided by
+    `autocorrelation_time`. None for fewer than `READING.min_points`, or if all have the same x.
     """
     x, y = x[mask], y[mask]
     count, offsets = len(x), x - np.mean(x) if len(x) else x

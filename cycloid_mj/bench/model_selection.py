@@ -82,10 +82,10 @@ def compare_candidates(fits: Mapping[str, Fitted]) -> tuple[ModelFit, ...]:
 
 
 def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]:
-    """Compare the fits of several models to the same loops by information criteria, by their keys and meanings.
+    """Return residuals, information criteria and values of several models' fits to the same loops, in their order.
 
-    The number of independent residuals is that of the model with the most values, for all of them: its residuals are
-    nearest to noise.
+    The keys of `fits` are key and meaning of each model. All criteria use the number of independent residuals of the
+    model with the most parameters, whose residuals are nearest to noise.
     """
     independent = max(fits.values(), key=lambda item: len(item.parameters)).independent
     return tuple(
@@ -106,8 +106,9 @@ def fit_candidates(
 ) -> Iterator[tuple[str, Fitted]]:
     """Fit each model in `CANDIDATES` to the loops, one after the other.
 
-    The fits have the likeliest values without confidence intervals. `bench` is the condition of the loops. The progress
-    in `trials` includes a later fit of the model `WRITTEN` with intervals.
+    The fits have the likeliest values, without intervals by profile likelihood. `bench` is the condition under which
+    the loops were measured. The number of evaluations that `trials` expects includes a later fit of the model `WRITTEN`
+    with intervals.
 
     Yields
     ------
@@ -141,10 +142,10 @@ def select_model(fits: Sequence[ModelFit]) -> ModelFit:
 
 
 def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
-    """Split each loop into six stretches, and compare the model's deflection with the measured one in each.
+    """Return the deviation of the model's deflection from the measured one in six sections of each loop.
 
-    In either direction the torque first falls to zero, then crosses the play, and then loads the other side, from
-    `READING.loaded_coulomb` Coulomb torques on. A stretch without points is left out.
+    The sections of each direction are unloading to zero torque, crossing the play, and loading the other side, from
+    `READING.loaded_coulomb` times the Coulomb torque on. A section without points is left out.
     """
     rows = []
     for loop, modelled_deflection in zip(fitted.loops, fitted.turns, strict=True):
@@ -169,9 +170,9 @@ def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
 
 
 def _compare_stretch(loop: MeasuredLoop, modelled: Array, name: str, mask: Mask, direction: int) -> LoopStretch:
-    """Compare the modelled deflection [rad], shape (n,), with the measured one at the masked points of a loop.
+    """Return the deviation of the modelled deflection [rad], shape (n,), from the measured one in a section of a loop.
 
-    `name` is that of the stretch; `direction` is 1 if the torque rises in it, else -1.
+    `mask` selects the points of the section, `name` is its name; `direction` is 1 if the torque rises in it, else -1.
     """
     differences, torque = (loop.deflection - modelled)[mask], loop.torque[mask]
     first, last = (float(torque.min()), float(torque.max()))[::direction]

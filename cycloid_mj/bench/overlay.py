@@ -58,10 +58,10 @@ def apply_values(model: Model, parameters: Sequence[Parameter], values: Array) -
 
 
 def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, torque_offset: float = 0.0) -> Branches:
-    """Compute torque [N m] and rotation [rad] of a model along each branch of a loop.
+    """Compute torque [N m] and rotation [rad] of a model along each branch of a measured loop, as pairs of arrays.
 
-    `bench` is the condition of the measurement. The torques are those of the loop less an offset [N m]. A loop of the
-    same size precedes it, so that it closes.
+    The model reverses at the torques of the loop less `torque_offset` [N m]. It starts from rest, and two branches that
+    lead to the loop are left out. `bench` is the condition of the measurement.
     """
     ends = [end - torque_offset for end in loop.turns]
     if model.contact_friction:
@@ -75,11 +75,11 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, torqu
 def _branches_with_contact_friction(
     model: Model, bench: LoopCondition, reversals: list[float], max_turn: float
 ) -> Branches:
-    """Compute the branches between reversal torques [N m] with friction in the contacts (`friction_path`).
+    """Compute torque [N m] and rotation [rad] along the branches between reversals, with friction in the contacts.
 
-    `bench` is the condition of the measurement. The distance of neighbouring points is at most `max_turn` [rad]. Two
-    branches, from rest to the second reversal and back to the first, lead to the loop and are left out. Return torque
-    [N m] and rotation [rad] along each branch.
+    `reversals` are torques [N m], `max_turn` [rad] is the largest rotation between neighbouring points, and `bench` is
+    the condition of the measurement. Two branches, from rest to the second reversal and back to the first, lead to the
+    loop and are left out.
     """
     spans = list(pairwise(reversals))
     lead = [
@@ -106,10 +106,10 @@ def interpolate_deflections(loop: MeasuredLoop, branches: Branches) -> Array:
 
 
 def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: float, deflection_offset: float) -> Array:
-    """Compute the signed distance of each point from the model's branch, as a share of the loop's ranges.
+    """Compute the signed distance [1] of each measured point from the model's branch, shape (n - points_left_out,).
 
-    The model's loop is shifted by offsets of torque [N m] and deflection [rad]. Points before the loop are omitted:
-    shape (n - points_left_out,).
+    Torque and deflection are divided by the loop's ranges. Offsets of torque [N m] and deflection [rad] are added to
+    the model's branches. The distance is positive on the left of the branch, in its direction.
     """
     ranges = float(np.ptp(loop.torque)), loop.height
     distance = np.zeros(len(loop.torque))

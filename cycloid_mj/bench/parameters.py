@@ -121,12 +121,12 @@ NAMED = (*DEFAULT, "load_friction", *RUBBING, "tooth_stiffness", "mesh_play", "o
 
 
 def needs_contact_friction(keys: Sequence[str]) -> bool:
-    """Return whether the parameters of some keys need the friction of the contacts to be computed.
+    """Return whether fitting the parameters with these keys requires a model with friction in the contacts.
 
     Raises
     ------
     UsageError
-        Other parameters of the keys represent that friction.
+        Some keys need that friction, and others represent it by friction of the wind-up.
     """
     contact_keys = [key for key in keys if key in RUBBING or key.startswith("friction.")]
     wind_up_keys = [key for key in keys if key in STANDS_FOR_RUBBING]
@@ -139,9 +139,9 @@ def needs_contact_friction(keys: Sequence[str]) -> bool:
 
 
 def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of some keys: named parameters (`NAMED`), or numbers of the design file.
+    """Return the parameters to fit by their keys: names (`NAMED`), or numbers of the design file (``table.key``).
 
-    Those that depend on the measured loops take start, scale and bounds from `loops`.
+    Named parameters of stiffness, friction and hysteresis have start, scale and bounds from the measured `loops`.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
 
 
 def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
-    """Return the parameters with names of their own by key, as in `NAMED`: play, stiffness, friction and hysteresis.
+    """Return the parameters of `NAMED` by key: play, stiffness, friction and hysteresis.
 
     Start, scale and bounds of the last three follow from the measured loops.
     """
@@ -177,9 +177,9 @@ def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:
 
 
 def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
-    """Return the parameters of clearances [um]: of the mesh, the output pins, the cam, and of mesh and output together.
+    """Return the parameters of clearances [um]: of mesh, output pins and cam, and a common value of mesh and output.
 
-    The mesh includes the play of pins in their sockets. The tolerances of the design are the priors.
+    The mesh includes the play of ring pins in their sockets. The tolerances of the design are the priors.
     """
     design = reducer.design
     tooth, clearance, tooth_kinds = design.tooth_pair, design.clearance, _tooth_pairs(reducer)
@@ -187,7 +187,7 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
     to_micrometres, zones = MICROMETRE.from_si, tolerance_zones(reducer)
 
     def make_play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
-        """Return the clearance of some kinds of pairs as a parameter, with the tolerances that change it as its prior.
+        """Return the clearance of some kinds of pairs as a parameter [um], with its tolerances as the prior.
 
         `key` and `meaning` are those of the parameter, `start` is the design's clearance [m].
         """
@@ -215,7 +215,8 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the parameters of stiffness: of the teeth [1], and of the structure at the output [N m/rad].
 
-    The structure starts at twice the torque over the height of the largest loop, at most half of what it can have.
+    The structure starts at twice the largest torque divided by the range of deflection of that loop, or at half of its
+    largest possible stiffness if that is lower.
     """
     largest_loop = max(loops, key=attrgetter("most"))
     stiffness, max_stiffness = 2.0 * largest_loop.most / largest_loop.height, _max_structure_stiffness(reducer)
@@ -248,7 +249,8 @@ def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tu
 def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the parameters of friction: of contacts [1], in proportion to the load [1], and of constant size [N m].
 
-    The constant friction starts at the Coulomb torque of the lowest loop, the travel [deg] at a share of its height.
+    The fourth is the travel [deg] of the constant friction. Constant friction starts at the Coulomb torque of the loop
+    with the smallest range of deflection, its travel at a share of that range.
     """
     max_torque, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
     height_deg, coulomb = lowest.height / DEGREE, loop_coulomb_torque(lowest).value
@@ -344,7 +346,7 @@ def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ..
 
 
 def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function that sets the clearance [um] of kinds of pairs in a model.
+    """Return a function from a model and a clearance [um] to the model with that clearance in some kinds of pairs.
 
     Teeth and seats of pins share it in the ratio of the design.
     """
@@ -361,7 +363,10 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 
 def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function that sets the stiffness of kinds of pairs in a model, relative to that at the rated load."""
+    """Return a function from a model and a factor [1] to the model with that factor on the stiffness of kinds of pairs.
+
+    The factor refers to the stiffness at the rated load.
+    """
 
     def apply(model: Model, value: float) -> Model:
         rated_reducer = model.reducer.at_rated_load
@@ -372,10 +377,10 @@ def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 
 def _set_structure_stiffness(model: Model, value: float) -> Model:
-    """Return a model whose structure has a torsional stiffness at the output [N m/rad], set by its housing.
+    """Return a model whose structure has the torsional stiffness `value` at the output [N m/rad].
 
-    Housing, carrier and shaft are in series: 1/value is the sum of their compliances [rad/(N m)]. `value` must be below
-    the stiffness of carrier and shaft alone.
+    Housing, carrier and shaft are in series; the stiffness of the housing is changed. `value` must be below the
+    stiffness of carrier and shaft alone.
     """
     reducer = Reducer(model.reducer.design.model_copy(update={"structure": "springs"}))
     stiffness, compliance = twisting_stiffness(reducer), twisting_compliance(reducer)
@@ -422,7 +427,7 @@ def _with_spring(model: Model, name: str, value: float) -> Model:
 
 
 def _file_parameter(reducer: Reducer, key: str) -> Parameter:
-    """Return the parameter of a number of the design file, ``table.key``, in its unit and with the file's bounds.
+    """Return a number of the design file, ``table.key``, as a parameter in the unit and with the bounds of the file.
 
     The scale is a fifth of the design's value.
 

@@ -56,22 +56,23 @@ class Prediction(Presented):
 
 
 def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float = 0.0) -> Prediction:
-    """Predict the loops of a reducer with a locked crank at the torques of measured loops.
+    """Predict the hysteresis loops of a reducer with a locked crank at the torques of measured loops, without a fit.
 
     Parameters
     ----------
     reducer
-        Its clearances, stiffness and friction of the wind-up (`springs`) count; its contacts have no friction.
+        The reducer. Its clearances, stiffness and friction of the wind-up (`springs`) are used; its contacts have no
+        friction.
     loops
-        Measured loops. Each has its own zero of deflection, which is set to the mean of the model's; that of torque is
-        taken as exact.
+        Measured loops. The predicted deflections of each are shifted to the mean of the measured deflections; the zero
+        of torque is taken as exact.
     crank
         Angle of the crank [rad].
 
     Returns
     -------
     Prediction
-        Modelled and measured loops.
+        Predicted deflections [rad], their rms difference from each measured loop, and loop figures of both.
 
     Raises
     ------

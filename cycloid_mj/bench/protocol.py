@@ -163,7 +163,7 @@ class Protocol(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Return the figures, one row each; NaN where there is none."""
+        """Table with value and interval of each line of `LINES` for model and bench, a row each; NaN for no value."""
         sources = {"model": self.model, "bench": self.bench}
         columns: dict[str, Array] = {
             f"{side}_{part}": np.array([getattr(figures.get(key), part, math.nan) for key in LINES])
@@ -209,7 +209,7 @@ def protocol_of(
     Parameters
     ----------
     design
-        A sound design, or the name of a preset or a file.
+        A valid design, or the name of a preset or a file.
     rated_nm
         Rated output torque [N m]; by default that of the design.
     loops, te
@@ -219,7 +219,7 @@ def protocol_of(
     angles
         Number of crank angles at which the model is locked.
     progress
-        Called with the numbers of finished and of all crank angles.
+        Called with the number of finished crank angles and that of all.
 
     Returns
     -------
@@ -246,7 +246,9 @@ def protocol(
     progress: Progress = silent,
     engine: Engine | None = None,
 ) -> Protocol:
-    """Compute all standard test figures of the model, and those that the files of a bench contain.
+    """Compute lost motion, stiffness, transmission error and no-load torques of a model, and of a bench's recordings.
+
+    The lines are those of `LINES`; those for which the bench has no file are missing.
 
     Parameters
     ----------
@@ -299,11 +301,11 @@ def protocol(
 
 
 def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> MeasuredLoop:
-    """Compute the loop of a model with the crank locked at an angle [rad], up to +-`rated_torque` [N m] on the output.
+    """Compute the hysteresis loop of a model with the crank locked at an angle [rad], as a bench would measure it.
 
-    It has the form of a loop that a bench measures. It is a run as of `measure lost-motion`. Where the design has
-    friction of its wind-up (`springs`), which no run has, it is computed by statics, and that friction represents all;
-    a loop of the same size precedes it, so that it closes.
+    The torque on the output reverses at +-`rated_torque` [N m]. The loop is simulated, as by ``measure lost-motion``.
+    If the design has friction of its wind-up (`springs`), which a simulation lacks, it is computed by statics instead,
+    with that friction alone; the first of two equal loops is left out.
 
     Raises
     ------
@@ -331,10 +333,10 @@ def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> M
 
 
 def find_breakaway_torque(crank: Array, torque: Array) -> float:
-    """Find the torque at which a crank begins to turn: the magnitude of the last within `START.turned` of the start.
+    """Return the magnitude of the torque [N m] at which a crank begins to turn; NaN if it does not.
 
-    NaN if the crank is there at the end. Angles `crank` [rad] and `torque` [N m] are in chronological order, shape
-    (n,).
+    It is that of the last point with a crank angle within `START.turned` of the first. `crank` [rad] and `torque` [N m]
+    are in chronological order, shape (n,).
     """
     has_moved = np.abs(crank - crank[0]) > START.turned
     if not has_moved[-1]:
@@ -344,7 +346,9 @@ def find_breakaway_torque(crank: Array, torque: Array) -> float:
 
 
 def read_breakaway_torque(path: Path, torque_column: str) -> float:
-    """Read the torque at which the crank begins to turn [N m] from a CSV file with the columns crank_deg and a torque.
+    """Read the torque at which the crank begins to turn [N m] from a CSV file with the columns crank_deg and torque.
+
+    `torque_column` is the name of the column of the torque [N m].
 
     Raises
     ------
@@ -362,10 +366,10 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
 
 
 def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute lost motion, hysteresis loss and stiffness of the loops with the largest torques, by keys of `LINES`.
+    """Compute lost motion, hysteresis loss and stiffness from loops, by the keys of `LINES` and in their units.
 
-    Loops below `SETTINGS.min_full_torque` of the rated torque, or of the largest loop if that is smaller, are left out.
-    Each figure is the mean over the loops, with the lowest and the highest end of their intervals.
+    Each value is the mean over the loops, with the lowest and the highest end of their intervals. Loops that do not
+    reach `SETTINGS.min_full_torque` of the rated torque [N m], or of the largest loop if that is smaller, are left out.
     """
     full_loops = [
         loop
@@ -391,7 +395,7 @@ def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str,
 
 
 def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
-    """Compute the mean of a figure over the positions that have it, and the outermost ends of their intervals."""
+    """Return the mean of values that are not NaN, with the lowest and the highest end of their intervals."""
     known_figures = [item for item in figures if not math.isnan(item.value)]
     if not known_figures:
         return NO_FIGURE
@@ -403,9 +407,9 @@ def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
 
 
 def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
-    """Compute transmission error and torques of the model, by keys of `LINES`, with the functions of the catalogue.
+    """Compute transmission error and no-load torques of the model, by the keys of `LINES`, without intervals.
 
-    The transmission error is that under a small share of `rated_torque` [N m].
+    The transmission error is that under `SETTINGS.unloaded_share` of the rated torque [N m].
     """
     catalogue_keys = {"starting_torque_nm": "starting_torque_nm", "running_torque_nm": "no_load_torque_nm"}
     catalogue_keys |= {"back_driving_torque_nm": "back_driving_torque_free_nm"}
@@ -418,9 +422,10 @@ def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]
 
 
 def _file_lines(files: BenchFiles) -> dict[str, LoopFigure]:
-    """Compute the figures of the bench's other files, by keys of `LINES`, without intervals; missing files are skipped.
+    """Compute transmission error and no-load torques of a bench, by the keys of `LINES`, without intervals.
 
-    The running torque is the mean magnitude over its file. Raises UsageError if a file is malformed.
+    Missing files are skipped. The running torque is the mean magnitude over its file. Raises UsageError if a file is
+    malformed.
     """
     figures = {}
     if files.te:

@@ -82,7 +82,7 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class FitProblem:
-    """Residuals of a model and their slopes as functions of the scaled values."""
+    """Residuals of a model and their slopes as functions of the scaled values (see the module)."""
 
     model: Model
     parameters: tuple[Parameter, ...]
@@ -108,14 +108,14 @@ class FitProblem:
 
     @cached_property
     def point_weights(self) -> Array:
-        """Return the share of its loop that each residual is; 1 for the residual of a prior."""
+        """1 over the number of points in the loop of each residual; 1 for residuals of priors, shape of `residuals`."""
         lengths = [len(loop.torque) - loop.points_left_out for loop in self.loops]
         weights = [np.full(length, 1.0 / length) for length in lengths]
         return np.concatenate([*weights, np.ones(np.count_nonzero(self.prior_weights))])
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Return lower and upper bounds of the scaled values; equal where a value is fixed."""
+        """Lower and upper bounds of the scaled values, shape (v,) each; equal where a value is fixed."""
         free = np.tile([np.inf if self.torque_offset else 0.0, np.inf], len(self.loops))
         lower = [parameter.to_scale(parameter.lower) for parameter in self.parameters]
         upper = [parameter.to_scale(parameter.upper) for parameter in self.parameters]
@@ -140,7 +140,7 @@ class FitProblem:
 
     @cached_property
     def _cached_models(self) -> Callable[[tuple[float, ...]], Model]:
-        """Return a cached function from the scaled values of the parameters to the model with these values."""
+        """Cached function from scaled values of the first parameters, or all, to the model with these values."""
 
         @lru_cache(maxsize=8 * len(self.parameters))
         def with_leading_values(scaled_values: tuple[float, ...]) -> Model:
@@ -153,25 +153,26 @@ class FitProblem:
 
     @cached_property
     def _cached_branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
-        """Return a cached function from scaled values, loop index and torque offset [N m] to the model's branches.
+        """Cached function that computes the model's torque [N m] and rotation [rad] along each branch of a loop.
 
-        It returns None where the model has no static balance.
+        Its arguments are the scaled values of the parameters (without offsets), the index of the loop, and the loop's
+        offset of torque [N m]. It returns None where the model has no static equilibrium.
         """
 
         @lru_cache(maxsize=4 * len(self.loops))
-        def branches(scaled_values: tuple[float, ...], loop: int, shift: float) -> Branches | None:
+        def branches(scaled_values: tuple[float, ...], loop: int, torque_offset: float) -> Branches | None:
             try:
-                return model_branches(self._cached_models(scaled_values), self.bench, self.loops[loop], shift)
+                return model_branches(self._cached_models(scaled_values), self.bench, self.loops[loop], torque_offset)
             except RunError:
                 return None
 
         return branches
 
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
-        """Compute the residuals of each loop's points at `scaled` values (v,): signed distances over ranges, (n,).
+        """Compute the signed distances [1] of each loop's points from the model's branches, shape (points,) by loop.
 
-        Distances are those of the points from the model's branches, as shares of the loop's ranges. They are
-        `SETTINGS.failed_residual` where the model has no static balance.
+        `scaled` are the scaled values, shape (v,). Torque and deflection are divided by the loop's ranges. Points
+        before the loop are omitted. Residuals are `SETTINGS.failed_residual` where the model has no static equilibrium.
         """
         residuals = []
         for loop, branches, (torque, deflection) in self._modelled_loops(scaled):
@@ -180,7 +181,10 @@ class FitProblem:
         return residuals
 
     def _modelled_loops(self, scaled: Array) -> Iterator[tuple[MeasuredLoop, Branches | None, tuple[float, float]]]:
-        """Yield each loop, the model's branches, and its offsets of torque [N m] and deflection [rad]."""
+        """Yield each loop, the model's branches or None, and the loop's offsets of torque [N m] and deflection [rad].
+
+        `scaled` are the scaled values, shape (v,).
+        """
         count = len(self.parameters)
         values = tuple(scaled[:count].tolist())
         for index, loop in enumerate(self.loops):
@@ -188,10 +192,11 @@ class FitProblem:
             yield loop, self._cached_branches(values, index, torque), (torque, deflection)
 
     def residuals(self, scaled: Array) -> Array:
-        """Compute the residuals of all loops [1], each loop with the same weight, followed by those of the priors.
+        """Compute the residuals [1] of all loops' points, then those of the priors, shape (points + priors,).
 
-        `scaled` are the scaled values, shape (v,); the result has shape (points + priors,). A value that differs from
-        its prior by one standard deviation counts as a loop with a residual of `MODEL_ERROR`.
+        `scaled` are the scaled values, shape (v,). Residuals of a loop are divided by the root of their number, so that
+        all loops have the same weight. A value that differs from its prior by one standard deviation has the weight of
+        a loop with an rms residual of `MODEL_ERROR`.
         """
         self.trials()
         prior_residuals = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
@@ -228,7 +233,7 @@ class FitProblem:
         limits: tuple[Array, Array] | None = None,
         residuals: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """Compute the derivatives of the residuals by some scaled values, by finite differences.
+        """Compute the derivatives of the residuals with respect to some scaled values, by finite differences.
 
         Parameters
         ----------
@@ -263,9 +268,11 @@ class FitProblem:
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Return scaled start values of the searches, shape (v,) each: `START_FACTORS` on the design, centres of loops.
+        """Return the scaled start values of each search, shape (v,) each.
 
-        Where stiffness or play is fitted, the factors on them are those that bring the model nearest to the loops.
+        They are the starts of the parameters times the factors of `START_FACTORS`, and offsets at the centre of each
+        loop. If stiffness or play is fitted, the model is evaluated with several factors on them, and those with the
+        smallest residuals are used.
         """
         keys = {parameter.key for parameter in self.parameters}
         centres = [0.5 * float(loop.deflection.max() + loop.deflection.min()) for loop in self.loops]
@@ -298,9 +305,9 @@ class FitProblem:
     def minimise(
         self, start: Array, max_steps: int, method: Literal["trf", "dogbox"], fixed: int | None = None
     ) -> tuple[float, Array]:
-        """Minimise the robust sum of squares (soft L1 loss) from a start.
+        """Minimise the robust sum of squares of the residuals (soft L1 loss); return the cost and the scaled values.
 
-        Values whose bounds coincide keep their start, too.
+        Values whose bounds coincide keep their start.
 
         Parameters
         ----------
@@ -332,7 +339,10 @@ class FitProblem:
             return self.slopes(fill(free_values), free)
 
         def robust(squares: Array) -> Array:
-            """Compute the soft L1 loss and two derivatives, of residuals by their size as points of their loops."""
+            """Compute soft L1 loss and its first and second derivative of `squares` of the residuals, shape (3, n).
+
+            The threshold applies to residuals without the weight of their loop.
+            """
             root = np.sqrt(1.0 + squares / self.point_weights)
             weights = self.point_weights
             return np.stack([2.0 * weights * (root - 1.0), 1.0 / root, -0.5 / (weights * root**3)])
@@ -354,12 +364,11 @@ class FitProblem:
         return float(solution.cost), np.clip(fill(solution.x), low, high)
 
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the scaled values between bounds, (v,), with the deflections nearest to the measured ones, rms.
+        """Return the scaled values within their intervals, (v,), whose deflections have the least rms deviation.
 
-        `start` are the initial values, `low` and `high` the ends of the intervals of the values, shape (v,) each. A
-        value that moves from the start by a quarter of the distance between its ends, which is its standard deviation,
-        adds the cost of a loop with a residual of `MODEL_ERROR`, so that a value on which the deflections hardly depend
-        stays.
+        `start` are the initial values, `low` and `high` the ends of the 95 % intervals, shape (v,) each. A value that
+        differs from its start by a quarter of its interval, about a standard deviation, has the weight of a loop with
+        an rms residual of `MODEL_ERROR`, so that values on which the deflections hardly depend remain near their start.
         """
         from scipy.optimize import least_squares
 
@@ -390,7 +399,10 @@ class FitProblem:
 
 
 def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function from values, shape (f,), to `start`, shape (v,), with these values at the indices `free`."""
+    """Return a function that replaces the elements of `start`, shape (v,), at the indices `free` by its argument (f,).
+
+    It returns a new array.
+    """
 
     def fill(values: Array) -> Array:
         scaled_values = start.copy()

@@ -112,7 +112,7 @@ class BenchComparison(Presented):
 
     @property
     def strongest_first(self) -> list[int]:
-        """Return the indices of the orders above `TE.min_amplitude` in either curve, the strongest first."""
+        """Indices of the orders above `TE.min_amplitude` in either curve, the strongest first."""
         size = np.maximum(np.abs(self.bench_amplitude), np.abs(self.model_amplitude))
         return [int(index) for index in np.argsort(-size) if size[index] > TE.min_amplitude * size.max()]
 
@@ -257,9 +257,9 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
 
 
 def compute_model_error(reducer: Reducer, torque: float) -> Array:
-    """Compute the output's static error about its mean [rad] under a torque on it [N m], shape (n,).
+    """Compute the output's static transmission error [rad] about its mean under a torque on it [N m], shape (n,).
 
-    The n crank angles are evenly spaced over a turn of the output; without friction and weight.
+    The n crank angles are evenly spaced over a turn of the output, from 0 on. Friction and weight are left out.
     """
     lobes = reducer.design.lobes
     count = TE.poses_per_period * reducer.design.ring.teeth * lobes
@@ -271,8 +271,9 @@ def compute_model_error(reducer: Reducer, torque: float) -> Array:
 def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Return the orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
 
-    They are the integers, and the multiples of N/(N-1) of the disc that differ from integers by nearly a cycle over the
-    measurement. The highest is `TE.max_harmonic` times the mesh order, or what the spacing of the points resolves.
+    They are the integers, and the multiples of N/(N-1) (N teeth of the ring) that differ from integers by nearly a
+    cycle over the measurement. The highest is at most `TE.max_harmonic` times N, and lower if the points are too far
+    from each other to resolve it.
     """
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns
@@ -284,11 +285,11 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
 
 
 def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
-    """Find the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
+    """Return the crank angle of the model [rad] at the bench's zero for which the model is nearest to the measurement.
 
-    `ideal` is the model's error [rad], shape (n,), evenly over a turn of the output, which is `lobes` turns of the
-    crank. The squared residual of all shifts is computed by FFT, and its minimum refined by a parabola. Where the parts
-    return to the same pose after some turns of the crank, several angles are equal: the smallest is returned.
+    `ideal` is the model's error [rad], shape (n,), at equally spaced crank angles over a turn of the output, which is
+    `lobes` turns of the crank. The squared residual of all shifts is computed by FFT, and its minimum refined by a
+    parabola. The smallest of equally good angles is returned.
     """
     count, turn = len(ideal), 2.0 * np.pi * lobes
     width = turn / count
@@ -311,7 +312,7 @@ def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
 def _interpolate_error(ideal: Array, crank: Array, lobes: int) -> Array:
     """Interpolate the model's error [rad] at crank angles [rad], shape (n,), by periodic cubic splines.
 
-    `ideal` is the error at equally spaced crank angles over a turn of the output, which is `lobes` turns of the crank.
+    `ideal` is the error [rad] at equally spaced crank angles over a turn of the output, `lobes` turns of the crank.
     """
     from scipy.interpolate import CubicSpline
 

@@ -29,9 +29,10 @@ INTERVAL = IntervalSettings()
 
 
 def autocorrelation_time(residuals: Array) -> float:
-    """Compute how many successive residuals, shape (n,), count as one: 1 for noise, more for what a model leaves out.
+    """Compute the autocorrelation time of residuals, shape (n,): the number of points per independent point [1].
 
-    It is 1 + 2 sum rho_k, up to the first lag k whose correlation rho_k is not significant (Geyer's initial sequence).
+    It is 1 for white noise, and larger for systematic deviations of a model. It is 1 + 2 sum rho_k, up to the first lag
+    k whose correlation rho_k is not significant (Geyer's initial sequence).
     """
     centred_residuals = residuals - residuals.mean()
     variance = float(np.mean(centred_residuals**2))
@@ -72,12 +73,12 @@ class FitUncertainty:
         return np.array([self.quantile_along(row, confidence) for row in np.eye(len(self.inverse))])
 
     def quantile_along(self, direction: Array, confidence: float) -> float:
-        """Compute the half width, in standard errors, of the interval of a sum of the values with weights (v,).
+        """Compute the half width, in standard errors, of the interval of the sum of the values times `direction` (v,).
 
-        It is Student's t. A few points may decide a value, such as those of a leap (6 of 181). Its error is then an
-        estimate from few residuals, with Satterthwaite's degrees of freedom, (sum a)^2 / sum a^2, where a is the share
-        of each point (Bell and McCaffrey, Survey Methodology 28, 2002, 169-181; Imbens and Kolesar, Rev. Econ. Stat.
-        98, 2016, 701-712).
+        It is the quantile of Student's t distribution. If few points determine the sum, its error is estimated from few
+        residuals. The degrees of freedom are therefore Satterthwaite's, (sum a)^2 / sum a^2, where a is the share of
+        each point (Bell and McCaffrey, Survey Methodology 28, 2002, 169-181; Imbens and Kolesar, Rev. Econ. Stat. 98,
+        2016, 701-712).
         """
         shares = (self.influence @ direction) ** 2
         squares = float(self.point_count @ shares**2)
@@ -89,21 +90,21 @@ class FitUncertainty:
 def estimate_uncertainty(
     slopes: Sequence[Array], residuals: Sequence[Array], is_free: Mask, prior: Array | None = None
 ) -> FitUncertainty:
-    """Compute covariance and intervals of fitted values by the sandwich estimate HC3.
+    """Compute the covariance of fitted values, and what their intervals need, by the sandwich estimate HC3.
 
-    (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with leverages h (MacKinnon and White, J. Econometrics 29, 1985, 305-325):
-    the noise of a turn is small along a steep branch, so each point has its own. Points count less by
-    `autocorrelation_time`.
+    The covariance is (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with slopes A, residuals r and leverages h (MacKinnon and
+    White, J. Econometrics 29, 1985, 305-325), so that each point has its own noise. It is multiplied by the
+    `autocorrelation_time` of each loop.
 
     Parameters
     ----------
     slopes, residuals
-        Those of each loop, shapes (n, v) and (n,), weighted as in the sum of squares.
+        Slopes (n, v) and residuals (n,) of the points of each loop, weighted as in the sum of squares.
     is_free
-        Which values are free, shape (v,); the others have no error. A value on which no residual depends has the error
-        `INTERVAL.unknown_error`.
+        Which values are free, shape (v,); the others have no error. A free value on which no residual depends has the
+        error `INTERVAL.unknown_error`.
     prior
-        Slope of the residual of each value's prior, shape (v,). It has no noise, and only bounds the value.
+        Slope of the residual of each value's prior, shape (v,). A prior reduces the error, but has no noise.
     """
     information = np.sum([loop_slopes.T @ loop_slopes for loop_slopes in slopes], axis=0)
     if prior is not None:
