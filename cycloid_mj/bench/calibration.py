@@ -272,7 +272,7 @@ class Calibration(Presented):
         return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), tuple(rows))
 
     def _loop_table(self) -> Table:
-        """Return a table of the loops with their residuals."""
+        """Return a table of the loops: points, range of deflection [deg], residuals [deg] and range of torque [N m]."""
         header = (
             *("loop", "points", "height [deg]", "residual rms [deg]", "relative to the height"),
             *("without an offset of torque", "torque range [N m]"),
@@ -401,9 +401,9 @@ def calibrate(
     keys
         Values to fit: names of ``bench.parameters.NAMED``, or keys of the design file.
     held, crank
-        Shaft that was locked, and angle of the crank [rad].
+        Shaft that was locked ("crank" or "output"), and angle of the crank [rad].
     progress
-        Called at each evaluation with the number of evaluations so far, and that expected in all.
+        Called at each evaluation with the number of evaluations so far and the expected total.
 
     Returns
     -------
@@ -417,7 +417,7 @@ def calibrate(
     RunError
         No static balance exists.
     CalibrationStopped
-        Ctrl-C: it has the values by then.
+        Ctrl-C: its `calibration` has the best values so far.
     """
     reducer = Reducer(resolve(design))
     if not loops:
@@ -442,7 +442,7 @@ def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
     RunError
         No static balance exists.
     CalibrationStopped
-        Ctrl-C: it has the values by then.
+        Ctrl-C: its `calibration` has the best values so far.
     """
     model, loops, bench, trials = problem.model, problem.loops, problem.bench, problem.trials
     fits: dict[str, Fitted] = {}
@@ -534,7 +534,7 @@ def correlations(fitted: Fitted) -> Array:
 
 
 def _build_calibration(fitted: Fitted) -> Calibration:
-    """Build the calibration of a fit: the calibrated design, estimates with intervals, figures and notes."""
+    """Return the calibration of a fit: the calibrated design, estimates with intervals, loop figures and notes."""
     count = len(fitted.parameters)
     estimates = {parameter.key: _estimate_value(fitted, number) for number, parameter in enumerate(fitted.parameters)}
     parameter_correlations = correlations(fitted)
@@ -681,14 +681,10 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
 
 
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:
-    """Check that torques are in N m and deflections in degrees, by comparison with the loops of the design itself.
+    """Raise UsageError if torques are not in N m or deflections not in degrees, judged by the loops of the model.
 
-    `bench` is the condition of the measurement. A loop at which the design has no static balance is not checked.
-
-    Raises
-    ------
-    UsageError
-        A loop fits the design's only in N mm, in radians, or in arcminutes.
+    `bench` is the condition of the measurement. Units that are recognised are N mm and kN m, radians and arcminutes. A
+    deflection is not checked if the model has no static equilibrium at the torques of its loop.
     """
     rated_torque = model.reducer.design.rated_torque
     for loop in loops:

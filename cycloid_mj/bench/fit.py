@@ -189,7 +189,7 @@ def fit_loops(
     trials
         Counter of evaluations.
     start
-        Scaled values of a single start, shape (v,); by default several starts (`FitProblem.starts`).
+        Scaled values (`bench.search`) of a single start, shape (v,); by default several starts (`FitProblem.starts`).
     intervals
         Whether intervals are by profile likelihood. Otherwise they are those of the linearised model, which take no
         further search, and the values are the likeliest.
@@ -246,7 +246,7 @@ def _refine(
     problem
         The least-squares problem.
     solutions
-        Cost and scaled values of the searches so far, the best first; the new searches are added.
+        Cost and scaled values (`bench.search`) of the searches so far, the best first; the new searches are added.
     fits
         Fits with their intervals; those of this search are added.
     offset_gain
@@ -279,7 +279,8 @@ def _refine(
 def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
     """Return residuals, uncertainties and intervals of a `problem` at scaled values, shape (v,), without a search.
 
-    The intervals are those of the linearised model and include `MODEL_ERROR`.
+    Scaled values are defined in `bench.search`. The intervals are those of the linearised model and include
+    `MODEL_ERROR`.
 
     Raises
     ------
@@ -350,7 +351,8 @@ def _choose_offset(
 ) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
     """Choose by the Bayesian information criterion whether zero offsets of torque are fitted for the loops.
 
-    `problem` is that with offsets; `solutions` are cost and scaled values (v,) of its searches, the best first.
+    `problem` is that with offsets; `solutions` are cost and scaled values (v,) (`bench.search`) of its searches, the
+    best first.
 
     Returns
     -------
@@ -390,8 +392,8 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
     fitted
         Its solution; `ends` is changed in place.
     valleys
-        Cost and scaled values where searches ended, the solution first. An end is computed from each valley that
-        explains the loops as well as the interval allows, and the farthest counts.
+        Cost and scaled values (`bench.search`) of local minima where searches ended, the solution first. An end is
+        computed from each minimum with a cost within the interval's limit, and the farthest counts.
 
     Returns
     -------
@@ -433,7 +435,7 @@ def _profile_distance(
     """Compute the signed distance of a value from its best value at which the profile cost has risen by `allowed_rise`.
 
     The value is fixed at distances that double, and all others are fitted again. The distance is then interpolated.
-    Values are scaled, without unit.
+    Values and distance are scaled [1], as in `bench.search`.
 
     Parameters
     ----------

@@ -91,7 +91,7 @@ class LoopFigures:
     coulomb: LoopFigure
 
     def in_units(self) -> dict[str, LoopFigure]:
-        """Return the figures by the keys of `DEFINITIONS`, in their units."""
+        """Return values and intervals by the keys of `DEFINITIONS`, in the units in which these keys end."""
         return {
             "play_deg": self.play.scale(1.0 / DEGREE),
             "width_deg": self.width.scale(1.0 / DEGREE),

@@ -303,7 +303,7 @@ def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tup
 def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the parameters of hysteresis: torque [N m] and travel [deg] of the wind-up, and loss of the material [1].
 
-    Start and scale are shares of torque and height of the largest loop.
+    Start and scale are shares of torque and range of deflection of the loop with the largest torque.
     """
     largest_loop = max(loops, key=attrgetter("most"))
     max_torque, largest_height, smallest_height = (

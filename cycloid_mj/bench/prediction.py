@@ -40,7 +40,7 @@ class Prediction(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Figures of the measured and the predicted loops, one row each."""
+        """Table of play, stiffness, ... of the measured and the predicted loops, in the units in which the keys end."""
         modelled_figures = self.modelled.in_units()
         rows: list[dict[str, Cell]] = [
             {"key": key, "measured": item.value, "modelled": modelled_figures[key].value}

@@ -153,7 +153,7 @@ class Protocol(Presented):
         return f"{self.design}, rated torque {self.rated:.4g} N m; {first}"
 
     def table(self) -> Table:
-        """Return a table of the figures of model and bench, a row each."""
+        """Return a table of text with the values of model and bench, a row for each line of `LINES`."""
         rows = tuple(
             (line.name, line.unit, _in_words(self.model.get(key)), _in_words(self.bench.get(key)))
             for key, line in LINES.items()
@@ -174,7 +174,7 @@ class Protocol(Presented):
         return Frame({**text, **columns})
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the figures of model and bench with their definitions to JSON values."""
+        """Convert values and intervals of model and bench, with definitions, to JSON values, by the keys of `LINES`."""
         return {
             "design": self.design,
             "nominal_torque_nm": self.rated,

@@ -171,8 +171,9 @@ class FitProblem:
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
         """Compute the signed distances [1] of each loop's points from the model's branches, shape (points,) by loop.
 
-        `scaled` are the scaled values, shape (v,). Torque and deflection are divided by the loop's ranges. Points
-        before the loop are omitted. Residuals are `SETTINGS.failed_residual` where the model has no static equilibrium.
+        `scaled` are scaled values as in the module, shape (v,). Torque and deflection are divided by the loop's ranges.
+        Points before the loop are omitted. Without a static equilibrium of the model, residuals are
+        `SETTINGS.failed_residual`.
         """
         residuals = []
         for loop, branches, (torque, deflection) in self._modelled_loops(scaled):
@@ -183,7 +184,7 @@ class FitProblem:
     def _modelled_loops(self, scaled: Array) -> Iterator[tuple[MeasuredLoop, Branches | None, tuple[float, float]]]:
         """Yield each loop, the model's branches or None, and the loop's offsets of torque [N m] and deflection [rad].
 
-        `scaled` are the scaled values, shape (v,).
+        `scaled` are scaled values as in the module, shape (v,).
         """
         count = len(self.parameters)
         values = tuple(scaled[:count].tolist())
@@ -194,9 +195,9 @@ class FitProblem:
     def residuals(self, scaled: Array) -> Array:
         """Compute the residuals [1] of all loops' points, then those of the priors, shape (points + priors,).
 
-        `scaled` are the scaled values, shape (v,). Residuals of a loop are divided by the root of their number, so that
-        all loops have the same weight. A value that differs from its prior by one standard deviation has the weight of
-        a loop with an rms residual of `MODEL_ERROR`.
+        `scaled` are scaled values as in the module, shape (v,). Residuals of a loop are divided by the root of their
+        number, so that all loops have the same weight. A value that differs from its prior by one standard deviation
+        has the weight of a loop with an rms residual of `MODEL_ERROR`.
         """
         self.trials()
         prior_residuals = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
@@ -208,11 +209,11 @@ class FitProblem:
         )
 
     def deflection_errors(self, scaled_values: Array) -> Array:
-        """Compute (model deflection - measured deflection) / loop height [1] at each measured torque.
+        """Compute (model deflection - measured deflection) / range of deflection [1] at each measured torque.
 
-        `scaled_values` have shape (v,). The errors of all loops are concatenated, shape (points,), without the first
-        `points_left_out` points of each loop. Those of a loop are divided by the square root of their number: all loops
-        have the same weight in the sum of squares.
+        `scaled_values` are those of the module, shape (v,). The errors of all loops are concatenated, shape (points,),
+        without the points before each loop. Those of a loop are divided by the square root of their number, so that all
+        loops have the same weight in the sum of squares.
         """
         self.trials()
         errors = []
@@ -238,7 +239,7 @@ class FitProblem:
         Parameters
         ----------
         scaled
-            The scaled values.
+            Scaled values as in the module, shape (v,).
         indices
             Indices of the values by which to differentiate.
         central
@@ -268,7 +269,7 @@ class FitProblem:
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Return the scaled start values of each search, shape (v,) each.
+        """Return the start of each search: scaled values as in the module, shape (v,) each.
 
         They are the starts of the parameters times the factors of `START_FACTORS`, and offsets at the centre of each
         loop. If stiffness or play is fitted, the model is evaluated with several factors on them, and those with the
@@ -312,7 +313,7 @@ class FitProblem:
         Parameters
         ----------
         start
-            Scaled values, shape (v,); clipped to the bounds.
+            Scaled values as in the module, shape (v,); clipped to the bounds.
         max_steps
             Largest number of steps.
         method
@@ -364,7 +365,7 @@ class FitProblem:
         return float(solution.cost), np.clip(fill(solution.x), low, high)
 
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the scaled values within their intervals, (v,), whose deflections have the least rms deviation.
+        """Return the scaled values within their intervals, (v,), with the least rms deviation of the deflections.
 
         `start` are the initial values, `low` and `high` the ends of the 95 % intervals, shape (v,) each. A value that
         differs from its start by a quarter of its interval, about a standard deviation, has the weight of a loop with

@@ -117,7 +117,7 @@ class BenchComparison(Presented):
         return [int(index) for index in np.argsort(-size) if size[index] > TE.min_amplitude * size.max()]
 
     def table(self, max_rows: int = 20) -> Table:
-        """Return a table of the strongest orders: amplitudes, phase, explained share and possible causes."""
+        """Return a table of the strongest orders: amplitudes [arcsec], phase [deg], explained share and causes."""
         rows = tuple(
             (
                 f"{self.order[index]:.6g}",
@@ -140,7 +140,7 @@ class BenchComparison(Presented):
         return Table(f"{self.measured.name} compared with {self.design}, {self.load:.4g} N m", header, rows)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the comparison with the amplitudes of its orders to JSON values."""
+        """Convert the comparison to JSON values: load, rms values [arcsec], and amplitude and phase of each order."""
         return {
             "design": self.design,
             "load_nm": self.load,

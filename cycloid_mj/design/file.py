@@ -57,14 +57,14 @@ def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> De
     Parameters
     ----------
     named
-        A preset's name, a file, or a design, which is returned as it is but for the changes.
+        A preset's name, a file, or a design, to which only the changes are applied.
     changes
-        In the words of the file: ``table.key=value`` each, or a mapping of ``table.key`` to value.
+        Changes with keys and units of the file: texts ``table.key=value``, or a mapping of ``table.key`` to value.
 
     Returns
     -------
     Design
-        The design, which is frozen; `but` and `load` with changes return others.
+        The design, with values in SI. It is immutable; `Design.but` returns a changed copy.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def preset(name: str) -> Design | None:
 
 
 def load(path: Path) -> Design:
-    """Read a design file (TOML), and the files of measurements that it names.
+    """Read the design of a TOML file, including the files of measurements that it names.
 
     Raises
     ------
@@ -108,11 +108,11 @@ def load(path: Path) -> Design:
 
 
 def loads(text: str, source: str = "the design", folder: Path | None = None) -> Design:
-    """Parse the design of a TOML text; keys left out have the values of the preset in ``[base]``, or of ``pin``.
+    """Parse the design of a TOML text; missing keys have the values of the preset in ``[base]``, or of ``pin``.
 
-    Without ``[base]``, a text that states a load but no motor gets a motor for that load. `source` names the text in
-    errors. Files of measurements are relative to the `folder`; without one, as in a log, the text lists the measured
-    values.
+    If a text without ``[base]`` states a load but no torque of the motor, that torque follows from the load. `source`
+    names the text in errors. Files of measurements are relative to the `folder`; without a folder, as for a log, they
+    are not read, since the text contains their values.
 
     Raises
     ------
@@ -157,9 +157,9 @@ def _base(table: Any, source: str) -> Design:
 
 
 def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
-    """Return a design with the torque and power of a motor without losses for its load, at the speed of the drive.
+    """Return a design whose motor has the torque and power that its load requires without losses, at the drive's speed.
 
-    `values` are those of the file in SI: a power that it states is kept. A design without load is unchanged.
+    `values` are those of the file in SI; a power that they contain is not changed. A design without load is unchanged.
     """
     torque = abs(design.load.torque) / design.reduction
     if not torque:
@@ -172,7 +172,7 @@ def _add_motor(design: Design, values: Mapping[str, Any]) -> Design:
 def parse_toml(
     text: str, source: str, example: str = "`cycloid-mj design show pin` prints a complete design file"
 ) -> dict[str, Any]:
-    """Parse a TOML text that a user wrote to a dict.
+    """Parse an untrusted TOML text; return its tables as a dict.
 
     In errors, `source` names the text and `example` says where a correct file is shown.
 
@@ -205,15 +205,15 @@ def record(kind: type[S], tables: Mapping[str, Any], where: str) -> S:
 
 
 def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Design:
-    """Return the design with changes in the words and units of its file, as ``table.key=value`` or as a mapping.
+    """Return a copy of the design with changed values; keys and units are those of the design file.
 
-    ``override(design, ["load.torque_nm=36"])`` and ``override(design, {"load.torque_nm": 36.0})`` are the same. In a
-    mapping, values are those of Python: numbers, words, lists; `Design.but` takes SI units.
+    ``override(design, ["load.torque_nm=36"])`` and ``override(design, {"load.torque_nm": 36.0})`` are the same. Values
+    of a mapping are numbers, texts or lists. For values in SI use `Design.but`.
 
     Raises
     ------
     UsageError
-        A change has not the form of one.
+        A change does not have the form ``table.key=value``.
     DesignError
         There is no such key, or its value is not allowed.
     """
@@ -223,7 +223,7 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
 
 
 def _apply_changes(design: Design, pairs: Sequence[tuple[str, Any]], source: str, folder: Path | None) -> Design:
-    """Return the design with changed values, checked like a file.
+    """Return a copy of the design with changed values, validated as a file is.
 
     `pairs` are paths such as ``load.torque_nm`` and values in the units of the file; `source` names their origin in
     errors. Measurements that they name are read from the `folder`.
@@ -254,12 +254,12 @@ def _apply_changes(design: Design, pairs: Sequence[tuple[str, Any]], source: str
 
 
 def declaration_of(path: str) -> FieldInfo:
-    """Return the declaration of a key of the design file, such as ``load.torque_nm``.
+    """Return the declaration (type, unit, bounds, meaning) of a key of the design file, such as ``load.torque_nm``.
 
     Raises
     ------
     UsageError
-        There is no such key; it names the one that may be meant.
+        There is no such key; the message suggests a similar key.
     """
     section, prefix = Design, ""
     *tables, last = _keys(path) or [path]
@@ -271,7 +271,8 @@ def declaration_of(path: str) -> FieldInfo:
 def value_of(design: Design, path: str) -> Any:
     """Return the value of a key of the design file, such as ``load.torque_nm``, in the unit of the file.
 
-    A part without a material table of its own has the values of `material`. Errors are those of `declaration_of`.
+    A part without its own material table has the values of the table ``material``. Errors are those of
+    `declaration_of`.
     """
     declaration_of(path)
     table_name, *inner_keys = _keys(path)
@@ -306,9 +307,10 @@ def _plain(value: Any) -> Any:
 
 
 def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
-    """Format the complete commented design file of a design; the design that is read back is equal.
+    """Return the complete design file of a design as TOML text with comments; `loads` reads back an equal design.
 
-    `reasons` explain values, by ``table.name`` as in the model, or by the name of a value in no table.
+    `reasons` are explanations of values for the comments, by ``table.name`` as in the model, or by the name of a value
+    outside of tables.
     """
     reasons = reasons or {}
     lines = ["# cycloid_mj design file. Each key ends in its unit."]
@@ -502,9 +504,10 @@ def _validate(kind: type[S], values: dict[str, Any], where: str) -> S:
 
 
 def _suggest_key(key: str, known_keys: list[str], prefix: str, root: type[Section] = Design) -> str:
-    """Suggest the key that was meant: the same with another unit, the same in another table, or the most similar one.
+    """Return a sentence that suggests known keys for an unknown one: another unit, another table, or similar spelling.
 
-    `known_keys` are the keys of the table, `prefix` its name and a point, `root` the model of the file.
+    `known_keys` are the keys of the table, `prefix` its name and a point, `root` the model of the file. If no key is
+    similar, the sentence lists all keys of the table.
     """
     stems = (key, key.rsplit("_", 1)[0])
     other_unit = next(

@@ -126,10 +126,10 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
 
 
 def _upper_hole_deviation(letter: str, grade: int, size: float) -> float:
-    """Compute the upper deviation of a hole with a letter after H at a nominal size [m] (ISO 286-1, 4.3.2.5, table 3).
+    """Compute the upper deviation [m] of a hole zone with a letter after H at a nominal size [m] (ISO 286-1, 4.3.2.5).
 
-    It is that of the shaft with the same letter, with the opposite sign, plus the difference between the grade and the
-    next finer one up to IT8 (k, m, n) or IT7 (p to zc) above 3 mm.
+    `letter` is the small letter. The deviation is that of the shaft with the same letter and opposite sign; above 3 mm
+    and up to IT8 (k, m, n) or IT7 (p to zc), the difference between the grade and the next finer grade is added.
     """
     max_delta_grade = 8 if letter in "kmn" else 7
     if letter == "n" and grade > max_delta_grade:

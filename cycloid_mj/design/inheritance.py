@@ -59,9 +59,10 @@ class Inheritance:
 
 
 def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None:
-    """Find the values that a design file, with changes on the command line, takes from a preset.
+    """Return the values that a design file, with changes on the command line, takes from a preset, by key of the file.
 
-    Only values of the tables `DESCRIBING` other than 0 count. Returns None for a preset or a design.
+    Only values of the tables `DESCRIBING` and the material's name are included, without those that are 0. Returns None
+    for a preset or a design.
 
     Parameters
     ----------
@@ -93,9 +94,9 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
 
 
 def _describing_keys(design: Design) -> list[str]:
-    """List the file keys of the tables `DESCRIBING` that apply to a design.
+    """List the file keys (``table.key``) of the tables `DESCRIBING` that apply to a design, and ``material.name``.
 
-    The keys of the ramp are left out; of the material there is only its name.
+    The keys `RAMP` are left out.
     """
     tables: dict[str, Section] = {name: getattr(Design(), name) for name in DESCRIBING}
     keys = [

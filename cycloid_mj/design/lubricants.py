@@ -102,9 +102,9 @@ def walther(viscosity_40: float, viscosity_100: float, temperature: float) -> fl
 
 @cache
 def lubricants() -> Mapping[str, Lubricant]:
-    """Load all oils and greases by name, from the table of the package.
+    """Return all oils and greases of the package by name.
 
-    An oil is named by base oil and ISO viscosity grade, such as ``PAO 150``.
+    The name of an oil is its base oil and ISO viscosity grade, such as ``PAO 150``.
     """
     table = _table()
     properties = {
@@ -128,7 +128,7 @@ def lubricants() -> Mapping[str, Lubricant]:
 
 
 def lubricant(name: str) -> Lubricant:
-    """Return the lubricant of a name, ignoring case.
+    """Return viscosities, density and other properties of the lubricant with a name, ignoring case.
 
     Raises
     ------

@@ -68,11 +68,18 @@ def _entry(
     surface_yield: float = 0.0,
     endurance_pressure: float = 0.0,
 ) -> Entry:
-    """Build an entry of the library of materials in SI units.
+    """Return an entry of the library of materials, with its values converted to SI units.
 
-    Modulus, strengths and pressures are in MPa, density in kg/m3, expansion in um/(m K), and `hottest`, the highest
-    temperature of use, in °C; `poisson` is Poisson's ratio, `source` names the source. `surface_yield` and
-    `endurance_pressure` of a hardened surface are 0 if it has none.
+    Parameters
+    ----------
+    modulus, poisson, density
+        Young's modulus [MPa], Poisson's ratio [1], density [kg/m3].
+    tensile, yield_strength, surface_yield, endurance_pressure
+        Strengths of body and hardened surface [MPa], as in `Entry`.
+    hottest, expansion
+        Highest temperature of use [°C], thermal expansion [um/(m K)].
+    source
+        Origin of the values.
     """
     strengths = (tensile * 1e6, yield_strength * 1e6)
     surface_strength = (surface_yield * 1e6, endurance_pressure * 1e6)

@@ -133,9 +133,10 @@ def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _read_gear(path: Path) -> Columns:
-    """Read the columns of a measured profile: `ANGLES` or `POINTS`; without a header, numbers are x, y (and z) in mm.
+    """Read the columns of a measured disc profile from a CSV file, by the names `ANGLES` or `POINTS`, in file units.
 
-    Raises DesignError for another header, and as `_parse_columns`.
+    Without a header, the columns are x, y (and z, which is left out) [mm]. Raises DesignError for another header, and
+    as `_parse_columns`.
     """
     lines = list(_read_rows(path))
     line_number, header_cells = lines[0]
@@ -152,9 +153,10 @@ def _read_gear(path: Path) -> Columns:
 
 
 def _read_pins(path: Path) -> Columns:
-    """Read the columns of measured ring pins, listed once each in any order; return them in the order of the pins.
+    """Read the deviations of measured ring pins [um] from a CSV file with the columns `PINS`, in the order of the pins.
 
-    Raises DesignError if a pin is missing or listed twice, for another header, and as `_parse_columns`.
+    The rows may have any order. Raises DesignError if a pin is missing or listed twice, for another header, and as
+    `_parse_columns`.
     """
     lines = list(_read_rows(path))
     line_number, header_cells = lines[0]
@@ -221,9 +223,10 @@ def _cells(line: str) -> list[str]:
 
 
 def _parse_columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int, list[str]]]) -> Columns:
-    """Convert rows to columns of numbers by name; a third coordinate of points is left out.
+    """Convert the rows of a file to columns of numbers by name; a third coordinate of points is left out.
 
-    `lines` are line numbers and cells; raises DesignError with the line of a wrong value.
+    `names` are those of the columns, `lines` line numbers and cells of the rows. Raises DesignError with the line of a
+    wrong value.
     """
     rows = []
     for line_number, cells in lines:

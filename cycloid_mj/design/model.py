@@ -1031,9 +1031,9 @@ class Design(Section, Presented):
         )
 
     def but(self, **changes: Any) -> Self:
-        """Return the design with other values, in SI: ``design.but(load={"torque": 36.0}, name="loaded")``.
+        """Return a copy with changed values in SI: ``design.but(load={"torque": 36.0}, name="loaded")``.
 
-        A table's values that are not named stay as they are.
+        Names are those of the model, without units. Values of a table that are not named do not change.
 
         Raises
         ------
@@ -1070,18 +1070,18 @@ class Design(Section, Presented):
         return self.but(thermal=dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)) if self.thermal.words else self
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
-        """Return the design for a run at full speed from the start that lasts a number of crank turns after settling.
+        """Return a copy whose simulation runs at full speed from the start, for some crank turns after transients.
 
         Parameters
         ----------
         settled
-            Time that it takes to settle [s].
+            Duration of the transients [s].
         turns
-            Crank turns after that.
+            Number of crank turns after the transients.
         samples
-            Number of samples in addition, for filters and differences at the end.
+            Number of further samples of the log, for filters and differences at the end.
         changes
-            Table -> values; the crank's speed must not be 0.
+            Other changes as for `but`, by table; the crank's speed must not be 0.
         """
         design = self.but(**{**changes, "drive": {"ramp": 0.0, **changes.get("drive", {})}})
         time = turns * 2.0 * math.pi / abs(design.drive.speed) + samples / design.settings.log_rate
@@ -1150,8 +1150,9 @@ class Design(Section, Presented):
     def ratio(self) -> float:
         """Input turns per output turn [1]; negative if they rotate in opposite directions.
 
-        It is R with the carrier as output and 1 - R with the ring. R is -(N - 1) with a central crank, and 1 + N
-        z_p/z_s of an RV reducer with z_s teeth of the sun, z_p of a planet; its input is the sun.
+        It is R with the carrier as output and 1 - R with the ring as output. With N teeth of the ring, R is -(N - 1)
+        for a central crank. For an RV reducer, whose input is the sun, R is 1 + N z_p/z_s with z_p teeth of a planet
+        and z_s of the sun.
         """
         carrier_ratio: float = -self.lobes
         if self.planet is not None:
@@ -1160,7 +1161,7 @@ class Design(Section, Presented):
 
     @property
     def reduction(self) -> float:
-        """Its size: N - 1 or N with a central crank."""
+        """Magnitude of the ratio [1]."""
         return abs(self.ratio)
 
     @property
@@ -1242,11 +1243,10 @@ class Design(Section, Presented):
 
     @property
     def mesh_friction(self) -> float:
-        """Friction force per normal force where the gear slides past its ring [1].
+        """Friction force per normal force [1] where the teeth of a disc slide on the ring.
 
-        A pin that can turn slips at the contact with less friction: on the gear, or in its socket or on its core. The
-        friction in a sleeve acts at the smaller radius of its bore. If both are equal, the loss is the same however the
-        slip divides.
+        A pin or sleeve that can turn slides where its friction is lower: on the disc, or in its socket or on its core.
+        The friction in a sleeve acts at the smaller radius of its bore.
         """
         gear_friction, ring = self.friction_of(self.tooth_pair), self.ring
         if ring.has_sockets:
@@ -1262,7 +1262,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_impact_law(self) -> Self:
-        """Raise ValueError for other stiffness, damping or flexible structures with the contact law IMPACT."""
+        """Raise ValueError if stiffness, damping or a flexible structure is set with the contact law IMPACT."""
         if self.contact.law != "impact":
             return self
         set_keys = [f"stiffness.{kind}_n_m" for kind, value in self.stiffness if value]

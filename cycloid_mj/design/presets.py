@@ -242,7 +242,10 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
 
 
 def preset_reasons(name: str, design: Design) -> dict[str, str]:
-    """Return why a preset has its values, by ``table.key``, for the values that `design` still shares with it."""
+    """Return the reasons for values of the preset with a name, by ``table.name`` of the model.
+
+    Values that differ in `design`, which is derived from the preset, are left out. Empty for other names.
+    """
     name = name.casefold()
     return {
         key: reason

@@ -357,10 +357,10 @@ def dowel_diameters() -> tuple[float, ...]:
 
 
 def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
-    """Find the shortest pin in stock of a diameter [m] that fills a length [m], or several in line; None if none fits.
+    """Return the shortest pin in stock with a diameter [m] that fills a length [m], alone or several in line.
 
-    Diameters of dowels (ISO 8734) have one that is at least as long, or several in line; other small ones have a pin
-    gauge (DIN 2269).
+    It is a dowel (ISO 8734) if there is one of the diameter, or else a pin gauge up to 1 mm (DIN 2269), whose length is
+    not compared. None if there is no pin of the diameter.
 
     Returns
     -------
@@ -380,9 +380,9 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
 
 
 def single_pin(diameter: float, length: float) -> Dowel | None:
-    """Find the pin in stock of a diameter that fills a length [m] in one piece; None if there is none.
+    """Return the pin in stock with a diameter [m] that fills a length [m] in one piece; None if there is none.
 
-    It is one of `pins`, or a longer pin gauge, which is cut to length.
+    It is that of `pins`, or a longer pin gauge, which is cut to length.
     """
     stock_pins = pins(diameter, length)
     if not stock_pins or stock_pins[1] == 1:
@@ -391,7 +391,7 @@ def single_pin(diameter: float, length: float) -> Dowel | None:
 
 
 def pin_gauge(diameter: float, length: float) -> Dowel | None:
-    """Find the pin gauge of a diameter that fills a length [m] in one piece, to be cut; None if there is none.
+    """Return the pin gauge with a diameter [m] that fills a length [m] in one piece, to be cut; None if there is none.
 
     It has its nominal diameter within 1 um. A dowel (m6) is 2 to 12 um thicker, and jams in a bore of a few
     micrometres of clearance.
@@ -404,11 +404,19 @@ def pin_gauge(diameter: float, length: float) -> Dowel | None:
 
 
 def free_pin(diameter: float, width: float, play: float) -> Roller | None:
-    """Find the needle roller or pin gauge for a free pin between two covers; None if none in stock has the diameter.
+    """Return the needle roller or pin gauge for a free pin between two covers; None if none has the diameter.
 
-    It is shorter than the `width` [m] between the covers, by at most five times the axial `play` [m] at each end; a
-    longer one is cut to the room less the play, and several are in line where none is long enough. `diameter` [m] is
-    that of the pin.
+    A needle roller that is shorter than its share of `width` by at most five times `play` is used uncut. Otherwise a
+    longer roller, or a pin gauge, is to be cut. If none is long enough, several are in line.
+
+    Parameters
+    ----------
+    diameter
+        Diameter of the pin [m].
+    width
+        Distance of the covers [m].
+    play
+        Axial play at each end [m].
     """
     size_mm, room_mm = round(diameter / MM, 6), width / MM
     if size_mm in _ROLLERS:
@@ -430,7 +438,7 @@ def free_pin(diameter: float, width: float, play: float) -> Roller | None:
 
 
 def key_for(shaft: float, max_length: float) -> StockKey | None:
-    """Find the longest parallel key (DIN 6885) for a shaft diameter [m], up to `max_length` [m]; None without one."""
+    """Return the longest parallel key (DIN 6885) for a shaft diameter [m], at most `max_length` [m]; else None."""
     for min_diameter, max_diameter, width, height, shaft_depth, hub_depth, shortest, longest in _rows(_KEYS, 8):
         if min_diameter < round(shaft / MM, 6) <= max_diameter:
             lengths = [item for item in _KEY_LENGTHS if shortest <= item <= min(longest, max_length / MM + 1e-6)]
@@ -441,10 +449,10 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
 
 
 def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> "Array":
-    """Find the lengths nearest to `lengths` [m] (n,) that dowels of a diameter [m] fill in line, uncut.
+    """Return the lengths [m] of uncut dowels with a diameter [m] that are nearest to `lengths` [m], shape (n,).
 
-    There are at most `max_count` of them. A length stays where they differ from it by more than the factor `OFF`, or
-    without such dowels: they are cut.
+    At most `max_count` equal dowels are in line. A length is returned unchanged if the nearest length differs by more
+    than the factor `OFF`, or if there are no dowels of the diameter; the dowels are then to be cut.
     """
     import numpy as np
 
@@ -471,7 +479,7 @@ def bar_diameters() -> tuple[float, ...]:
 def needle_bearings() -> tuple[StockBearing, ...]:
     """List the needle roller bearings without inner ring in stock, sorted by outside diameter, bore and width.
 
-    Drawn cups (HK), and above the largest of these machined rings (RNA 49).
+    They are drawn cups (HK), and for larger outside diameters bearings with machined rings (RNA 49).
     """
     cups = [
         StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, outer_diameter, width), dynamic * KN, static * KN)
@@ -573,9 +581,9 @@ def side_by_side(bearings: Iterable[StockBearing], width: float) -> tuple[StockB
 
 
 def bearings_outside(outside: float, *, ringed: bool = False) -> tuple[StockBearing, ...]:
-    """List the bearings with an outside diameter [m]: needle bearings, or where there are none ball bearings.
+    """List the bearings with an outside diameter [m]: needle bearings, or ball bearings if there are none.
 
-    `ringed` ones have an inner ring, for a crank that is too soft for needles: all ball bearings.
+    `ringed` selects bearings with an inner ring, for a crank that is too soft for needles: ball bearings only.
     """
     if ringed:
         return _alike((*ball_bearings(), *thin_ball_bearings()), outside, "outside")

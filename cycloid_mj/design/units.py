@@ -35,8 +35,8 @@ class Unit:
     def from_si(self, value: float) -> float:
         """Convert an SI value to the shortest number in the file's unit that `to_si` converts back exactly.
 
-        Every value that came from a file has such a number. An SI value between two of the file's floats has none: then
-        the nearest number is returned, whose SI value differs in the last bit.
+        Such a number exists for every value that was read from a file. For other values the nearest number is returned,
+        whose SI value may differ in the last bit.
         """
         value_in_unit = value * self.divisor / self.multiplier
         rounded_values = (float(f"{value_in_unit:.{digits}g}") for digits in (14, 15, 16))
@@ -83,18 +83,18 @@ BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at m
 
 
 def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, **bounds: Any) -> Any:
-    """Declare a numeric value of the design as a pydantic field, with unit, bounds and source.
+    """Declare a numeric value of the design: return a pydantic field with default and bounds in SI.
 
     Parameters
     ----------
     default
         Value of the preset ``pin``, in the file's unit.
     text
-        What the value is; printed as its comment in the design file.
+        Meaning of the value; printed as its comment in the design file.
     unit
-        Unit of the file; the value itself is kept in SI.
+        Unit of the file; the value of the field is in SI.
     source
-        Where the default comes from: the paper, another source, or assumed.
+        Source of the default: the paper, another source, or assumed.
     bounds
         ``gt``, ``ge``, ``lt``, ``le`` in the file's unit.
     """

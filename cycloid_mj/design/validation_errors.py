@@ -75,7 +75,7 @@ def literal_choices(field: FieldInfo) -> tuple[str, ...]:
 
 
 def _describe_error(details: ErrorDetails, root: type[BaseModel]) -> str:
-    """Describe one wrong value in a sentence: key, value, allowed values and meaning.
+    """Describe a wrong value in a sentence: key, value, allowed values and meaning.
 
     `details` are those of pydantic, `root` is the model that was validated.
     """
@@ -103,7 +103,7 @@ def _quote(value: Any) -> str:
 
 
 def _locate_error(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
-    """Return where a wrong value is in the design file.
+    """Return file keys and declaration of a wrong value.
 
     `details` are those of pydantic, `root` is the model that was validated. Items of lists have their number in
     brackets, from 1 on.

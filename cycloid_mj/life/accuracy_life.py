@@ -53,7 +53,7 @@ class Course:
     def life(self, limit: float) -> float:
         """Return the hours until the lost motion reaches a limit [rad], interpolated; inf if it does not grow.
 
-        Beyond the course it is extrapolated with the rate at the end, which is too short a life where wear slows down.
+        Beyond the computed hours it is extrapolated linearly, which underestimates the life if wear slows down.
         """
         reached_indices = np.flatnonzero(self.lost_motion >= limit)
         if not reached_indices.size:
@@ -85,7 +85,7 @@ class WornSurface:
         return surface.count * surface.section * surface.length * float(depth.mean())
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the surface to JSON values."""
+        """Convert material, coefficient [mm3/(N m)], run-in and depth [um] by position [mm] to JSON values."""
         return {
             "key": self.surface.key,
             "name": self.surface.name,
@@ -196,7 +196,7 @@ class WearLife(Presented):
         return f"{self.design}, {self.condition}; accuracy life {self.life_text()} ({self.interval_text})"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return two tables: figures over the typical course, and material, coefficients and depths of each surface."""
+        """Return two tables: accuracy, forces and depths over time in the typical case, and wear of each surface."""
         surfaces = tuple(
             (
                 item.surface.name,
@@ -215,7 +215,7 @@ class WearLife(Presented):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the result to JSON values; an unlimited life is None."""
+        """Convert lives [h], lost motion [arcmin], rows and surfaces to JSON values; an unlimited life is None."""
         names = [key for key, _ in self.columns]
         return dict(
             to_json_values(
@@ -263,10 +263,11 @@ def wear(
     settings: WearSettings = SETTINGS,
     on_progress: Callable[[Case, float], None] | None = None,
 ) -> WearLife:
-    """Wear a drive step by step for some hours, and compute its accuracy life with its 5 to 95 % interval.
+    """Compute the wear of a drive over time, and its accuracy life with its 5 to 95 % interval.
 
-    Archard's law with run-in; the statics is solved again with the worn gaps after each step. A course ends at the
-    hours, or when the lost motion has grown by `growth`. Ctrl-C keeps what is finished.
+    Wear follows Archard's law with run-in. After each time step the static equilibrium is solved again with the worn
+    gaps. The computation of a case ends after `hours`, or when the lost motion has grown by `growth`. Ctrl-C ends it
+    early; the result then has the cases and steps that are finished.
 
     Parameters
     ----------
@@ -329,7 +330,7 @@ class _Log:
         self._interrupted = False
 
     def run_case(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
-        """Compute the course of a case of wear to its end; return False if it was interrupted.
+        """Compute and store lost motion over hours in a case of wear; return False if it was interrupted.
 
         `on_progress` is called after each step with the case and the finished part of it [1].
 
@@ -370,9 +371,10 @@ class _Log:
         return not self._interrupted
 
     def _record_typical(self, state: WearState, is_due: bool) -> None:
-        """Keep a state of the typical course as the last one, and record its figures if they are due.
+        """Store a state as the last of the typical case, and append a row of accuracy, forces and depths if `is_due`.
 
-        They are also recorded whenever the lost motion has grown by the `records`-th part of the permitted growth.
+        A row is also appended for the first state, and whenever the lost motion has grown by 1/`records` of the
+        permitted growth since the last row.
         """
         self._last = state
         growth_step = self._growth / self._drive.settings.records
@@ -401,7 +403,7 @@ class _Log:
         self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *depths))
 
     def result(self, duty: Duty) -> WearLife:
-        """Collect courses, records and surface depths into the result."""
+        """Return the result with the cases, rows and surface depths that are computed so far; `duty` is named in it."""
         assert self._last is not None
         last, laws = self._last, self._drive.laws
         surfaces = []

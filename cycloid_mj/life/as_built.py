@@ -71,10 +71,10 @@ def default_parts(design: Design) -> Parts:
 
 
 def find_critical_sample(reducer: Reducer) -> int | None:
-    """Return the number of the sample whose largest tooth force is at the rated percentile of all samples.
+    """Return the number (from 0) of the sample whose largest tooth force is at `SETTINGS.percentile` of all samples.
 
-    Samples without a static equilibrium are left out. None if the design has no tolerances; 0, the first sample, if no
-    sample has an equilibrium.
+    Samples without a static equilibrium are left out. None if the design has no tolerances; 0 if no sample has an
+    equilibrium.
     """
     zones = tolerance_zones(reducer)
     if not zones:
@@ -92,10 +92,10 @@ def _rank(count: int) -> int:
 
 @once
 def select_rated_samples(reducer: Reducer) -> RatedSamples:
-    """Draw samples within the tolerances, and select those with the tooth, output pin or cam force at the percentile.
+    """Draw random designs within the tolerances, and select those whose tooth, output pin and cam forces are critical.
 
-    Settings of the draw are in `SETTINGS`; samples that jam are left out. One sample may be selected for several
-    forces.
+    For each kind of force, the sample at `SETTINGS.percentile` of all samples that do not jam is selected. The result
+    has these designs, and jams and backlash [arcmin] of all samples.
 
     Raises
     ------

@@ -49,7 +49,7 @@ class CamCompliance:
 
     @property
     def words(self) -> str:
-        """Describe the range of cam loads and lives over the assumed stiffness in a sentence."""
+        """Sentence with the range of cam loads and lives over the assumed stiffness."""
         loads = [row.load for row in self.rows if row.load is not None]
         lives = [row.life for row in self.rows if row.life is not None]
         life = f", its life {_range_text(lives)}" if lives else ""

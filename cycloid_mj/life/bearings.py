@@ -122,11 +122,11 @@ class Bearing:
 
 
 def bearings_of(reducer: Reducer) -> tuple[Bearing, ...]:
-    """List the rolling bearings of a drive: cams, shaft, hub of the output, rollers of the output pins.
+    """List the rolling bearings of a drive with their load ratings [N]: cams, shaft, hub and rollers of the output.
 
-    The second bearing of the shaft is in the hub of the output if the bearings are on both sides of the discs, else in
-    the housing next to the first bearing. A roller of radius r rolls in a hole of radius R: it spins R/r - 1 times per
-    turn of the crank relative to the disc.
+    If the bearings of the shaft are on both sides of the discs, the second is in the hub of the output, otherwise in
+    the housing next to the first bearing. A roller of radius r in a hole of radius R spins R/r - 1 times per turn of
+    the crank relative to the disc.
     """
     return tuple(_iterate_bearings(reducer))
 
@@ -152,9 +152,10 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
 
 
 def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Array:
-    """Return the force on each bearing of one kind [N], shape (m, bearings), at the m crank angles of a loading.
+    """Return the magnitude of the force on each bearing with a key [N], shape (m, bearings), at m crank angles.
 
-    `bearing_key` is a key of `bearings_of`; equal bearings, such as those of all cams, share a key.
+    `bearing_key` is a key of `bearings_of`; equal bearings, such as those of all cams, share a key. `loading` has the
+    solved forces at the crank angles.
     """
     if bearing_key == "cam_bearing":
         return loading.cam
@@ -169,14 +170,14 @@ def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Arra
 
 
 def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: float) -> Iterator[RatedItem]:
-    """Rate every rolling bearing over the points of a duty, and statically at an emergency stop's peak torque [N m].
+    """Yield the items of each rolling bearing over a duty, and of its static load at the peak torque of a stop [N m].
 
     `loadings` are the solved forces at each point of the duty.
 
     Yields
     ------
     RatedItem
-        Of each bearing the life (ISO 281), the modified life if an oil viscosity is known, and the static factor (ISO
+        For each bearing its life (ISO 281), its modified life if an oil viscosity is known, and its static factor (ISO
         76).
     """
     for bearing in bearings_of(reducer):
@@ -188,9 +189,9 @@ def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: fl
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
     """Compute the friction loss of each bearing of shaft and output [W], by key: mu F d/2 times the bearing's speed.
 
-    This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"), and the friction
-    coefficient of a rolling cam, or that of needles in `ASSUMED_ROLLERS`. The statics includes the losses of cam and
-    output pins.
+    This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"). mu is the friction
+    coefficient of the cam if that has a rolling bearing, or else that of needles in `ASSUMED_ROLLERS`. Bearings of cams
+    and output rollers are left out, because statics includes their losses.
     """
     design = reducer.design
     mu = design.friction_of("cam") if design.gear.bearing == "rolling" else ASSUMED_ROLLERS.needle_friction
@@ -206,7 +207,10 @@ def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
 
 
 def cam_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of a cam's bearing: bought, or rollers whose outer ring is the disc's bore."""
+    """Return the load ratings C and C0 [N] of the bearing of a cam, with their sources.
+
+    They are those of the design file, or else of a bearing from stock, or of a row of rollers in the disc's bore.
+    """
     design = reducer.design
     gear, bearing = design.gear, design.bearing
     row = RollerRow(
@@ -218,7 +222,10 @@ def cam_ratings(reducer: Reducer) -> Ratings:
 
 
 def _shaft_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of a bearing of the shaft: bought, or assumed rollers of its width on the shaft."""
+    """Return the load ratings C and C0 [N] of a bearing of the shaft, with their sources.
+
+    They are those of the design file, or else of a bearing from stock, or of an assumed row of rollers on the shaft.
+    """
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     roller_diameter = ASSUMED_ROLLERS.shaft_roller_share * radius
     low, high = shaft_dimensions(reducer).bearings[0]
@@ -231,9 +238,9 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
 
 
 def _hub_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of a bearing of the output's hub from the catalogue.
+    """Return the load ratings C and C0 [N] of a bearing of the output's hub from the catalogue, with their sources.
 
-    The source also states, as a spread, the rating of its estimated balls by ISO 281.
+    For a deep groove bearing the source also states the rating of its estimated balls by ISO 281, for comparison.
     """
     bearing = casing(reducer).hub
     row, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
@@ -252,7 +259,10 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
 
 
 def _output_roller_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of the needles inside a roller of an output pin, from assumed needle dimensions."""
+    """Return the load ratings C and C0 [N] of the needles inside a roller of an output pin, with their sources.
+
+    They are those of the design file, or else follow from assumed dimensions of the needles.
+    """
     design = reducer.design
     output, bearing = design.output, design.bearing
     needle = ASSUMED_ROLLERS.needle_share * (output.pin_radius - output.root_radius) * 2.0
@@ -268,7 +278,7 @@ def _choose_ratings(
     row: RollerRow,
     location_text: str,
 ) -> Ratings:
-    """Return load ratings by preference: stated in the design file, of bought bearings, of a row of rollers.
+    """Return the load ratings C and C0 [N] of a bearing: of the design file, else from stock, else of a row of rollers.
 
     Parameters
     ----------
@@ -314,7 +324,7 @@ def _rate_bearing(
     loadings: Sequence[Loading],
     peak_torque: float,
 ) -> Iterator[RatedItem]:
-    """Yield life, modified life and static factor of a bearing; of several equal bearings, of the most loaded one.
+    """Yield life, modified life and static factor of the most loaded of several equal bearings.
 
     Parameters
     ----------
@@ -375,10 +385,10 @@ def oil_viscosity(reducer: Reducer) -> float:
 def _rate_modified_life(
     bearing: Bearing, viscosity: float, cleanliness: float, load: float, basic_life: float, speed: float
 ) -> RatedItem:
-    """Rate the bearing life modified for lubrication and contamination (ISO 281:2007): a_ISO times the basic life [h].
+    """Return the item of the bearing life [h] modified for lubrication and contamination (ISO 281:2007).
 
-    `viscosity` is in [m2/s], `cleanliness` the contamination factor e_C, `load` in [N], `speed` of the rings in
-    [rad/s].
+    It is a_ISO times `basic_life` [h]. `viscosity` is in [m2/s], `cleanliness` the contamination factor e_C [1], `load`
+    the equivalent load [N], and `speed` that of the rings relative to each other [rad/s].
     """
     ratings = bearing.ratings
     curve = life_curve(ratings.exponent)
@@ -403,7 +413,7 @@ def _rate_modified_life(
 
 
 def bearing_load(reducer: Reducer, forces: Sequence[Array], turns: Array, exponent: float) -> float:
-    """Compute the equivalent dynamic load over a duty on the most loaded of like bearings [N], service factor included.
+    """Compute the equivalent dynamic load [N] over a duty on the most loaded of equal bearings, with service factor.
 
     Parameters
     ----------

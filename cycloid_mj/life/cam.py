@@ -20,10 +20,10 @@ STIFFNESS_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
 
 
 def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
-    """Compute equivalent load and life of the cam bearing over a duty cycle for several stiffnesses of the cam.
+    """Compute equivalent load [N] and life [h] of the cam bearing over a duty cycle for several stiffnesses of the cam.
 
-    Returns a case for each of `STIFFNESS_FACTORS` times the assumed stiffness (without values where no static
-    equilibrium was found), and one with ideal load sharing of rigid parts.
+    There is a case for each of `STIFFNESS_FACTORS` times the assumed stiffness, without load and life where no static
+    equilibrium exists. The last case is ideal load sharing of rigid parts.
     """
     design = reducer.design
     points = [point for point in duty.points if point.speed]

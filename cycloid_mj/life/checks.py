@@ -53,9 +53,10 @@ KINDS = {
 
 
 def check_design(design: Named) -> Checks:
-    """Run all checks of a design: whether it can be built, how well it works, and whether it lasts.
+    """Check whether a design can be built, works well, and withstands its rated load for its life.
 
-    The last two need a design that can be built, and are warnings. From Python as ``cm.check(design)``.
+    The last two kinds of checks are warnings, and are run only if the design can be built. From Python as
+    ``cm.check(design)``.
 
     Parameters
     ----------
@@ -80,11 +81,11 @@ def check_reducer(reducer: Reducer) -> Checks:
 
 
 def life_checks(reducer: Reducer) -> tuple[Check, ...]:
-    """Check whether a sound design withstands its nominal torque and speed for its required life.
+    """Check whether a valid design withstands its nominal torque and speed for its required life.
 
-    The parts are those that ``cycloid-mj rate`` takes: within the tolerances of the design if it has any.
-    Returns one check for each of `KINDS`, all of them warnings. Empty if the crank stands still or no static
-    equilibrium exists, which the check `rated_load` reports.
+    Parts are within the tolerances of the design if it has any, as for ``cycloid-mj rate``. Returns a check for each of
+    `KINDS`, all of them warnings. Empty if the crank does not turn or no static equilibrium exists, which the check
+    `rated_load` reports.
     """
     try:
         return checks_of_rating(rate_for_verdict(reducer))
@@ -93,10 +94,10 @@ def life_checks(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str, tuple[tuple[str, float], ...]]:
-    """Return single changes of the design with which each failed check of `life_checks` in `names` passes.
+    """Return single changes of the design file that make failed checks of `life_checks` pass, by name of the check.
 
-    By name of the check: (key of the design file, value) of each change. Candidates are less torque and, depending on
-    the check, a wider face, a shorter life or a slower crank; each was rated again and passes.
+    Each change is a pair of key and value. Candidates are less torque and, depending on the check, a larger face width,
+    a shorter life or a slower crank. Each change has been rated again and passes. Only checks in `names` are included.
     """
     try:
         rating = rate_for_verdict(reducer)
@@ -112,9 +113,9 @@ def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str,
 
 
 def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) -> Iterator[tuple[str, float]]:
-    """Yield changes of the design that may make a failed check pass.
+    """Yield changes of the design file that may make a failed check pass.
 
-    Values follow from the laws of the failed items: torque by a search, width, life and speed in proportion.
+    The torque is the result of a search; face width, life and speed are changed in proportion to what is missing.
 
     Yields
     ------
@@ -161,15 +162,15 @@ def _round_safely(value: float, direction: int) -> float:
 
 
 def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
-    """Summarize a rating as checks, one for each of `KINDS` by its weakest item."""
+    """Summarize a rating as checks: for each of `KINDS` that occurs, its weakest item against the limit."""
     items = [item for item in rating.items.values() if item.decisive]
     return tuple(_checks_by_kind(rating, items))
 
 
 def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iterator[Check]:
-    """Yield a check for each kind of item that decides on the life: its weakest item against the limit.
+    """Yield a check for each of `KINDS` that has items: its weakest item against the limit.
 
-    The limit is a safety factor of 1, or the required life. `decisive_items` are the items of the rating that count.
+    The limit is a safety factor of 1, or the required life [h]. `decisive_items` are the items that count.
     """
     for kind, (about, explanation) in KINDS.items():
         items_of_kind = [item for item in decisive_items if _check_kind(item) == kind]

@@ -161,9 +161,10 @@ class Datasheet(Presented):
 
 
 def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) -> Datasheet:
-    """Compute the data sheet of a sound design, with its rated torque for a life [h] at the rated speed.
+    """Compute the data sheet of a valid design: quantities in groups, curves over torque and speed, and assumptions.
 
-    A life of 0 is that of the design. `progress` is called with the numbers of finished and of all parts of the work.
+    The rated torque is that for a `life` [h] at the design's speed; 0: the life of the design. `progress` is called
+    with the number of finished steps and that of all.
     """
     design = reducer.design
     life = life or design.service.life
@@ -215,7 +216,10 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
 
 
 def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
-    """Add to the note of each quantity that depends on them whether the parts are perfect or have errors."""
+    """Return the quantities of a group with notes that state whether parts are perfect or have errors.
+
+    Quantities that do not depend on such errors (`BY_GEOMETRY_ALONE`) are unchanged.
+    """
     parts = f"parts {reducer.parts_text}" if reducer.deviations.largest else "perfect parts"
     return tuple(
         item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{parts}; {item.note}" if item.note else parts)
@@ -224,9 +228,9 @@ def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity
 
 
 def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
-    """Compute the largest torque of an emergency stop: that with a safety factor of 1.
+    """Compute the largest output torque of an emergency stop, at which the smallest safety factor is 1.
 
-    Forces are in proportion to those at the nominal torque.
+    It is extrapolated from the rating at the nominal torque, with safety factors in proportion to 1/torque.
 
     Returns
     -------
@@ -243,7 +247,7 @@ def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
 def _rating_rows(
     reducer: Reducer, life: float, rated_limit: tuple[float, RatedItem], momentary_limit: tuple[float, RatedItem]
 ) -> tuple[Quantity, ...]:
-    """Return ratio, rated, bearing, acceleration, momentary and nominal torque, and the input speed.
+    """Return rows of ratio, rated, bearing, acceleration, momentary and nominal torque [N m], and input speed [rpm].
 
     `rated_limit` and `momentary_limit` are each a torque [N m] and the item that limits it; `life` is in [h].
     """
@@ -299,9 +303,9 @@ def _rating_rows(
 
 
 def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ...]:
-    """Return rated and momentary torque of parts within the tolerances of the design; empty without tolerances.
+    """Return rated and momentary torque [N m] of parts within the tolerances of the design; empty without tolerances.
 
-    They are those of the weakest item by its law, from the rating at the nominal torque for a `life` [h].
+    They are extrapolated from the rating at the nominal torque for a `life` [h] (`rated_and_momentary_torque`).
     """
     design = reducer.design
     if not has_tolerances(design):
@@ -321,9 +325,9 @@ def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ..
 
 
 def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return backlash, lost motion, stiffness, transmission error and hysteresis of a data sheet.
+    """Return the rows of backlash, lost motion, stiffness, transmission error and hysteresis loss of a data sheet.
 
-    `static` is the sheet of the statics.
+    `static` has the quantities by statics at the nominal torque.
     """
     quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
@@ -337,9 +341,9 @@ def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return efficiency, back-driving, no-load and starting torques, temperature rise and thermal limits.
+    """Return the rows of efficiency, back-driving, no-load and starting torques, temperature rise and thermal limits.
 
-    `static` is the sheet of the statics.
+    `static` has the quantities by statics at the nominal torque.
     """
     design = reducer.design
     quantities = static.quantities
@@ -364,9 +368,9 @@ def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
-    """Return the efficiency with all bearings at the nominal torque, with its interval under the law ``film``.
+    """Return the efficiency [%] with the losses of all bearings at the nominal torque.
 
-    `condition` is the note of the row: torque and speed in words.
+    With the friction law ``film`` it has an interval. `condition` is the note of the row: torque and speed in words.
     """
     efficiency = _figure(reducer, "drive_efficiency_percent", "Efficiency", condition)
     torque = reducer.design.rated_torque
@@ -378,9 +382,9 @@ def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
 
 
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the torque that the steady temperatures of all parts allow, and how much warmer the disc is than the ring.
+    """Yield the torque limit by the steady temperatures [N m], and the temperature of disc less ring [K].
 
-    Yields nothing for a design whose sizes are those of warm parts.
+    The limit is missing if it is infinite. Yields nothing for a design whose dimensions are those of warm parts.
     """
     if reducer.design.thermal.applied:
         return
@@ -413,7 +417,7 @@ def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return tilting, radial and axial load limits of the output flange, and its tilting stiffness."""
+    """Return the rows of tilting moment, radial and axial load limits of the output flange, and of its stiffness."""
     seat, torque = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
     loose_stiffness = seat.tilting_stiffness(BALL_BEARINGS.usual_clearance) * ARCMINUTE
     bearings, is_angular = f"2 x {seat.bearing.designation}", seat.bearing.contact_angle > 0.0
@@ -440,7 +444,7 @@ def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def _interface_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the dimensions of the interfaces to motor, load and frame [mm]."""
+    """Return the rows of bolt circles and diameters [mm] of motor flange, output flange and covers."""
     covers = casing(reducer)
     motor, screws = covers.motor, covers.screws
     shaft_text = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the input journal"
@@ -501,7 +505,7 @@ def _with_interval(row: Quantity, interval: Quantity | Spread) -> Quantity:
 
 
 def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return masses, inertias and main dimensions of the mechanism, and of the drive where it has covers."""
+    """Return rows of mass, inertia and main dimensions of the mechanism, and of the drive if it has covers."""
     design = reducer.design
     gear, housing = design.gear, design.housing
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
@@ -557,7 +561,9 @@ def life_curve(
     rated: float = 0.0,
     on_point: Callable[[], None] = lambda: None,
 ) -> Curve:
-    """Compute the rated torque for a life over the input speed; speeds at which no torque is rated have no point.
+    """Compute the rated output torque [N m] for a life over the input speed [rpm], at `CURVES.speed_shares`.
+
+    Speeds without any rated torque have no point.
 
     Parameters
     ----------
@@ -587,7 +593,7 @@ def life_curve(
 
 
 def _efficiency_curve(reducer: Reducer) -> Curve:
-    """Compute the efficiency over the output torque at the design's speed, all bearings included.
+    """Compute the efficiency [%] over the output torque [N m] at the design's speed, with the losses of all bearings.
 
     The losses of the bearings are interpolated linearly between the smallest and the largest torque.
     """
@@ -610,7 +616,10 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
 
 
 def _wind_up_curve(reducer: Reducer) -> Curve:
-    """Compute the rotation of the output over its torque with the input locked, mean over a turn, without friction."""
+    """Compute the rotation of the output [arcmin] over its torque [N m] with locked input, the mean over a turn.
+
+    Friction is left out.
+    """
     static_reducer = at_rest(reducer)
     springs = springs_of(static_reducer, friction=False)
     torques = reducer.design.rated_torque * np.array(
@@ -622,7 +631,10 @@ def _wind_up_curve(reducer: Reducer) -> Curve:
 
 
 def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
-    """Return the assumptions of the sheet, a sentence each, for a `life` [h]; `static` is the sheet of the statics."""
+    """Return the assumptions of the data sheet, a sentence each, with those of the quantities by statics, `static`.
+
+    `life` [h] is that of the rated torque.
+    """
     return (
         f"Computed by cycloid_mj from the design {reducer.design.name}; nothing was measured on a built drive.",
         f"Rated torque: limited by bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
@@ -641,7 +653,7 @@ def _lubricant_text(design: Design) -> str:
 
 
 def _material_text(reducer: Reducer) -> str:
-    """Describe the materials of all parts and the clearances in words."""
+    """Return a sentence on the material of each part, and a sentence on the clearances [um]."""
     design = reducer.design
     materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)
     clearances = ", ".join(
@@ -657,16 +669,16 @@ def datasheet_of(design: Named, life_h: float = 0.0, progress: Progress = silent
     Parameters
     ----------
     design
-        A sound design, or the name of a preset or a file.
+        A valid design, or the name of a preset or a file.
     life_h
         Life for which the torque is rated [h]; by default that of the design.
     progress
-        Called with the numbers of finished and of all parts of the work.
+        Called with the number of finished steps and that of all.
 
     Returns
     -------
     Datasheet
-        Figures in groups, each with its condition, and curves over torque and speed.
+        Quantities in groups, each with its condition, and curves over torque and speed.
 
     Raises
     ------

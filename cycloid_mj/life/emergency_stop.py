@@ -28,10 +28,10 @@ FAR_BEYOND = 2.0
 
 
 def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) -> Iterator[RatedItem]:
-    """Rate the peak torque [N m] of an emergency stop: shear and bending of output pins, skipped teeth, yield, dents.
+    """Yield safety factors at the peak torque [N m] of an emergency stop: output pins, skipped teeth, yield and dents.
 
-    Forces are in proportion to those of the `worst` loading of the duty; pressures follow from the equilibrium at their
-    limit.
+    Forces on output pins are in proportion to those of `worst`, the solved forces at the largest torque of the duty.
+    Torque limits by contact pressure follow from the static equilibrium at the limit.
     """
     design = reducer.design
     torque = abs(worst.point.torque)
@@ -87,10 +87,10 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
 
 
 def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: float) -> tuple[float, str]:
-    """Compute the torque at which a kind of contact first reaches its pressure limit.
+    """Compute the output torque at which a kind of contact first reaches its pressure limit.
 
-    The law p ~ sqrt(T) is a lower bound of that torque, as more contacts share a larger torque. No equilibrium is
-    sought where it is beyond another limit, such as a skipped tooth: there may be none.
+    The law p ~ sqrt(T) is a lower bound of that torque, since more contacts share a larger torque. If this bound is far
+    beyond `other_limit`, it is returned, since there may be no equilibrium.
 
     Parameters
     ----------

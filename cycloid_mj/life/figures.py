@@ -70,7 +70,10 @@ def drive_inertia(reducer: Reducer) -> float:
 
 
 def largest_speed(reducer: Reducer) -> float:
-    """Compute the largest speed of the crank [rpm] by n d_m of the greased bearings of cams and shaft."""
+    """Compute the largest speed of the crank [rpm] that the greased bearings of cams and shaft allow.
+
+    It follows from limits of speed times mean diameter, `SPEED_LIMITS`.
+    """
     shaft, gear = reducer.design.shaft, reducer.design.gear
     seat = seat_radius(reducer, bearing_width_of(reducer))
     speeds = [SPEED_LIMITS.caged / (shaft.radius + seat)]

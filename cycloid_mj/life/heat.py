@@ -35,10 +35,10 @@ half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air
 
 
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Yield the power lost, the housing's temperature in still air, and the clearance that each pair loses by heat.
+    """Yield the items of power lost [W], housing temperature [°C], and loss of clearance of each pair by heat [um].
 
-    `loadings` are the solved forces at each point of the duty. All parts are assumed to have the temperature of the
-    housing.
+    `loadings` are the solved forces at each point of the duty. For the clearances, all parts are assumed to have the
+    temperature of the housing.
     """
     design = reducer.design
     service = design.service
@@ -132,10 +132,7 @@ def heat_transfer_coefficient(reducer: Reducer, wall_temperature: float) -> floa
 
 
 def housing_temperature(reducer: Reducer, power_lost: float) -> float:
-    """Solve for the temperature of the housing [°C] at which it passes `power_lost` [W] to still air.
-
-    Brent's method.
-    """
+    """Compute the steady temperature of the housing [°C] at which it passes `power_lost` [W] to the air."""
     ambient, area = reducer.design.service.ambient_temperature, cooling_area(reducer)
     if reducer.design.service.film_coefficient:
         return ambient + power_lost / (reducer.design.service.film_coefficient * area)
@@ -168,10 +165,11 @@ def _outside_of(reducer: Reducer) -> str:
 
 
 def clearance_growth(reducer: Reducer, kind: str) -> float:
-    """Compute the growth of the clearance of a kind of pair per kelvin [m/K], at the tightest place.
+    """Compute the growth of the clearance of a kind of pair per kelvin [m/K], at its tightest contact.
 
-    Pins are on the housing's circle, output pins on that of the output disc, the disc expands from its centre:
-    mesh a_h E - a_p rho - a_g (E - rho), output a_g r_h - a_o r_o - |a_g - a_o| R_o, others a_bore r - a_pin r.
+    All parts have the same temperature. Ring pins move with the housing, output pins with the output disc, and the
+    disc expands from its centre. For output pins, the tightest pin includes the mismatch of the circles of pins and
+    holes.
     """
     design = reducer.design
     ring, output = design.ring, design.output
@@ -205,7 +203,10 @@ class HeatLimit:
 
 
 def heat_limits(reducer: Reducer) -> Iterator[HeatLimit]:
-    """Yield the limits of grease, seals and every material of a part; `USUAL_LIMIT` where that is unknown."""
+    """Yield the temperature limits [°C] of grease, seals and the material of each part, with their sources.
+
+    A material that is not in the library has `USUAL_LIMIT`.
+    """
     design = reducer.design
     for name, temperature, source in (
         ("grease", design.service.grease_temperature, GREASE),

@@ -64,9 +64,9 @@ class RatedItem:
     kind: ItemKind = ItemKind.STRENGTH
 
     def margin(self, required_life: float) -> float:
-        """Return the safety factor, or the life over a required life [h].
+        """Return the safety factor, or the life divided by a required life [h]; 1 is just enough.
 
-        1 is just enough; a figure without a limit has an infinite margin.
+        It is inf for a value without a limit.
         """
         if self.safety is not None:
             return self.safety
@@ -97,10 +97,10 @@ class RatedItem:
         return not (self.safety is None and self.life is None) and not self.key.endswith(INDICATIVE)
 
     def judgement(self, required_life: float) -> Judgement:
-        """Return whether the item passes for a required life [h].
+        """Return whether the item passes, fails or only warns for a required life [h].
 
-        Too small a margin is a failure, or a warning if the item is not `decisive` (wear); a figure without a limit has
-        no judgement.
+        A margin below 1 is a failure, or a warning if the item is not `decisive` (such as wear). A value without a
+        limit is not judged.
         """
         figure = self.safety is None and self.life is None
         return judge(None if figure else self.margin(required_life), self.decisive)
@@ -235,7 +235,7 @@ class Rating(Presented):
         return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows, words=(5, 6))
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the rating to JSON values."""
+        """Convert duty, required life [h], items by key, and assumptions to JSON values."""
         content = {
             "design": self.design,
             "condition": self.duty,

@@ -42,7 +42,8 @@ def rate(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file; a reducer keeps its samples within the tolerances.
+        A design, or the name of a preset or a file; or a reducer, whose cached samples within the tolerances are
+        reused.
     duty, life
         Torques and speeds with their shares of the time, by default the nominal torque at the design's speed; and the
         required life [h], by default that of the design.
@@ -97,7 +98,7 @@ def _rate_parts(
     poses: int,
     stops: bool,
 ) -> Rating:
-    """Rate the parts of one reducer without regard to tolerances, for a required life [h].
+    """Rate the parts of one reducer over a duty for a required life [h], without samples within the tolerances.
 
     `ranges`, `compliance`, `poses` and `stops` are those of `rate`.
     """
@@ -113,7 +114,7 @@ def _rate_parts(
 
 
 def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:
-    """Merge the ratings of several samples of a design: for each item, the one with the smallest margin.
+    """Merge the ratings of several samples of a design: each item is that of the sample with the smallest margin.
 
     `design_name` becomes the name of the design; `sample_text` describes the samples and becomes the first assumption.
     """
@@ -138,7 +139,7 @@ def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: 
 def _rate_all_items(
     reducer: Reducer, duty: Duty, ranges: dict[str, StressRange] | None, crank_angles: int, with_stops: bool
 ) -> tuple[list[RatedItem], float]:
-    """Rate the bearings, surfaces, strength, wear, heat, emergency stops and joints of a reducer over a duty cycle.
+    """Return the items of bearings, surfaces, strength, wear, heat, emergency stops and joints over a duty cycle.
 
     Parameters
     ----------

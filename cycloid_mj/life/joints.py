@@ -61,9 +61,10 @@ class JointTorques:
         return cls(carrier, carrier * design.ring.teeth / design.lobes, torque / design.reduction)
 
     def torque_between(self, parts: Sequence[str]) -> float:
-        """Return the torque [N m] that two mating parts transmit to each other.
+        """Return the torque [N m] that the named mating parts transmit to each other.
 
-        Motor and shaft carry the crank's torque, hub and driven machine the carrier's, all other joints the ring's.
+        It is the torque on the crank for joints of motor, shaft or cams; that on the carrier for joints of output,
+        flange or driven machine; that on the ring for all others.
         """
         if MOTOR in parts or names.SHAFT in parts or any(names.family(part) == names.CAM for part in parts):
             return self.crank
@@ -119,10 +120,10 @@ class ScrewedJoint:
 
 
 def rate_joints(reducer: Reducer, peak_torque: float, loading: Loading) -> Iterator[RatedItem]:
-    """Rate all joints of a drive (screws, dowels, keys, glued and pressed seats) at a peak output torque [N m].
+    """Yield safety factors of all joints of a drive (screws, dowels, keys, glue, press fits) at a peak output torque.
 
-    Forces of pins are in proportion to those of a solved `loading`. Each item compares the torque on a joint with the
-    torque at which it slips, shears or yields.
+    Each item compares the torque on a joint [N m] with the torque at which it slips, shears or yields; that of the
+    output pins' holes compares pressures [MPa]. Forces of pins are in proportion to those of a solved `loading`.
     """
     torques = JointTorques.at_output(reducer, peak_torque)
     if has_casing(reducer):
@@ -141,7 +142,7 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 
 
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
-    """Return the tightening torque [N m] of the screws of a drive with covers, by item of the bill."""
+    """Return the tightening torque [N m] of the screws of a drive with covers, by item of the bill of materials."""
     return {
         part.item: screwed_joint.tightening_torque
         for screwed_joint in screwed_joints(reducer)
@@ -151,9 +152,10 @@ def tightening_torques(reducer: Reducer) -> dict[str, float]:
 
 
 def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Rate the screws and dowels of each clamped face; if a face has both, only the stronger of the two is counted.
+    """Yield items for screws and dowels of each clamped face, and for the ring between the covers.
 
-    `torques` are those on crank, carrier and ring at the peak torque.
+    If a face has screws and dowels, the limit is the larger of their torques, not the sum. `torques` are those on
+    crank, carrier and ring at the peak torque.
     """
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
     dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
@@ -201,7 +203,7 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
 def _rate_clamped_ring(
     reducer: Reducer, ring_torque: float, cover_screws: ScrewedJoint, dowel_torque: float
 ) -> RatedItem:
-    """Rate the slip of a ring that is clamped between covers whose screws are outside of the ring.
+    """Return the item of the slip of a ring that is clamped between covers whose screws are outside of the ring.
 
     `ring_torque` acts on the ring; `dowel_torque` is what its dowels transmit without friction, both [N m].
     """
@@ -226,7 +228,7 @@ def _ring_slip_torque(reducer: Reducer, cover_screws: ScrewedJoint) -> float:
 
 
 def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> ScrewedJoint:
-    """Return a screwed joint with its thread, property class and preload limits.
+    """Return a screwed joint with its thread, property class, circle radius [m] and preload limits.
 
     `covers` are the covers of the drive. Screws of motor and driven machine are not in the bill of materials: their
     property classes are assumed.
@@ -247,7 +249,10 @@ def _foreign_thread(sizes: Casing, joint: Joint) -> float:
 
 
 def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
-    """Return the slip torque at the usual preload of the screws (VDI 2230), with the spread of the assumed friction."""
+    """Return the limit of a screwed joint by its screws: their usual preload [N] and the slip torque [N m] (VDI 2230).
+
+    The note states the range of the torque over the assumed friction.
+    """
     preload = screwed_joint.thread.usual_preload(strength.PROOF_STRESS[screwed_joint.property_class])
     torque = strength.friction_torque(screwed_joint.count, preload, screwed_joint.radius)
     usual_tightening = screwed_joint.tightening_for(1.0)
@@ -271,9 +276,9 @@ def _screw_limit(screwed_joint: ScrewedJoint) -> ScrewLimit:
 
 
 def _face_limits(reducer: Reducer, screwed_joint: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
-    """Yield the preload limits of the clamped parts: pressure under the heads, and strength of threads or inserts.
+    """Yield the limits of a screwed joint by its parts: pressure under the heads, and strength of threads or inserts.
 
-    `screw` is the bought screw of the `screwed_joint` joint; None if it is not in the bill of materials.
+    `screw` is the bought screw of the joint; None if it is not in the bill of materials.
     """
     nominal, joint = screwed_joint.thread.diameter, screwed_joint.joint
     top = screw.origins[0][2] if screw else math.inf
@@ -290,10 +295,10 @@ def _face_limits(reducer: Reducer, screwed_joint: ScrewedJoint, screw: BoughtPar
 
 
 def _head_limit(screwed_joint: ScrewedJoint, part: str, material: Material, washer_thickness: float) -> ScrewLimit:
-    """Return the preload limit of a screwed joint by the pressure under the heads of its screws, or under washers.
+    """Return the limit of a screwed joint by the pressure under the heads of its screws, or under washers.
 
-    `part` is the name of the part under the heads, `material` its material, `washer_thickness` [m] is 0 without
-    washers.
+    It has the preload of each screw [N] and the slip torque [N m]. `part` is the name of the part under the heads,
+    `material` its material, `washer_thickness` [m] is 0 without washers.
     """
     nominal = screwed_joint.thread.diameter
     bearing, hole = stock.head_bearing(nominal), stock.bolt_hole(nominal)
@@ -316,10 +321,10 @@ def _head_limit(screwed_joint: ScrewedJoint, part: str, material: Material, wash
 def _thread_limit(
     screwed_joint: ScrewedJoint, part: str, material: Material, insert: stock.Insert | None, engaged_length: float
 ) -> ScrewLimit:
-    """Return the preload limit of a screwed joint by stripping of its threads, or by pull-out of an insert.
+    """Return the limit of a screwed joint by stripping of its threads, or by pull-out of an insert.
 
-    `part` is the name of the part with the threads, `material` its material; `insert` is None if they are cut in it.
-    `engaged_length` [m] is that of the threads.
+    It has the preload of each screw [N] and the slip torque [N m]. `part` is the name of the part with the threads,
+    `material` its material; `insert` is None if they are cut in the part. `engaged_length` [m] is that of the threads.
     """
     shear = (
         JOINTS.plastic_shear * material.yield_strength
@@ -370,7 +375,7 @@ def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
 
 
 def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Rate the glued or keyed joints of the crank: the motor's shaft in its bore, and the cams on the shaft.
+    """Yield items for the glued or keyed joints of the crank: the motor's shaft in its bore, and cams on the shaft.
 
     `torques` are those on crank, carrier and ring at the peak torque.
     """
@@ -389,14 +394,17 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
 
 
 def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, length: float) -> RatedItem:
-    """Rate a glued cylindrical joint of a diameter and length [m] against a torque [N m]."""
+    """Return the item of a glued cylindrical joint of a diameter and length [m] under a torque [N m]."""
     slip_torque = 0.5 * diameter * strength.glued_force(diameter, length)
     note = f"assumed: retaining compound on {1e3 * diameter:.4g} x {1e3 * length:.4g} mm; no key or clamp is drawn"
     return torque_item(key, name, torque, slip_torque, GLUE_SOURCE, note)
 
 
 def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: float) -> RatedItem:
-    """Rate the side pressure of a parallel key on a shaft of a diameter [m] by a torque [N m] (DIN 6892-C)."""
+    """Return the item of a parallel key under a torque [N m], limited by its side pressure (DIN 6892, method C).
+
+    `shaft_diameter` is in [m].
+    """
     (part,) = joint.bought
     sizes = dict(part.dimensions)
     key = strength.ParallelKey(sizes["height"], sizes["depth"], sizes["length"])
@@ -412,9 +420,9 @@ def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: flo
 
 
 def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Rate the seats of the output pins in their discs: hole pressure of bent pins, and press fits against turning.
+    """Yield items for the seats of the output pins in the output disc: hole pressure, and press fit against turning.
 
-    `force_scale` multiplies the forces of `loading` [1].
+    `force_scale` [1] multiplies the forces of `loading`. Pins in one piece with the disc have no item.
     """
     design, output = reducer.design, reducer.design.output
     if in_one_piece(reducer):
@@ -451,9 +459,9 @@ def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) ->
 
 
 def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Rate pressed or glued seats of ring pins against the friction torque that turns the pins.
+    """Yield an item for the pressed or glued seat of a ring pin, against the friction torque that turns the pin.
 
-    `force_scale` multiplies the forces of `loading` [1].
+    `force_scale` [1] multiplies the forces of `loading`. Yields nothing for pins that turn in sockets or are printed.
     """
     design, ring = reducer.design, reducer.design.ring
     if ring.kind != "pin" or ring.has_sockets or is_printed(reducer, names.PIN):
@@ -490,10 +498,10 @@ def _rate_press_fit(
     seat: tuple[float, float, str, Material],
     zones: str,
 ) -> RatedItem:
-    """Rate a press fit against a `turning_torque` on the pin in its hole [N m] (DIN 7190-1, thick-walled hub by Lame).
+    """Return the item of a press fit under a `turning_torque` [N m] on the pin in its hole (DIN 7190-1, Lame).
 
     `key_and_name` are those of the item. `seat` contains radius and length of the joint [m], the part whose material
-    the pin has, and the material of the hole; `zones` are those of pin and hole, such as ``m6 in N7``.
+    the pin has, and the material of the hole; `zones` are the tolerance zones of pin and hole, such as ``m6 in N7``.
     """
     radius, length, part, hub = seat
     pin = reducer.design.material_of(part)

@@ -125,9 +125,9 @@ CAM: tuple[Body, Body] = ("shaft", "disc")
 
 
 def relative_speed(reducer: Reducer, speed: float, bodies: tuple[Body, Body] = CAM) -> float:
-    """Compute the speed of two bodies against each other [rad/s] at a speed of the crank [rad/s], by the kinematics.
+    """Compute the magnitude of the relative speed of two bodies [rad/s] at a speed of the crank [rad/s].
 
-    With the ring fixed, disc and output turn by -w/(N - 1); with the carrier fixed the ring turns by w/N.
+    It follows from the ideal kinematics of a design with a fixed ring or a fixed carrier.
     """
     member = reducer.member
     gear_speed = float(member.gear_angle(speed))
@@ -148,14 +148,14 @@ def solve_loading(
     with_wind_up: bool = True,
     temperatures: Mapping[str, float] | None = None,
 ) -> Loading:
-    """Solve contact forces, shaft forces, sliding and losses over a turn at one point of a duty cycle.
+    """Solve contact forces, shaft forces, sliding and losses over a turn at one point of a duty cycle, with friction.
 
-    The load always brakes, whatever the signs of torque and speed.
+    The load always opposes the rotation, whatever the signs of torque and speed.
 
     Parameters
     ----------
     reducer, point, crank_angles
-        The reducer of a sound design, a point of its duty, and the number of crank angles.
+        The reducer of a valid design, a point of its duty, and the number of crank angles.
     with_wind_up
         Whether the wind-up is solved for, which only emergency stops need.
     temperatures
@@ -204,7 +204,7 @@ def solve_loading(
             for kind in design.pair_kinds
             if is_hertzian(turning_reducer, springs, contact_loads, kind)
         },
-        sliding=_compute_sliding(turning_reducer, springs, contact_loads),
+        sliding=_sliding_loads(turning_reducer, springs, contact_loads),
         losses=dict(power.friction),
         crank_torque=power.crank / abs(speed),
         wind_up=abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
@@ -215,12 +215,13 @@ def solve_loading(
     )
 
 
-def _compute_sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
-    """Compute the sliding of teeth, output pins or plain rollers, and a plain cam, by kind of pair.
+def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
+    """Compute force times sliding speed, p v and sliding speed of the contacts that slide, by kind of pair.
 
-    `springs` and `contact_loads` are those of the equilibrium over a turn. A ring pin that can turn slides where its
-    friction is lower. Sleeves and rollers turn on their pins, so that their bores wear evenly. Flanks of the disc,
-    sockets, holes and the disc's bore wear where the load presses.
+    Kinds are teeth or seats of ring pins, output pins or plain rollers, and plain cams. `springs` and `contact_loads`
+    are those of the equilibria over a turn. A ring pin that can turn slides either on the flank or in its seat, where
+    the friction is lower. The bores of sleeves and rollers wear evenly; flanks, sockets, holes and the bore of the disc
+    wear where the load presses.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip, count = np.abs(springs.slip), springs.teeth
@@ -271,7 +272,7 @@ def _compute_sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -
 def _summarize_sliding(
     reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float
 ) -> Sliding:
-    """Return friction power, p v and mean speed of the contacts of one kind of pair over a turn.
+    """Return force times speed [W], largest p v [Pa m/s] and mean speed [m/s] of the contacts of a kind over a turn.
 
     Parameters
     ----------
@@ -282,7 +283,7 @@ def _summarize_sliding(
     radius
         Radius of the pins [m].
     density
-        Largest friction power per length of the surface [W/m], which becomes part of the result.
+        Largest force times speed per length of the surface [W/m], which becomes part of the result.
     """
     power, is_loaded = force * speed, force > 0.0
     return Sliding(
@@ -294,19 +295,19 @@ def _summarize_sliding(
 
 
 def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: bool = True) -> float:
-    """Compute the largest mean power per length [W/m] on a surface that is divided into `SECTORS` of an angle.
+    """Compute the largest mean of force times sliding speed per length of a surface [W/m], by `SECTORS` of a turn.
 
     Parameters
     ----------
     power
-        F v of each contact at each crank angle [W], shape (m, n).
+        Force times sliding speed of each contact at each crank angle [W], shape (m, n).
     angle
-        Position of each contact on its surface [rad], shape (m, n); like surfaces are superposed.
+        Position of each contact on its surface [rad], shape (m, n); equal surfaces are superposed.
     lengths
         Length of all these surfaces together in each sector [m], shape (SECTORS,).
     passes_evenly
-        Whether each contact passes through all angles at one speed: then each sector has an equal share of the time,
-        else the share of the crank angles that fall into it.
+        Whether each contact passes through all angles at constant speed, so that it is in each sector for an equal
+        share of the time; otherwise that share is counted from the crank angles.
     """
     sector = (np.floor(angle / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS).ravel()
     total = np.bincount(sector, weights=power.ravel(), minlength=SECTORS)
@@ -318,7 +319,10 @@ def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: 
 
 
 def _mean_density(power: Array, radius: float) -> float:
-    """Compute the mean power per length [W/m] on n circles of a radius [m] that wear evenly, from F v (m, n) [W]."""
+    """Compute the mean force times sliding speed per length [W/m] on n circles of a radius [m] that wear evenly.
+
+    `power` [W] is force times speed at m crank angles, shape (m, n).
+    """
     return float(power.sum(axis=1).mean()) / (2.0 * math.pi * radius * power.shape[1])
 
 
@@ -328,9 +332,9 @@ def _circle_lengths(radius: float, count: int) -> Array:
 
 
 def _flank_lengths(reducer: Reducer) -> Array:
-    """Compute the arc length [m] of all discs' outlines on which pins roll in each sector of their phase, (SECTORS,).
+    """Compute the arc length of all discs' outlines in each sector of the pins' phase [m], shape (SECTORS,).
 
-    The phase of a pin, B = zeta + crank, makes a turn while the pin passes a lobe: t = -B/(N - 1) on the outline.
+    The phase is the angle of a pin plus that of the crank; it makes a turn while the pin passes a lobe.
     """
     gear, lobes = reducer.gear_profile, reducer.design.lobes
     ends = -np.linspace(0.0, 2.0 * math.pi, SECTORS + 1) / lobes
@@ -341,9 +345,9 @@ def _flank_lengths(reducer: Reducer) -> Array:
 def _shaft_forces(
     reducer: Reducer, dimensions: ShaftDimensions, crank: Array, cam_forces: Array
 ) -> tuple[Array, Array]:
-    """Compute the forces on the shaft in its own frame at m crank angles.
+    """Compute the forces on the shaft [N] in its rotating frame, and their positions along it [m], at m crank angles.
 
-    Loads are those of the discs on the cams, and the unbalance of the shaft; two bearings support it as a beam.
+    Loads are the forces of the discs on the cams and the unbalance of the shaft; two bearings support it as a beam.
 
     Parameters
     ----------
@@ -357,8 +361,8 @@ def _shaft_forces(
     Returns
     -------
     stations, forces
-        Places along the shaft [m], shape (p,), and forces there [N], shape (m, p, 2): cams, counterweight, far bearing,
-        near bearing.
+        Positions along the shaft [m], shape (p,), and forces there [N], shape (m, p, 2): cams, counterweight, far
+        bearing, near bearing.
     """
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
     x, y = cam_forces[..., 0], cam_forces[..., 1]

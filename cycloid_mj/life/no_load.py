@@ -66,11 +66,12 @@ class NoLoadTorque:
 
 
 def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoadTorque:
-    """Compute the torque of bearings, grease and seals on the crank at its speed [rad/s] and a temperature [°C].
+    """Compute the torque of bearings and seals referred to the crank [N m] without load, with its range.
 
-    Bearings by Palmgren's M0, seals by ISO/TR 14179-2 or as the design states them (`drag`). At speed 0 it is the
-    torque that starts the drive. Contacts of teeth and pins are not included, nor are cams and seals with the law
-    ``film``, as statics includes these.
+    `speed` is that of the crank [rad/s], 0: the torque that starts the drive; `temperature` [°C] is that of the grease.
+    Bearings have Palmgren's torque M0; seals have that of ISO/TR 14179-2, or none here if the design states it
+    (`drag`). Contacts of teeth and pins are not included, nor are cams and seals with the friction law ``film``:
+    statics includes these.
     """
     viscosity = grease_of(reducer.design).viscosity(temperature)
     crank_speed = abs(speed) or abs(reducer.design.drive.speed)
@@ -85,7 +86,7 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
 
 
 def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
-    """Yield for each kind of bearing what its torque without load depends on.
+    """Yield friction factor, number, mean diameter and speed ratio of each kind of bearing, for its no-load torque.
 
     Yields
     ------
@@ -102,13 +103,7 @@ def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float
 
 
 def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
-    """Return type, number and mean diameter of a bearing of `bearings_of`.
-
-    Returns
-    -------
-    tuple
-        ``ball`` or ``needle``, number of equal bearings, and mean diameter [m].
-    """
+    """Return type (``ball`` or ``needle``), number of equal bearings and mean diameter [m] of a bearing."""
     design = reducer.design
     if bearing.key == "cam_bearing":
         stock_bearing = cam_bearing(reducer)
@@ -130,7 +125,10 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
 
 
 def _seal_torque(reducer: Reducer, crank_speed: float) -> float:
-    """Return the torque of the seals referred to a crank that turns at a speed [rad/s]; 0 if statics includes it."""
+    """Return the torque of the seals referred to the crank [N m]; 0 if statics includes it.
+
+    `crank_speed` [rad/s] must not be 0; the result does not depend on it.
+    """
     design = reducer.design
     if design.drag.crank or design.drag.output or design.has_film:
         return 0.0

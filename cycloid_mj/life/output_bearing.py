@@ -134,9 +134,10 @@ def balls_of(bearing: StockBearing) -> BallRow:
 
 @once
 def output_bearings(reducer: Reducer) -> OutputBearings:
-    """Compute spacing, load ratings and remaining capacity of the two bearings of the output's hub.
+    """Compute dimensions, load ratings and load limits of the two bearings of the output's hub.
 
-    The capacity is that for the life of the design, at most the static rating; forces at the nominal torque are `own`.
+    The limit of each bearing, `capacity` [N], is that for the life of the design, at most the static rating. The forces
+    `own` [N] at the nominal torque reduce what remains for other loads.
 
     Raises
     ------
@@ -165,9 +166,9 @@ def output_bearings(reducer: Reducer) -> OutputBearings:
 
 
 def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
-    """Compute the forces on both bearings of the output's hub at the m crank angles of a loading.
+    """Compute the radial forces on both bearings of the output's hub at the m crank angles of a loading.
 
-    They balance the forces of the discs on the output, and of the shaft where its bearing is in the hub.
+    They balance the forces of the discs on the output, and that of the shaft if its far bearing is in the hub.
 
     Returns
     -------
@@ -192,7 +193,10 @@ def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Ar
 
 
 def _own_forces(reducer: Reducer) -> tuple[float, float]:
-    """Compute the largest forces of discs and shaft on both bearings at the nominal torque [N]."""
+    """Compute the largest forces on the inner and on the outer output bearing [N] at the nominal torque.
+
+    They are caused by discs and shaft.
+    """
     design = reducer.design
     point = constant_duty(design.rated_torque, design.drive.speed).points[0]
     at_rated = solve_loading(reducer, point, with_wind_up=False)

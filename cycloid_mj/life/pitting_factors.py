@@ -84,10 +84,10 @@ def _interpolate(limit: float, soft: float, hard: float) -> float:
 
 
 def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors | None:
-    """Compute the factors of a kind of pair with the law ``film``, from means over the loaded contacts.
+    """Compute Z_L, Z_v and Z_R [1] of a kind of pair at a point of the duty, from means over its loaded contacts.
 
-    Teeth and holes on output pins have them; None for other pairs, or without the law. `limit` is the pressure allowed
-    for long life [Pa].
+    `limit` is the pressure allowed for long life [Pa]. None for pairs other than teeth and output pins in holes, or if
+    the design does not have the friction law ``film``.
     """
     reducer, film = loading.reducer, loading.springs.film
     design = reducer.design
@@ -117,15 +117,15 @@ def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors
 
 
 def lubricated_cycles(cycles: float, factor: float, power: float) -> float:
-    """Compute the number of loads until pitting with a factor of the lubricant on the allowed pressure.
+    """Compute the number of load cycles until pitting with a factor of the lubricant on the allowed pressure.
 
-    Its exponent grows from 0 at `STATIC_CYCLES` to 1 at `FULL_CYCLES`, linearly in the logarithm of the number of loads
-    (ISO 6336-2:2006, 11.3).
+    The factor is 1 up to `STATIC_CYCLES` and full from `FULL_CYCLES` on; between them its exponent grows linearly with
+    the logarithm of the number of cycles (ISO 6336-2:2006, 11.3).
 
     Parameters
     ----------
     cycles
-        Number of loads without the factor, of the curve n = (Z S/p)^(1/power).
+        Number of load cycles n without the factor, of the curve n = (Z S/p)^(1/power).
     factor, power
         Factor Z [1], and exponent of the curve.
     """

@@ -23,9 +23,7 @@ class StressRange:
 
 
 def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
-    """Read the stress ranges of a design's parts from the folder or result file of ``cycloid-mj stress``.
-
-    Returns part -> range.
+    """Read the stress range of each part of a design, by name, from the folder or result file of ``cycloid-mj stress``.
 
     Raises
     ------

@@ -56,20 +56,20 @@ def rated_torque(
     with_stops: bool = False,
     parts: Parts = "perfect",
 ) -> tuple[float, RatedItem]:
-    """Compute the rated torque [N m] for a life at a speed of the crank, and the item that limits it.
+    """Compute the rated output torque [N m] for a life at a speed of the crank, and the item that limits it.
 
-    The search is a secant iteration along the law of the weakest item, in a bracket (bisection of the logarithm where
-    it leaves the bracket).
+    Each step rates the reducer, and extrapolates the torque at which its weakest item reaches its limit
+    (`weakest_torque`). Where this leaves the bracket, the logarithm of the torque is bisected.
 
     Parameters
     ----------
     reducer
-        The reducer of a sound design.
+        The reducer of a valid design.
     speed, life
         Speed of the crank [rad/s], and life [h].
     limits_torque
-        Returns for the key of an item whether it limits the torque; by default all but emergency stops, static factors
-        and wear do.
+        Function from the key of an item to whether it limits the torque; by default all items except emergency stops,
+        static factors and wear do.
     start_torque
         Torque at which the search starts [N m]; by default the nominal torque.
     crank_angles, rtol
@@ -115,10 +115,9 @@ def _extrapolate_torque_limit(
     with_stops: bool,
     parts: Parts,
 ) -> tuple[float, RatedItem | None]:
-    """Rate the reducer at a torque [N m], and extrapolate its torque limit by the law of the weakest item.
+    """Rate the reducer at a torque [N m], and extrapolate its torque limit from the weakest item (`weakest_torque`).
 
-    Speed [rad/s], life [h] and the other parameters are those of `rated_torque`: `limits_torque` selects items by their
-    keys, `crank_angles` is their number, and `with_stops` is whether emergency stops are rated.
+    The other parameters are those of `rated_torque`.
 
     Returns
     -------
@@ -142,9 +141,9 @@ def _next_in_bracket(low: float, high: float) -> float:
 
 
 def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:
-    """Extrapolate the torque at which the first of some rated items reaches its limit.
+    """Extrapolate the output torque at which the first of some rated items reaches its limit; return it with the item.
 
-    The laws are for loads in proportion to the torque (docs/rating.md); far from the torque at which the items were
+    Loads are assumed to be in proportion to the torque (docs/rating.md). Far from the torque at which the items were
     rated, the result is an estimate.
 
     Parameters
@@ -168,10 +167,9 @@ def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tu
 def rated_and_momentary_torque(
     rating: Rating, torque: float
 ) -> tuple[tuple[float, RatedItem], tuple[float, RatedItem]]:
-    """Estimate rated and momentary torque from a rating at one torque [N m].
+    """Estimate rated and momentary torque from a rating at a single torque [N m], by `weakest_torque`.
 
-    Emergency stops of the rating are at twice the torque. The rated torque does not exceed the momentary one. See
-    `weakest_torque` for the method.
+    The peak torque of the rating must be twice its torque. The rated torque is at most the momentary torque.
 
     Returns
     -------

@@ -37,7 +37,7 @@ class _Row:
 
 
 def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
-    """Rate an RV reducer over a duty cycle for a life [h]: crank bearings, teeth on pins, planet teeth.
+    """Rate an RV reducer over a duty cycle for a life [h]: life and safety of crank bearings, cycloid and planet teeth.
 
     Speeds of the duty are those of the sun. Crank bearings carry the larger of the forces of ideal load sharing and of
     the static balance with clearances and errors.
@@ -78,7 +78,10 @@ def _bearing_speed(reducer: RvReducer, speed: float) -> float:
 
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
-    """Yield the crank bearings, in the discs then in the flanges, with ratings and forces at each torque [N m]."""
+    """Yield the crank bearings, in the discs then in the flanges, with load ratings [N] and forces at each torque [N].
+
+    `torques` [N m] are those on the output at the points of a duty.
+    """
     stated_ratings, (needles, tapers) = reducer.design.bearing, crank_bearing_rollers(reducer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
     disc_bearing_forces = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
@@ -105,7 +108,7 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
 
 
 def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
-    """Return the rollers of the bearings of a crank: needles in a disc, and assumed ones in a flange."""
+    """Return the rollers of the bearings of a crank: the needles in a disc, and assumed tapered rollers in a flange."""
     cranks, outer = reducer.cranks, 2.0 * reducer.cranks.taper_radius
     pitch = 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
     return (
@@ -115,16 +118,21 @@ def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
 
 
 def _crank_forces(reducer: RvReducer, torque: float) -> Array:
-    """Return the forces of the cranks on the discs (m, D, n, 2) [N]: those with the larger mean."""
+    """Return the forces of the n cranks on the D discs [N] at m crank angles, shape (m, D, n, 2).
+
+    They are those of ideal load sharing or of the static balance, whichever have the larger mean load. `torque` [N m]
+    is that on the output.
+    """
     shared, solved = ideal_rv(reducer, torque), balance_running(reducer, torque)
     means = [rolling.mean_load(loads.bearings) for loads in (shared, solved)]
     return (shared if means[0] >= means[1] else solved).cranks
 
 
 def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
-    """Return the radial forces on the crank bearings in the two flanges [N], shape (m, 2 n), flange by flange.
+    """Return the radial forces on the bearings of n cranks in the two flanges [N], shape (m, 2 n), flange by flange.
 
-    A crank is a beam on two supports, in the middles of the flanges, under the forces of the discs [N], (m, D, n, 2).
+    A crank is a beam on two supports, in the middles of the flanges. `disc_forces` [N] are those between the n cranks
+    and the D discs at m crank angles, shape (m, D, n, 2).
     """
     planes, gear = np.array(reducer.design.gear.disc_planes), reducer.design.gear
     support = 0.5 * gear.stack_width + gear.disc_gap + 0.5 * reducer.cranks.flange_thickness
@@ -184,7 +192,9 @@ def _rate_bearing(
 
 
 def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak_torque: float) -> Iterator[RatedItem]:
-    """Yield first yield and pitting of the teeth on pins; each lobe is loaded once per turn of a crank in its disc.
+    """Yield the safety against first yield and the pitting life of the cycloid teeth on their pins.
+
+    Each lobe is loaded once per turn of a crank in its disc.
 
     Parameters
     ----------
@@ -217,9 +227,10 @@ def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak_torque: f
 
 
 def _rate_planets(reducer: RvReducer, torques: Array, turns: Array) -> Iterator[RatedItem]:
-    """Yield the pitting life of the sun at its pitch point: each planet loads each tooth once per turn against the sun.
+    """Yield the pitting life of the sun's teeth, by the pressure at the pitch point.
 
-    `turns` are the speeds of the cranks times the shares of time [rad/s] at the `torques` of the duty [N m].
+    Each planet loads each tooth once per turn of the sun relative to the carrier. `turns` are the speeds of the cranks
+    times the shares of time [rad/s] at the `torques` of the duty [N m].
     """
     planet, material = reducer.planet, reducer.design.material
     radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
@@ -236,14 +247,14 @@ def _rate_planets(reducer: RvReducer, torques: Array, turns: Array) -> Iterator[
 def _rate_pitting(
     key: str, name: str, reducer: RvReducer, kind: str, pressures: list[float], turns: Array
 ) -> RatedItem:
-    """Rate steel surfaces by the life until they pit (AGMA 2001-D04), by Miner's sum over the points of a duty.
+    """Return the item of the life until steel surfaces pit (AGMA 2001-D04), by Miner's sum over the points of a duty.
 
     Parameters
     ----------
     key, name
-        Those of the item.
+        Key and name of the item.
     kind
-        Kind of mating pair.
+        Kind of pair, for the materials.
     pressures
         Largest Hertz pressure at each point of the duty [Pa].
     turns

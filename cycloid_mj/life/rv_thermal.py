@@ -40,10 +40,10 @@ def solve_rv_losses(
     capacities: Mapping[str, float],
     crank_angles: int,
 ) -> tuple[tuple[dict[str, float], ...], Network]:
-    """Return the losses by source at each point of a duty [W], and the network under its largest torque.
+    """Return the losses [W] by source at each point of a duty, and the thermal network under its largest torque.
 
-    Both are those at temperatures of the parts [°C], at a number of crank angles; the network has the heat `capacities`
-    of the parts at 20 °C.
+    `temperatures` [°C] are those of the parts for losses and conductances, `capacities` [J/K] the heat capacities of
+    the network's nodes, and `crank_angles` is the number of crank angles.
 
     Raises
     ------
@@ -63,9 +63,10 @@ def solve_rv_losses(
 
 
 def warm_reducer(reducer: RvReducer, temperatures: Mapping[str, float]) -> RvReducer:
-    """Return the reducer at temperatures of its parts [°C], whose ring and discs yield to an interference of the teeth.
+    """Return the reducer with the dimensions and materials at temperatures of its parts [°C].
 
-    The springs of the pins carry `preload_share` of the interference.
+    If the teeth then interfere, ring and discs deform elastically: only `preload_share` of the interference remains for
+    the springs of the pins.
     """
     hot_design = at_temperatures(reducer.design, temperatures)
     warm, interference = RvReducer(hot_design), max(0.0, -tooth_play(hot_design))
@@ -78,8 +79,8 @@ def warm_reducer(reducer: RvReducer, temperatures: Mapping[str, float]) -> RvRed
 def preload_share(reducer: RvReducer) -> float:
     """Compute the share of a radial interference of discs and ring that the springs of the pins take [1].
 
-    In series with them, the housing expands as a thin ring, f N D r/(2 pi E A) under the force f of each of N pins on
-    each of D discs, and a disc shrinks as a full plate, (1 - nu) f N/(2 pi b E) with the width b.
+    In series with the springs, the housing expands as a thin ring and each disc shrinks as a full plate, under equal
+    radial forces of all pins on all discs.
     """
     design, ring = reducer.design, reducer.design.ring
     housing, disc = design.material_of("housing"), design.material_of("gear")
@@ -93,7 +94,7 @@ def preload_share(reducer: RvReducer) -> float:
 
 
 def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:
-    """Yield the conductances of teeth and crank bearings, means over the crank angles of the loads."""
+    """Yield the heat conductances [W/K] of cycloid teeth and crank bearings, means over the crank angles of `loads`."""
     design, cranks = reducer.design, reducer.cranks
     pair, steel, disc = design.tooth_pair, design.material_of("shaft"), design.material_of("gear")
     teeth = line_contact_conductance(
@@ -124,13 +125,17 @@ def _contact_links(reducer: RvReducer, loads: RvLoads) -> Iterator[Conductance]:
 def _row_conductance(
     forces: Array, rollers: int, radius: float, length: float, partners: tuple[Material, Material]
 ) -> float:
-    """Sum the conductances of bearings under their mean forces, from forces (m, ...) [N] [W/K]."""
+    """Sum the heat conductances of bearings [W/K] under their mean forces, from `forces` [N], shape (m, ...).
+
+    `rollers` is the number of rollers of a bearing, `radius` and `length` [m] are those of a roller, and `partners` the
+    materials of rollers and rings.
+    """
     means = np.mean(forces.reshape(len(forces), -1), axis=0)
     return sum(roller_conductance(rollers, radius, length, float(force), partners) for force in means)
 
 
 def _grease_links(reducer: RvReducer) -> Iterator[Conductance]:
-    """Yield the conductances through grease: discs on the flanges, and flanges in the housing."""
+    """Yield the heat conductances [W/K] through grease, of discs to flanges and of flanges to the housing."""
     design, cranks = reducer.design, reducer.cranks
     holes = cranks.count * (reducer.bore_radius**2 + reducer.window_radius**2)
     face = math.pi * (min(design.ring_root_radius, reducer.flange_radius) ** 2 - cranks.middle_hole_radius**2 - holes)
@@ -141,9 +146,9 @@ def _grease_links(reducer: RvReducer) -> Iterator[Conductance]:
 
 
 def _air_links(reducer: RvReducer, wall_temperature: float) -> Iterator[Conductance]:
-    """Yield the conductances from the ring to the rest of the housing, and from housing and flanges to the air.
+    """Yield the heat conductances [W/K] from the ring to the housing, and from housing and flanges to the air.
 
-    `wall_temperature` is that of the housing [°C].
+    `wall_temperature` [°C] is that of the housing.
     """
     design = reducer.design
     outer, ends = design.housing.outer_radius, math.pi * reducer.flange_radius**2

@@ -57,10 +57,10 @@ RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30),
 
 
 def hysteresis(reducer: Reducer) -> Quantity:
-    """Compute the width of the torque-rotation loop near zero torque, after plus and minus the nominal torque [arcmin].
+    """Compute the hysteresis loss [arcmin]: the width of the torque-rotation loop of the output near zero torque.
 
-    The crank is locked; the rotation is that of the output, mean over `loop_angles` crank angles. The width is that
-    between the torques of plus and minus `loop_end`.
+    The crank is locked and the loop reaches plus and minus the nominal torque. The width is the rotation between
+    unloading to plus and to minus `loop_end` of that torque. The result is the mean over `loop_angles` crank angles.
     """
     torque = reducer.design.rated_torque
     widths = []
@@ -73,9 +73,9 @@ def hysteresis(reducer: Reducer) -> Quantity:
 
 
 def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantity, ...]:
-    """Return running, starting and back-driving torque of the drive with grease, bearings and seals [N m].
+    """Return the rows of no-load running, starting and back-driving torque [N m], with grease, bearings and seals.
 
-    `static_sheet` is the sheet of the statics, for the efficiency of back-driving.
+    `static_sheet` has the quantities by statics, of which the efficiency of back-driving is used.
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     running, running_warm, starting, back_driving = (
@@ -120,7 +120,7 @@ def _torque_row(
     Parameters
     ----------
     key, name
-        Those of the row.
+        Key and name of the row.
     contacts, rest
         Torque of the contacts, and torque of bearings and seals on the crank.
     lever
@@ -140,9 +140,10 @@ def _torque_row(
 
 
 def _contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
-    """Compute a figure of the catalogue, a torque without load [N m], by its `key`, at a temperature of all parts [°C].
+    """Compute a no-load torque of the contacts [N m], a quantity of the catalogue with a `key`, at a temperature [°C].
 
-    The temperature counts with the law ``film`` only. The torque is NaN if the parts jam, and its note says so.
+    The temperature of the parts matters with the friction law ``film`` only. The torque is NaN if the parts jam; its
+    note then has the reason.
     """
     try:
         return quantity(_at_temperature(reducer, temperature), key)
@@ -169,7 +170,10 @@ def _at_temperature(reducer: Reducer, temperature: float) -> Reducer:
 
 
 def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
-    """Compute the torque on the crank without load over its speed, at the cold and the warm temperature."""
+    """Compute the no-load torque on the crank [N m] over its speed [rpm], a curve each for cold and warm parts.
+
+    The torque includes contacts, grease, bearings and seals. The temperatures are those of `SETTINGS`.
+    """
     design = reducer.design
     speeds = np.array(SETTINGS.speed_shares) * abs(design.drive.speed)
     curves: list[Curve] = []
@@ -186,7 +190,10 @@ def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
 
 
 def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return grease, range of the ambient temperature, and permissible share of the time at the nominal torque."""
+    """Return the rows of grease viscosity, lowest and highest ambient temperature, and permissible duty.
+
+    The duty is the share of the time at nominal torque and speed [%] that heat allows.
+    """
     design, rating = reducer.design, rate_at_rated_load(reducer)
     housing = rating.items["temperature"]
     rise, lowest = (
@@ -212,7 +219,7 @@ def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
-    """Yield run-out of the output, radial load of the input shaft, torque of the motor, and tightening torques."""
+    """Yield the rows of run-out of the output, radial load of the input shaft, motor torque and tightening torques."""
     design, covers = reducer.design, casing(reducer)
     bore = 1e3 * covers.hub.bore
     radial_run_out = next((run_out for largest, run_out in RADIAL_RUN_OUTS if bore <= largest), RADIAL_RUN_OUTS[-1][1])
@@ -244,7 +251,7 @@ def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
 
 
 def _input_load_row(reducer: Reducer) -> Quantity:
-    """Compute the limit of a radial load at the end of the input shaft, in addition to the nominal torque [N].
+    """Compute the limit of a radial load at the end of the input shaft [N], in addition to the nominal torque.
 
     The bearings of the shaft limit it, by their life (ISO 281) and static rating.
     """

@@ -35,10 +35,11 @@ PART_OF = {studied: part for part, studied in HOLED.items()}
 def rate_strength(
     reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None
 ) -> Iterator[RatedItem]:
-    """Rate the fatigue of every part for unlimited repetition of the largest load of a duty, `worst`.
+    """Yield the safety factor against fatigue of every part, for unlimited repetition of the largest load of a duty.
 
-    Items: root of an output pin, weakest shoulder of the shaft, walls of disc and ring. `ranges` are stress ranges of
-    finite-element studies by part; they replace the estimate of the part's walls.
+    Items are the root of an output pin, the weakest shoulder of the shaft, and the walls of disc and ring. `worst` has
+    the solved forces of that load. `ranges` are stress ranges of a finite-element study by name of the part; they
+    replace the estimate of that part's walls.
     """
     yield rate_output_pin(reducer, worst.output)
     yield _rate_shaft_shoulders(reducer, worst)
@@ -52,9 +53,10 @@ def rate_strength(
 
 
 def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
-    """Rate the fatigue of the root of an output pin under pulsating forces of the discs [N], shape (..., discs, pins).
+    """Return the fatigue item of the root of an output pin under pulsating forces of the discs.
 
-    The pin is a cantilever of the output disc, or a beam clamped at both ends; inside a roller its core bends.
+    `pin_forces` [N] have the shape (..., discs, pins). The pin is a cantilever of the output disc, or a beam that is
+    clamped at both ends; under a roller it is the core that bends.
     """
     design = reducer.design
     material, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
@@ -85,18 +87,17 @@ def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
 
 
 def pin_moment(reducer: Reducer, force: Array) -> Array:
-    """Compute the bending moment at the root of each pin [N m], shape (..., pins), of forces [N] (..., discs, pins).
+    """Compute the bending moment at the root of each output pin [N m], shape (..., pins).
 
-    Each disc presses at its middle plane, see ``statics.shoulder.root_arms``; of two roots the larger moment counts.
+    `force` [N] are those of the discs on the pins, shape (..., discs, pins). Of two roots the larger moment counts.
     """
     return np.asarray(np.einsum("rd,...dp->...rp", root_arms(reducer), force).max(axis=-2))
 
 
 def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
-    """Return the fatigue item of the weakest shoulder of the shaft, under the largest load of a duty, `worst`.
+    """Return the fatigue item of the weakest shoulder of the shaft, under the solved forces `worst` of a duty.
 
-    In the frame of the shaft, the load is nearly constant: its ripple over a turn is the stress amplitude, its mean the
-    mean stress.
+    In the frame of the shaft, the load is nearly constant: its variation over a turn causes the stress amplitude.
     """
     design = reducer.design
     shaft, material, fillet = shaft_dimensions(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
@@ -135,7 +136,10 @@ def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
 
 
 def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
-    """Rate a part by the stress range at its worst node from a finite-element study, scaled to a torque [N m]."""
+    """Return the fatigue item of a part from the stress range at its critical node in a finite-element study.
+
+    `part` is the name of the part in the study; stresses are scaled from the study's load to a torque [N m].
+    """
     material = reducer.design.material_of(PART_OF[family(part)])
     scale = torque / stress_range.load
     endurance = _endurance_limit(reducer, material.tensile_strength, 0.0)
@@ -155,10 +159,10 @@ def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torqu
 
 
 def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
-    """Rate the fatigue of the wall next to a hole: a clamped beam over the hole with the pin's force in the middle.
+    """Return the fatigue item of the wall next to a hole: a clamped beam over the hole with a force in its middle.
 
-    The stress is the larger of bending and shear (von Mises), pulsating, under the largest force of a tooth or pin in
-    the loading `worst`.
+    The force is the largest of a tooth or output pin in the loading `worst`. The pulsating stress is the larger of
+    bending and shear (von Mises).
     """
     design = reducer.design
     material = design.material_of(wall.part)

@@ -68,11 +68,11 @@ NAMES = {
 
 
 def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate the Hertz pressures of teeth, holes and seats: yield and shakedown by the largest, pitting by Miner's sum.
+    """Yield safety factors against first yield and shakedown, and the pitting life, of teeth, holes and seats.
 
-    `loadings` are the solved forces at each point of the duty. If the weaker surface is a plastic, the item is the time
-    until the pressure leaves a permanent set instead of first yield. Contacts of surfaces with nearly equal radii,
-    where Hertz's theory is not valid, are left out.
+    `loadings` are the solved forces at each point of the duty. Safety factors are those of the largest Hertz pressure;
+    the life follows by Miner's sum, for steel only. If the weaker surface is a plastic, its only item is the time until
+    a permanent set. Conformal contacts, for which Hertz's theory is not valid, are left out.
     """
     for kind, name in NAMES.items():
         if any(kind not in loading.pressures for loading in loadings):
@@ -105,7 +105,7 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
 
 
 def _rate_permanent_set(loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
-    """Rate a plastic surface by the time until its pressures leave a permanent set, by Miner's sum over the duty cycle.
+    """Return the item of the time until a plastic surface has a permanent set, by Miner's sum over the duty cycle.
 
     `loadings` are the points of the duty, `kind` is the kind of pair, `strength` the yield strength of the plastic [Pa]
     for a short load.
@@ -131,7 +131,7 @@ def set_hours(pressure: float, limit: float) -> float:
 
 
 def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
-    """Rate steel surfaces by the life until they pit (AGMA 2001-D04), by Miner's sum over the duty cycle.
+    """Return the item of the life until steel surfaces pit (AGMA 2001-D04), by Miner's sum over the duty cycle.
 
     `loadings` are the points of the duty, `kind` is the kind of pair, `pressure` its largest Hertz pressure over the
     duty [Pa], which is reported.
@@ -169,10 +169,10 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
 def _rate_lubricated_pitting(
     reducer: Reducer, loadings: Sequence[Loading], kind: str, pitting: RatedItem
 ) -> Iterator[RatedItem]:
-    """Rate steel surfaces by the life until they pit with the lubricant factors of ISO 6336-2, by Miner's sum.
+    """Yield the item of the life until steel surfaces pit with the lubricant factors of ISO 6336-2, by Miner's sum.
 
     `loadings` are the points of the duty, `kind` is the kind of pair, `pitting` the item without these factors. Yields
-    nothing without the law ``film``, or for pairs without these factors.
+    nothing without the friction law ``film``, or for pairs without these factors.
     """
     allowed, power, damage = 1e6 * pitting.limit, AGMA_2001.power, 0.0
     factors = [item for loading in loadings if (item := pitting_factors(loading, kind, allowed))]

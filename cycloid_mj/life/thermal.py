@@ -86,12 +86,12 @@ def _running_points(design: Design, duty: Duty) -> list[DutyPoint]:
 
 
 def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings = SETTINGS) -> ThermalState:
-    """Compute the steady temperatures of a drive, its warm-up and its thermal limits.
+    """Compute the steady temperatures of a drive under a duty, its warm-up, and the torque and speed that heat allows.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file; its own ``[thermal]`` temperatures are not used.
+        A design, or the name of a preset or a file; the temperatures in its table ``[thermal]`` are not used.
     duty, settings
         Duty cycle, by default the nominal torque at the design's speed; and settings of the search.
 
@@ -176,11 +176,11 @@ class _Steady:
 
 
 def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
-    """Solve for losses and temperatures that agree with each other, by successive substitution from 20 °C.
+    """Solve for losses and temperatures of the parts that agree with each other, by fixed-point iteration from 20 °C.
 
-    `points` are those of the duty. Losses and conductances are those of the warm clearances. A cold lubricant has
-    larger losses: where the parts would jam at the temperatures of a round, only a part of the step is taken. If they
-    jam at any, the losses of that round remain, and the state is not converged.
+    `points` are those of the duty. Losses and conductances are those with the clearances at the temperatures. If the
+    parts would jam at the next temperatures, the step is shortened. If they jam after the shortest step as well, the
+    result has the losses before that step and is not converged.
     """
     ambient, capacities = reducer.design.service.ambient_temperature, heat_capacities(reducer)
     temperatures, has_converged, cold = dict.fromkeys(HEATED, REFERENCE_TEMPERATURE), False, None
@@ -217,7 +217,7 @@ def _solve_losses(
     capacities: Mapping[str, float],
     settings: ThermalSettings,
 ) -> tuple[tuple[dict[str, float], ...], Network]:
-    """Return the losses by source at each point of a duty [W], and the thermal network under its largest torque.
+    """Return the losses [W] by source at each point of a duty, and the thermal network under its largest torque.
 
     Parameters
     ----------
@@ -250,10 +250,10 @@ def _mean(points: Sequence[DutyPoint], by_point: Sequence[Mapping[str, float]]) 
 
 
 def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings: ThermalSettings) -> TemperatureCourse:
-    """Solve the temperatures over time from a start at the temperature of the air.
+    """Compute the temperature rises of the parts [K] over time [s] from a start at the temperature of the air.
 
-    The losses of each point of the duty change linearly with the temperature of the disc, between their values at 20 °C
-    and in the steady state. If the parts jam on the way, they are the last ones before that at any temperature.
+    The losses at each point of the duty change linearly with the temperature of the disc, between their values at 20 °C
+    and in the steady state. If the steady state is not converged, they are constant: its last losses.
     """
     design = reducer.design
     duration = settings.time_constants * steady_state.network.time_constant
@@ -273,7 +273,10 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
 
 
 def _find_tightest_time(design: Design, course: TemperatureCourse) -> TightestTime:
-    """Find the time at which the parts have the least play, in a `course` of the temperatures: warm-up and cycles."""
+    """Return the time of the warm-up and its duty cycles at which the parts have the least play, with that play [m].
+
+    `course` has the temperature rises over time.
+    """
     ambient = design.service.ambient_temperature
     times = []
     for index, time in enumerate(course.times):
@@ -301,9 +304,9 @@ def _limit_torque(
     tightest: TightestTime | None,
     settings: ThermalSettings,
 ) -> _TorqueLimit:
-    """Compute the torque limit of a duty, and by the share of the time that a drive runs and then rests.
+    """Compute the largest output torque of a duty that heat allows [N m], and that of intermittent duties (S3).
 
-    Losses are linear in the torque, for the cycle and for other shares of the time.
+    For intermittent duties, losses are linear in the torque.
 
     Parameters
     ----------
@@ -331,7 +334,7 @@ def _limit_torque(
     growth = (full - least) / (1.0 - settings.light_load)
 
     def factor_at(losses: float) -> float:
-        """Return the factor on the torques at which the running drive loses a power [W]; 0 if it always loses more."""
+        """Return the factor [1] on the torques at which the running drive loses a power [W], at least 0."""
         return max(0.0, 1.0 + (losses - full) / growth)
 
     allowed = running * (full + growth * (factor - 1.0))
@@ -373,16 +376,15 @@ def _largest_duty_factor(
     steady_state: _Steady,
     settings: ThermalSettings,
 ) -> tuple[float, str]:
-    """Return the largest factor on a duty that keeps all thermal limits.
+    """Return the largest factor on torque or speed of a duty at which no thermal limit is exceeded.
 
-    Losses in proportion to the factor give the first estimate. The secant method corrects it, with the losses at the
-    factor and the temperatures of the limit. Beyond `ThermalSettings.solved` times the duty, where statics would be
-    extrapolated, the estimate is not corrected.
+    The first estimate assumes losses in proportion to the factor. The secant method corrects it with the losses at that
+    factor and the temperatures of the limit. An estimate above `ThermalSettings.solved` is not corrected.
 
     Parameters
     ----------
     scale_duty
-        Returns the points of the duty times a factor.
+        Function from a factor to the points of the duty with their torque or speed times that factor.
     steady_state
         Steady losses and temperatures of the duty.
     settings
@@ -431,7 +433,7 @@ class _LossLimit:
 def _find_loss_limit(
     reducer: Reducer, network: Network, losses: Mapping[str, float], settings: ThermalSettings
 ) -> _LossLimit:
-    """Find the factor on losses by source [W] at which the first thermal limit is reached.
+    """Return the factor on losses by source [W] at which the first thermal limit is reached.
 
     Temperature rises are in proportion to the losses.
     """
@@ -439,7 +441,10 @@ def _find_loss_limit(
 
 
 def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalSettings) -> _LossLimit:
-    """Find the factor on temperature rises [K] at which the first thermal limit is reached, by Brent's method."""
+    """Return the factor on temperature rises [K] over the air at which the first thermal limit is reached.
+
+    It is inf if no limit is reached up to `settings.largest`, and 0 if a limit is exceeded without any rise.
+    """
     from scipy.optimize import brentq
 
     ambient = reducer.design.service.ambient_temperature
@@ -487,10 +492,10 @@ def _friction_text(reducer: Reducer) -> str:
 
 
 def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate how much warmer the disc gets than the ring against the temperature difference that closes the teeth [K].
+    """Yield the item of the temperature of disc less ring [K], against the difference that closes the teeth.
 
     `loadings` are the solved forces at each point of the duty. Losses and conductances are those at 20 °C, without the
-    fixed point of `thermal`.
+    iteration of `thermal`.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     network = build_network(reducer, worst, reducer.design.service.ambient_temperature)
@@ -510,7 +515,7 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
 
 
 def rate_thermal_torque(design: Named, duty: Duty) -> RatedItem:
-    """Rate the largest torque of a duty against the torque that the steady temperatures of all parts allow.
+    """Return the item of the largest torque of a duty [N m] against the torque that heat allows.
 
     Raises as `thermal`.
     """

@@ -60,7 +60,9 @@ def solve_course(
     end: float,
     samples: int,
 ) -> TemperatureCourse:
-    """Solve the warm-up from the temperature of the air, by the matrix exponential of each point of the duty.
+    """Compute the temperature rise of each node [K] over time [s] in a warm-up from the temperature of the air.
+
+    The solution is exact at the returned times (matrix exponential of each point of the duty).
 
     Parameters
     ----------
@@ -69,11 +71,11 @@ def solve_course(
     points
         Points of the duty cycle in their order.
     controlling, reference_rise
-        Node whose rise changes the heat, and its rise at which `HeatingPoint.heat` holds [K].
+        Node whose temperature changes the heat, and its rise at which `HeatingPoint.heat` applies [K].
     end
-        Time that the warm-up lasts at least, rounded up to whole cycles [s].
+        Shortest duration of the warm-up [s], which is rounded up to complete cycles.
     samples
-        Number of times that are wanted; each point of each cycle has at least one.
+        Approximate number of times; each point of each cycle has at least one time.
     """
     from scipy.linalg import expm
 

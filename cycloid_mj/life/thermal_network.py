@@ -128,7 +128,10 @@ class Network:
 
     @cached_property
     def matrix(self) -> Array:
-        """Return the conductance matrix G [W/K], shape (n, n), in the order of `capacities`: P = G (T - T_ambient)."""
+        """Conductance matrix G [W/K], shape (n, n), of P = G (T - T_ambient), in the order of `capacities`.
+
+        P is the heat into each node [W].
+        """
         order = {name: index for index, name in enumerate(self.capacities)}
         matrix = np.zeros((len(order), len(order)))
         for item in self.conductances:
@@ -161,7 +164,10 @@ class Network:
 
 
 def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, float]:
-    """Distribute losses by source to the nodes of the network [W]: half to each of the two parts that meet."""
+    """Return the heat into each node of the thermal network [W]: half of each loss to each of the two parts in contact.
+
+    `losses` [W] are by source; those of unknown sources, such as seals, heat the housing.
+    """
     bearings = () if isinstance(reducer, RvReducer) else bearings_of(reducer)
     joins = {bearing.key: tuple(NODE_OF_BODY[body] for body in bearing.joins) for bearing in bearings}
     heat = dict.fromkeys(HEATED, 0.0)
@@ -175,10 +181,10 @@ def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, flo
 def build_network(
     reducer: Reducer, loading: Loading, wall_temperature: float, capacities: Mapping[str, float] | None = None
 ) -> Network:
-    """Build the thermal network of a drive under the loads of a point of its duty.
+    """Build the thermal network of a drive (heat conductances between its parts and to the air) under solved loads.
 
-    `wall_temperature` is that of the housing [°C]. Without the `heat_capacities` of the nodes, which take 0.1 s of CPU,
-    all are 1 J/K: such a network is for `Network.rises` only.
+    `wall_temperature` [°C] is that of the housing. `capacities` [J/K] are those of `heat_capacities`; without them all
+    are 1 J/K, and the network is for steady temperatures only.
     """
     links = (
         *_contact_links(loading.reducer, loading.contacts),
@@ -190,7 +196,7 @@ def build_network(
 
 
 def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductance]:
-    """Yield the conductances between disc and ring, disc and output, crank and disc through their contacts.
+    """Yield the heat conductances [W/K] through the contacts of disc and ring, disc and output, crank and disc.
 
     They are means over the crank angles of the contact loads.
     """
@@ -221,10 +227,10 @@ def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductan
 
 
 def roller_conductance(rollers: int, radius: float, length: float, force: float, partners: Sequence[Material]) -> float:
-    """Compute the heat conductance of a roller bearing under a force [N] [W/K].
+    """Compute the heat conductance of a roller bearing [W/K] under a force [N].
 
-    Each loaded roller of a radius and length [m] conducts through its inner and outer contact in series; `partners` are
-    the materials of rollers and rings.
+    `rollers` is the number of rollers, a third of which is loaded. A loaded roller of a radius and length [m] conducts
+    through its inner and outer contact in series; `partners` are the materials of rollers and rings.
     """
     loaded_rollers = max(1.0, ASSUMED.loaded_share * rollers)
     contact_conductance = line_contact_conductance(np.array([force / loaded_rollers]), length, radius, partners)
@@ -232,7 +238,10 @@ def roller_conductance(rollers: int, radius: float, length: float, force: float,
 
 
 def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
-    """Yield the conductances of the bearings of shaft and output, taken as roller bearings of their bore and width."""
+    """Yield the heat conductances [W/K] of the bearings of shaft and output, as roller bearings of the same size.
+
+    Forces are means over the crank angles of `loading`.
+    """
     low, high = shaft_dimensions(reducer).bearings[0]
     steel = reducer.design.material_of("shaft")
     for bearing in bearings_of(reducer):
@@ -252,7 +261,7 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
 
 
 def _face_links(design: Design) -> Iterator[Conductance]:
-    """Yield the conductances through the grease between the end faces of the discs and housing or output."""
+    """Yield the heat conductances [W/K] through the grease between the end faces of the discs and housing or output."""
     root = design.ring.pin_circle_radius - design.ring.pin_radius
     holes = design.output.pins * design.output.hole_radius**2
     area = math.pi * (root**2 - design.gear.bore_radius**2 - holes)
@@ -262,9 +271,10 @@ def _face_links(design: Design) -> Iterator[Conductance]:
 
 
 def _housing_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conductance]:
-    """Yield the conductances from the ring to the covers and from there to the air.
+    """Yield the heat conductances [W/K] from the ring to the housing and from there to the air.
 
-    Without covers the ring is the housing. `wall_temperature` is that of the housing [°C].
+    The housing is that of the covers; without covers, an end of the output disc passes heat to the air as well.
+    `wall_temperature` [°C] is that of the housing.
     """
     design = reducer.design
     outer = design.housing.outer_radius
@@ -288,9 +298,10 @@ def convection_source(design: Design, coefficient: float) -> str:
 
 
 def heat_capacities(reducer: Reducer) -> dict[str, float]:
-    """Compute the heat capacity of each node [J/K], mass times specific heat; the covers make up the rest of the mass.
+    """Compute the heat capacity of each node of the thermal network [J/K], mass times specific heat.
 
-    Without covers the housing is a thin shell with a hundredth of the capacity of the others.
+    The housing has the mass of the covers; it has at least a hundredth of the capacity of all other nodes, which is
+    that without covers.
     """
     bodies = dict.fromkeys(HEATED, 0.0)
     mechanism = rv_masses(reducer) if isinstance(reducer, RvReducer) else masses(reducer)

@@ -110,7 +110,7 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Return temperatures, differences, losses and thermal limits by key."""
+        """Temperatures, temperature differences, warm play, losses and thermal limits, by key."""
         rows = [
             *(
                 Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")

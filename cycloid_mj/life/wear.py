@@ -24,10 +24,10 @@ NAMES = {
 
 
 def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Yield depth of wear in 1000 h by Archard's law, sliding distance and largest p v of each kind of sliding contact.
+    """Yield wear depth in 1000 h [um] (Archard), sliding distance [km] and largest p v of each kind of sliding contact.
 
-    `loadings` are the solved forces at each point of the duty. The depth is that where the surface wears fastest, and
-    its limit the clearance.
+    `loadings` are the solved forces at each point of the duty. The depth is the largest on the surface, its limit the
+    clearance; distance and p v [MPa m/s] have no limit.
     """
     for kind in loadings[0].sliding:
         pair = "output" if kind == "output_roller" else kind

@@ -85,7 +85,7 @@ class WearingDrive:
 
     @cached_property
     def laws(self) -> dict[str, WearLaw]:
-        """Return the law of wear of each surface, by the surface's key."""
+        """Material, wear coefficient and run-in depth of each surface, by the surface's key."""
         design = self.reducer.design
         laws = {}
         for surface in self.surfaces:
@@ -97,10 +97,10 @@ class WearingDrive:
 
     @cached_property
     def crank(self) -> Array:
-        """Return crank angles spaced evenly over a turn of the crank, or of an RV reducer's carrier [rad], shape (m,).
+        """Crank angles [rad], shape (m,), evenly spaced over a turn of the crank relative to the ring.
 
-        Their number m has no divisor in common with the numbers of teeth and pins. Over the turn, the pins therefore
-        take m different positions within a pitch, equally spaced.
+        For an RV reducer they are spaced over a turn of the carrier. Their number m has no divisor in common with the
+        numbers of teeth and pins, so that the pins take m different, equally spaced positions within a pitch.
         """
         reducer, design, count = self.reducer, self.reducer.design, self.settings.poses
         turn, periods = reducer.mesh_turn, design.output.pins
@@ -112,7 +112,7 @@ class WearingDrive:
 
     @cached_property
     def deflections(self) -> dict[Gap, float]:
-        """Return the elastic deflection of a contact under its working force [m], for each gap whose surfaces wear."""
+        """Elastic deflection of a contact under its working force [m], for the teeth and each other gap that wears."""
         contacts = self.reducer.at_rated_load.contacts
         deflections: dict[Gap, float] = {"teeth": contacts.teeth.force / contacts.mesh_stiffness}
         others: tuple[Gap, ...] = ("output", "cam")
@@ -141,7 +141,10 @@ class WearingDrive:
 
 
 def _sliding_contacts(reducer: Reducer, crank: Array, load: float) -> dict[Gap, SlidingContacts]:
-    """Return the sliding contacts at crank angles [rad], shape (m,), under a load that brakes the output [N m]."""
+    """Solve forces, sliding speeds and positions of the contacts of each gap at crank angles [rad], shape (m,).
+
+    `load` [N m] is the torque that opposes the rotation of the output.
+    """
     if isinstance(reducer, RvReducer):
         return rv_sliding_contacts(reducer, crank, load)
     springs = springs_of(reducer, crank)
@@ -164,7 +167,10 @@ class WearState:
 
 
 def lost_motion(reducer: Reducer) -> float:
-    """Compute the mean rotation of the output between +3 % and -3 % of the rated torque [rad], without friction."""
+    """Compute the lost motion [rad]: the rotation of the output between +3 % and -3 % of the rated torque.
+
+    It is the mean over a turn, without friction.
+    """
     if isinstance(reducer, RvReducer):
         return rv_sheet.lost_motion(reducer, reducer.design.rated_torque)
     still = at_rest(reducer)
@@ -175,7 +181,7 @@ def lost_motion(reducer: Reducer) -> float:
 
 
 def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -> Iterator[WearState]:
-    """Yield the state of a new drive, and that after each explicit Euler step of its wear.
+    """Yield the state of the new drive, then that after each time step of its wear (explicit Euler method).
 
     Parameters
     ----------
@@ -208,9 +214,10 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
 
 
 def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
-    """Return the largest stable wear step of a drive in a case [h] by `WearSettings.step_share`; inf without wear.
+    """Return the largest time step [h] in which no surface wears deeper than `WearSettings.step_share` allows.
 
-    `doses` [Pa m] and their `rates` [Pa m/s] are by the keys of the surfaces.
+    `doses` (pressure times sliding distance) [Pa m] and their `rates` [Pa m/s] are by the keys of the surfaces. The
+    result is inf without wear.
     """
     steps = [math.inf]
     for surface in drive.surfaces:

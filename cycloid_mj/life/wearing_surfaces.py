@@ -104,7 +104,7 @@ def wearing_surfaces(reducer: Reducer) -> tuple[WearingSurface, ...]:
 
 
 def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
-    """Yield the wearing surfaces of the mesh: flanks and pins or lobes, or the seats of pins that turn.
+    """Yield the wearing surfaces of the mesh: flanks and pins (or lobes), or both surfaces of the seats of pins.
 
     If the friction in the seat of a pin is lower than at the flank, the pin turns in its seat, and the seat wears.
     """
@@ -180,7 +180,10 @@ def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
 
 
 def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
-    """Yield the bores of the discs and plain cams; the cam wears where the load presses, the bore evenly."""
+    """Yield the bores of the discs and the plain cams as wearing surfaces; none with rolling bearings.
+
+    The cam wears where the load presses, the bore evenly.
+    """
     gear = reducer.design.gear
     if gear.bearing != "plain":
         return
@@ -191,7 +194,10 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
 
 
 def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
-    """Return angle, force, sliding speed and half width of the contacts of each gap under the loads of a turn."""
+    """Return angle [rad], force [N], sliding speed [m/s] and half width [m] of the contacts of each gap over a turn.
+
+    `springs` and `contact_loads` are those of the equilibria over the turn.
+    """
     design, teeth = reducer.design, springs.teeth
     slip = np.abs(springs.slip)
     contacts = springs.contacts
@@ -228,9 +234,10 @@ def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -
 
 
 def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict[Gap, SlidingContacts]:
-    """Return the contacts of discs and ring of an RV reducer that a torque on the output [N m] brakes.
+    """Solve the contacts of discs and ring of an RV reducer under a torque on the output [N m].
 
-    `crank` are crank angles against the ring [rad], shape (m,). Raises as `solve_rv_loads`.
+    `crank` [rad] are crank angles relative to the ring, shape (m,). The result has the only gap "teeth", as of
+    `sliding_contacts`. Raises as `solve_rv_loads`.
     """
     springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
     force = solve_rv_loads(springs, on_carrier, compute_rv_friction(reducer, crank, np.sign(on_carrier))).pins
@@ -246,7 +253,7 @@ def _wrap(angle: Array) -> Array:
 
 
 def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | None, radius: float) -> Array:
-    """Compute the half width of Hertzian line contacts under forces [N], in their shape: b = 2 F/(pi L p0) [m].
+    """Compute the half width of Hertzian line contacts [m] under forces [N], in their shape.
 
     `kind` is the kind of pair, `curvature` the relative curvature [1/m] (None: that of the pair). The result is at most
     `hertz_reach` times a `radius` [m].
@@ -260,9 +267,10 @@ def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | No
 
 
 def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
-    """Compute the mean rate of pressure times sliding distance of each cell of a surface [Pa m/s], shape (cells,).
+    """Compute the mean rate of pressure times sliding distance [Pa m/s] of each cell of a surface, shape (cells,).
 
-    The drive turns half of the time in each direction, under a load that always brakes.
+    `sliding` are the contacts of its gap over a turn in one direction. The drive turns in each direction for half of
+    the time, under a load that always opposes the rotation.
     """
     power = sliding.force * sliding.speed * surface.lever
     area = surface.count * surface.length * surface.section / surface.cells
@@ -279,10 +287,10 @@ def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
 
 
 def sum_over_cells(centres: Array, half_widths: Array, weights: Array, period: float, cells: int) -> Array:
-    """Distribute weights over the cells of a periodic section, and return their sum in each cell, shape (cells,).
+    """Distribute weights over the equal cells of a periodic section; return their sum in each cell, shape (cells,).
 
-    Each weight is spread evenly from centre - half width to centre + half width [m]. The integral of such a density is
-    the sum of ramps that begin at one end and stop at the other: two cumulative sums over the sorted ends are exact.
+    Each of n weights is distributed uniformly from centre - half width to centre + half width [m], shape (n,) each. The
+    section has the length `period` [m], from -period/2 on. The sums are exact.
     """
     min_half_width = 1e-6 * period / cells  # a contact without width counts as a very narrow one
     clipped_half_widths = np.maximum(half_widths, min_half_width)
@@ -301,7 +309,7 @@ def sum_over_cells(centres: Array, half_widths: Array, weights: Array, period: f
 
 
 def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], rates: Mapping[str, Array]) -> WornGaps:
-    """Compute how far wear opens the gaps: of teeth and output pins by angle [m], shape (TABLE,), and of the cam [m].
+    """Compute the opening of the gaps by wear [m]: of teeth and output pins by angle, shape (TABLE,), and of the cam.
 
     Parameters
     ----------
@@ -310,8 +318,8 @@ def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], r
     depths
         Depths of the surfaces by key [m], shape (cells,) each.
     rates
-        Dose rates by key, shape (cells,) each: weights with which the depth of a plain cam is averaged, as its loaded
-        side alone determines the clearance.
+        Dose rates by key, shape (cells,) each: weights for the mean depth of a plain cam, since only its loaded side
+        determines the clearance.
     """
     tables = {"teeth": np.zeros(TABLE), "output": np.zeros(TABLE)}
     cam = 0.0

@@ -10,7 +10,10 @@ MIN_VISCOUS = 2000.0
 
 
 def idle_torque(factor: float, diameter: float, speed: float, viscosity: float) -> float:
-    """Compute Palmgren's M0 of a bearing [N m]: mean diameter [m], speed [rad/s], viscosity [mm2/s]."""
+    """Compute Palmgren's load-independent friction torque M0 of a rolling bearing [N m].
+
+    `factor` is f0 [1], `diameter` the mean diameter [m], `speed` that of the rings [rad/s], `viscosity` in [mm2/s].
+    """
     viscous = max(viscosity * abs(speed) / RPM, MIN_VISCOUS)
     per_volume = 160e-7 if viscous == MIN_VISCOUS else 1e-7 * viscous ** (2.0 / 3.0)
     return 1e-3 * per_volume * factor * (MILLIMETRES * diameter) ** 3

@@ -44,7 +44,9 @@ def line_contact_groups(
     pressure_coefficient: float,
     modulus: float,
 ) -> Groups:
-    """Compute the dimensionless speed, material and load groups U, G and W of line contacts.
+    """Compute the dimensionless groups of line contacts, from which the formulas of this module compute film thickness.
+
+    The groups are those of speed U, material G and load W.
 
     Parameters
     ----------
@@ -104,10 +106,9 @@ def _power_law(
     load_power: float,
     load_group: Array | None = None,
 ) -> Array:
-    """Compute a film thickness factor U^a G^b W^c R [m]; 0 where nothing moves or presses.
+    """Compute a film thickness `factor` U^a G^b W^c R [m] of line contacts; 0 without speed or force.
 
-    a, b and c are `speed_power`, `material_power` and `load_power`; `load_group` replaces W of the line contact if it
-    is given.
+    a, b and c are `speed_power`, `material_power` and `load_power`; a `load_group` replaces W of the line contact.
     """
     load_group = line_contact.load if load_group is None else load_group
     loaded = np.maximum(load_group, np.finfo(float).tiny)

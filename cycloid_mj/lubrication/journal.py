@@ -69,9 +69,10 @@ def solve_journal(
     length: float,
     viscosity: float,
 ) -> JournalState:
-    """Compute film thickness and friction of journal bearings with half sockets from tabulated solutions.
+    """Compute film thickness [m] and friction coefficient [1] of journal bearings with half sockets, from a table.
 
-    Beyond the table the bearing is concentric (Petroff), or its film thickness is proportional to S.
+    Above the tabulated Sommerfeld numbers S the friction is that of a concentric bearing (Petroff); below them the film
+    thickness is proportional to S.
 
     Parameters
     ----------

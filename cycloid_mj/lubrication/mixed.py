@@ -95,7 +95,9 @@ def line_friction(
     length: float,
     modulus: float,
 ) -> MixedFriction:
-    """Compute the mixed friction of line contacts, hard (piezoviscous-elastic) or soft (isoviscous-elastic).
+    """Compute friction coefficient, film ratio and load share of the asperities [1] of line contacts in mixed friction.
+
+    The larger film thickness of hard (piezoviscous-elastic) and soft (isoviscous-elastic) contacts counts.
 
     Parameters
     ----------
@@ -128,7 +130,9 @@ def journal_friction(
     clearance: float,
     length: float,
 ) -> MixedFriction:
-    """Compute the mixed friction of journal bearings; without clearance there is no film.
+    """Compute friction coefficient, film ratio and load share of the asperities [1] of journal bearings.
+
+    Without clearance or viscosity there is no film.
 
     Parameters
     ----------

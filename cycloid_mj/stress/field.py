@@ -251,8 +251,9 @@ def _collect_maxima(
 
 
 def vary_corner_distance(part: LoadedPart, index: int, distance: float) -> tuple[tuple[float, float], ...]:
-    """Compute the bulk stress for several excluded distances from sharp corners, at the crank angle with `index`.
+    """Compute the largest stress away from contacts for several excluded distances from sharp corners, at one angle.
 
+    `index` is that of the crank angle.
     Returns pairs of the distance from corners [m], by `CORNER_DISTANCES`, and the largest von Mises stress [Pa] of the
     nodes beyond it and beyond `distance` [m] from narrow patches; no pairs if the part has no such corners. A stress
     that varies with the distance is that of the corner, not of the bulk.

@@ -96,7 +96,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     UsageError
         The design has no such part, or is not the design that ran.
     LogError
-        The run contains no design or no forces, or its hold is too short or too coarse.
+        The run contains no design or no forces, or too few samples at constant speed and load.
     """
     require_part(reducer, part)
     return loads_in_turn(select_turn(run, reducer, angles), part)
@@ -129,7 +129,7 @@ def turn_of(run: Run | None, reducer: Reducer, angles: npt.ArrayLike) -> Turn:
     UsageError
         There is no run and the reducer is no RV reducer, or the run is not that of the reducer.
     LogError
-        The run contains no design or no forces, or its hold is too short or too coarse.
+        The run contains no design or no forces, or too few samples at constant speed and load.
     """
     if run is not None:
         return select_turn(run, reducer, angles)

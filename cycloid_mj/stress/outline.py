@@ -41,10 +41,10 @@ class QuadraticOutline:
 
 
 def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
-    """Divide a closed polygon (n, 2) [m] into quadratic edges with the lengths of `sizing`, with nodes at its corners.
+    """Divide a closed polygon (n, 2) [m] into quadratic edges; return their nodes, middles and target lengths [m].
 
-    The number of edges between two corners is the integral of 1/length along the outline, rounded up, and so large that
-    an outline has at least 12 edges.
+    Target lengths are those of `sizing`; corners of the polygon are nodes. The number of edges between two corners is
+    the integral of 1/length along the outline, rounded up. An outline has at least 12 edges.
     """
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])

@@ -54,9 +54,10 @@ class _Edges:
 
 
 def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
-    """Compute the nodal forces of the contacts of a part at k angles on its planar grid, by elliptical pressure.
+    """Compute the nodal forces [N] (n, k) of the contacts of a part at k angles on its planar grid of n unknowns.
 
-    The result also has the centres of narrow patches [m]. A patch covers at most half of its outline.
+    The forces are distributed as elliptical pressure; a patch covers at most half of its outline. The result also has
+    the centres of narrow patches [m].
 
     Raises
     ------

@@ -58,7 +58,7 @@ def material_of(reducer: Reducer, part: str) -> Material:
 
 
 def part_region(reducer: Reducer, part: str) -> Region:
-    """Return outlines, contacts, supports and thickness of a planar part, in the frame of its solid, for meshing.
+    """Return outlines [m], contacts, supports and thickness [m] of a planar part, in the frame of its solid.
 
     `part` is one of `PLANAR_PARTS`, or a disc of several ("gear_2"). The ring, which is the housing, is fixed as the
     design states: at the circles that its bolts clamp, or at its rim. The output disc is fixed at its hub, a circle of

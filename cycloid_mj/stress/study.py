@@ -191,7 +191,7 @@ def stress_study(
     UsageError
         The design has no such part, or is not the design that ran.
     LogError
-        The run contains no design or no forces, or its hold is too short or too coarse.
+        The run contains no design or no forces, or too few samples at constant speed and load.
     CycloidError
         A part does not mesh, its support is singular, or a package of the extra ``fem`` is missing.
     """
@@ -324,7 +324,8 @@ def _check_convergence(
 ) -> Refinement:
     """Solve `settings.checked` crank angles on a finer grid; return the bulk stresses [Pa] of both grids.
 
-    The first angle is that of the largest bulk stress in `stress`, the solution on `grid`.
+    Bulk stress is the largest beyond a distance from contacts and sharp corners. The first angle is that of the largest
+    bulk stress in `stress`, the solution on `grid`.
     """
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
@@ -352,10 +353,10 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
 def _stress_with_other_supports(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
-    """Compute the largest bulk stress [Pa] of a part at five angles with each support that the design does not have.
+    """Compute the largest stress [Pa] of a part away from contacts, with each support that the design does not have.
 
-    Returns pairs of the support as "key = value" and the stress; none for parts without a choice of supports. One of
-    the angles is that of the largest bulk stress in `stress`.
+    Returns pairs of the support as "key = value" and the stress; none for parts without a choice of supports. It is the
+    largest at five angles, the first of which is that of the largest bulk stress in `stress`.
     """
     if part not in SUPPORTS:
         return ()
@@ -372,7 +373,7 @@ def _stress_with_other_supports(
 
 
 def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
-    """Return the maximum of the bulk stress over the turn, with crank angle, position and safety against yield."""
+    """Return the largest stress [Pa] away from contacts over the turn, with crank angle, position and safety factor."""
     row = int(np.argmax(stress.bulk_stress))
     largest = float(stress.bulk_stress[row])
     return Peak(
@@ -416,7 +417,7 @@ def _largest(values: Array) -> Array:
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
-    """Return the largest von Mises stress [Pa] below a contact over the turn, with crank angle, position and safety.
+    """Return the largest von Mises stress [Pa] below a contact over the turn, with its angle, position and safety.
 
     `lines` are the stresses of the contacts under `loads`. The stress is NaN if all contacts are conformal.
     """

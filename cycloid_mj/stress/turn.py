@@ -69,7 +69,7 @@ class Turn:
 
 
 def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
-    """Select the samples of a run that are nearest to crank angles [rad], shape (k,), in its last turn.
+    """Return the logged columns of a run at the samples nearest to crank angles [rad], shape (k,), in its last turn.
 
     The turn is the last at constant speed and load. Angles and forces are relative to the ring. With a `reducer`, the
     run must be that of its design.
@@ -77,7 +77,7 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
     Raises
     ------
     LogError
-        The run contains no design or no forces, or its hold is too short or too coarse.
+        The run contains no design or no forces, or too few samples at constant speed and load.
     UsageError
         The design is not the one that ran.
     """
@@ -149,9 +149,9 @@ def _compared_values(reducer: Reducer) -> dict[str, Any]:
 
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
-    """Return the indices of the samples of the last full crank turn in a hold, both ends included, shape (samples,).
+    """Return the indices of the samples of the last full crank turn of a run, both ends included, shape (samples,).
 
-    `hold` marks the samples of the run at constant speed and load.
+    `hold` marks the samples of the run at constant speed and load, which alone count.
 
     Raises
     ------
