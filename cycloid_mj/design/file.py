@@ -128,7 +128,7 @@ def loads(text: str, source: str = "the design", folder: Path | None = None) -> 
     if folder is not None and isinstance(tables.get("measured"), Mapping):
         tables["measured"] = read_measurements(tables["measured"], folder)
     if BASE in tables:
-        return _apply_changes(_base(tables.pop(BASE), source), list(_flat(tables)), source, folder)
+        return _apply_changes(_base_preset(tables.pop(BASE), source), list(_flat(tables)), source, folder)
     values = _read_table(Design, tables, source)
     design = _validate(Design, _expand_sparse_lists(values, source), source)
     return design if "torque" in values.get("drive", {}) else _add_motor(design, values)
@@ -143,10 +143,10 @@ def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def _base(table: Any, source: str) -> Design:
-    """Return the preset that the table ``[base]`` names; raise DesignError for anything else in the table.
+def _base_preset(table: Any, source: str) -> Design:
+    """Return the preset that the table ``[base]`` of a file names, `table`.
 
-    `source` names the file in errors.
+    Raises DesignError if the table has anything else; `source` names the file in errors.
     """
     name = table.get("preset") if isinstance(table, Mapping) and len(table) == 1 else None
     if not isinstance(name, str) or name.casefold() not in PRESETS:

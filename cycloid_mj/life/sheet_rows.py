@@ -151,7 +151,7 @@ def _contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
         return Quantity(key, key, math.nan, "N m", note=str(error))
 
 
-def _contact_torques(reducer: Reducer, speeds: Array, temperature: float) -> Array:
+def _contact_torques_by_speed(reducer: Reducer, speeds: Array, temperature: float) -> Array:
     """Compute the no-load torque of the contacts [N m] at speeds of the crank [rad/s], shape (n,).
 
     Torques are NaN if the parts jam at the temperature [°C], or where there is no equilibrium.
@@ -179,7 +179,7 @@ def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     curves: list[Curve] = []
     for temperature in (SETTINGS.cold, SETTINGS.warm):
         if reducer.design.has_film or not curves:  # Coulomb friction is the same at both temperatures
-            contacts = _contact_torques(reducer, speeds, temperature)
+            contacts = _contact_torques_by_speed(reducer, speeds, temperature)
         idle_torques = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])
         name = f"{temperature:g} °C"
         panel = "No-load torque"

@@ -306,7 +306,7 @@ def _limit_torque(
 ) -> _TorqueLimit:
     """Compute the largest output torque of a duty that heat allows [N m], and that of intermittent duties (S3).
 
-    For intermittent duties, losses are linear in the torque.
+    For intermittent duties and for the times within a cycle, losses are linear in the torque.
 
     Parameters
     ----------

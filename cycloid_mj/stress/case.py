@@ -12,7 +12,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.elastic import ElasticBody
 from cycloid_mj.stress.grid import Grid, SectionGrid
-from cycloid_mj.stress.loads import PartLoads, of_contacts
+from cycloid_mj.stress.loads import PartLoads, select_contacts
 from cycloid_mj.stress.patch import distribute_contacts
 from cycloid_mj.stress.region import material_of
 
@@ -102,7 +102,7 @@ def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
     disc_loads = [
         lift
         @ distribute_contacts(
-            section.grid, loads if len(section.lifts) == 1 else of_contacts(loads, discs == disc)
+            section.grid, loads if len(section.lifts) == 1 else select_contacts(loads, discs == disc)
         ).loads
         for disc, lift in enumerate(section.lifts)
     ]

@@ -140,8 +140,8 @@ def turn_of(run: Run | None, reducer: Reducer, angles: npt.ArrayLike) -> Turn:
     return static_turn(reducer, angles)
 
 
-def of_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
-    """Compute the loads with the forces of some of the m contacts alone, by a mask of shape (m,)."""
+def select_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
+    """Return the loads with the forces of the m contacts set to zero where a mask of shape (m,) is false."""
     return replace(loads, force=np.where(chosen[:, np.newaxis], loads.force, 0.0))
 
 

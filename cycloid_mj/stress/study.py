@@ -263,7 +263,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
         bulk_peak=_bulk_peak(loads, stress, reducer),
         bulk_distance=stress.bulk_distance,
         sensitivity=_sensitivity(stress, grid),
-        choice=max(_choice(stress), corner_choice(corners)),
+        choice=max(_plateau_drop(stress), corner_distance_change(corners)),
         by_distance=(stress.distances, stress.stress_by_distance.max(axis=1)),
         contact=_largest(lines.von_mises),
         contact_peak=_contact_peak(loads, lines, reducer),
@@ -393,14 +393,14 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
     )
 
 
-def _choice(stress: PartStress) -> float:
+def _plateau_drop(stress: PartStress) -> float:
     """Compute the relative drop [1] of the largest stress from the bulk distance to twice that distance."""
     return relative_drop(
         stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance)))
     )
 
 
-def corner_choice(corners: Sequence[tuple[float, float]]) -> float:
+def corner_distance_change(corners: Sequence[tuple[float, float]]) -> float:
     """Compute the larger relative change [1] of the bulk stress with half or twice the distance from corners.
 
     `corners` are the pairs of `field.vary_corner_distance`; without any the result is 0.

@@ -38,7 +38,7 @@ from cycloid_mj.stress.figures import for_one_turn
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
 from cycloid_mj.stress.notch import Notch
-from cycloid_mj.stress.study import StudySettings, corner_choice
+from cycloid_mj.stress.study import StudySettings, corner_distance_change
 from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
 from cycloid_mj.stress.turn import select_turn
 
@@ -393,8 +393,8 @@ def test_the_fillet_governs_safety_and_the_table_has_it() -> None:
 
 
 def test_the_choice_counts_the_distance_from_corners() -> None:
-    assert corner_choice([(0.5e-3, 260e6), (1e-3, 188e6), (2e-3, 150e6)]) == pytest.approx(260.0 / 188.0 - 1.0)
-    assert corner_choice([]) == 0.0
+    assert corner_distance_change([(0.5e-3, 260e6), (1e-3, 188e6), (2e-3, 150e6)]) == pytest.approx(260.0 / 188.0 - 1.0)
+    assert corner_distance_change([]) == 0.0
 
 
 def made_part(part, bulk, teeth=36):
