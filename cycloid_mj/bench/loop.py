@@ -281,7 +281,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
 
 
 def require_torque(loop: MeasuredLoop, rated_torque: float) -> None:
-    """Raise UsageError for a loop whose torque fits a drive's rated torque [N m] only in N mm or kN m."""
+    """Raise UsageError if the torques of a loop seem to be in N mm or kN m, by comparison with `rated_torque` [N m]."""
     if rated_torque and loop.most > SETTINGS.max_rated_torques * rated_torque:
         raise UsageError(
             f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated_torque:.3g} times the rated "

@@ -196,7 +196,7 @@ def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
         readings.append(
             (*line.at(0.0), line.freedom)
             if line
-            else _interpolate_leap(loop.torque[is_unloading], loop.deflection[is_unloading], 0.0)
+            else _interpolate_crossing(loop.torque[is_unloading], loop.deflection[is_unloading], 0.0)
         )
     (upper, upper_variance, upper_freedom), (lower, lower_variance, lower_freedom) = readings
     return LoopFigure.about(
@@ -309,13 +309,13 @@ def _find_crossings(
         crossings.append(
             (*line.at(level), line.freedom)
             if line
-            else _interpolate_leap(abscissa[is_on_branch], values[is_on_branch], level)
+            else _interpolate_crossing(abscissa[is_on_branch], values[is_on_branch], level)
         )
     falling_crossing, rising_crossing = crossings
     return falling_crossing, rising_crossing
 
 
-def _interpolate_leap(x: Array, y: Array, level: float) -> _Crossing:
+def _interpolate_crossing(x: Array, y: Array, level: float) -> _Crossing:
     """Interpolate y of a branch, shape (n,), between the two points on both sides of a level of x.
 
     Return value, variance and degrees of freedom. The variance is that of a uniform distribution between both points;

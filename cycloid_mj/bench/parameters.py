@@ -247,10 +247,10 @@ def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tu
 
 
 def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of friction: of contacts [1], in proportion to the load [1], and of constant size [N m].
+    """Return the parameters of friction: of contacts [1], in proportion to the load [1], and constant friction [N m].
 
-    The fourth is the travel [deg] of the constant friction. Constant friction starts at the Coulomb torque of the loop
-    with the smallest range of deflection, its travel at a share of that range.
+    The fourth is the rotation [deg] over which the constant friction builds up. Constant friction starts at the Coulomb
+    torque of the loop with the smallest range of deflection, the rotation at a share of that range.
     """
     max_torque, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
     height_deg, coulomb = lowest.height / DEGREE, loop_coulomb_torque(lowest).value

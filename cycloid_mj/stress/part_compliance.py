@@ -24,9 +24,9 @@ def compute_part_compliance(
     """Compute the torsional compliance of each part at the output [rad/(N m)] by name, as the mean over a crank turn.
 
     It is the work of the forces on the part along their displacements, divided by the square of the output torque
-    (Castigliano). Besides the parts the result contains ``bearing_seats`` of the shaft in the housing. With mounts
-    it contains ``studs`` and ``far_plate`` (`mounts.studs_compliance`), and ``crank`` (`mounts.crank_compliance`)
-    instead of the shaft and its seats.
+    (Castigliano). In addition to the parts, the result contains ``bearing_seats`` of the shaft in the housing. With
+    mounts it contains ``studs`` and ``far_plate`` (`mounts.studs_compliance`), and ``crank``
+    (`mounts.crank_compliance`) instead of the shaft and its seats.
 
     Parameters
     ----------

@@ -67,9 +67,10 @@ def build_recovery(grid: Grid) -> Recovery:
 
 
 def stresses_at_points(operators: Recovery, displacements: Array, material: Material) -> Array:
-    """Compute the stress components [Pa] (components, p, c) of displacements (n d, c) [m] at the p quadrature points.
+    """Compute the stress components [Pa] at the p quadrature points, shape (components, p, c), in c load cases.
 
-    The components are those of `PLANE`, by plane stress, or of `SPACE`.
+    `displacements` [m] are those of n nodes along d axes, shape (n d, c). The components are xx, yy, xy (plane stress)
+    or xx, yy, zz, yz, xz, xy.
     """
     return np.moveaxis(_point_stresses(operators, displacements, material, np.float64), 1, 0)
 
@@ -77,14 +78,14 @@ def stresses_at_points(operators: Recovery, displacements: Array, material: Mate
 def _point_stresses(operators: Recovery, displacements: Array, material: Material, precision: type) -> Array:
     """Compute the stress components [Pa] at the p quadrature points by Hooke's law, shape (p, components, c).
 
-    The components are those of `PLANE`, by plane stress, or of `SPACE`.
+    The components are xx, yy, xy (plane stress) or xx, yy, zz, yz, xz, xy.
 
     Parameters
     ----------
     operators
         Recovery operators of the grid.
     displacements
-        Displacements (n d, c) [m] in c load cases.
+        Displacements [m] of n nodes along d axes in c load cases, shape (n d, c).
     material
         Material of the part.
     precision
@@ -109,15 +110,15 @@ def _point_stresses(operators: Recovery, displacements: Array, material: Materia
 def stresses(operators: Recovery, displacements: Array, material: Material) -> Array:
     """Compute the stress components [Pa] at the n nodes, shape (components, n, c), in c load cases.
 
-    The components are those of `PLANE` or `SPACE`, in single precision, with errors of about 1e-6 of the largest stress
-    nearby.
+    The components are xx, yy, xy (plane stress) or xx, yy, zz, yz, xz, xy. They have single precision, with errors of
+    about 1e-6 of the largest stress nearby.
 
     Parameters
     ----------
     operators
         Recovery operators of the grid.
     displacements
-        Displacements [m], shape (n d, c).
+        Displacements [m] of n nodes along d axes, shape (n d, c).
     material
         Material of the part.
     """
@@ -127,7 +128,10 @@ def stresses(operators: Recovery, displacements: Array, material: Material) -> A
 
 
 def von_mises(stress: Array) -> Array:
-    """Compute the von Mises stress [Pa] from components (3 or 6, ...) in the order of `PLANE` or `SPACE`."""
+    """Compute the von Mises stress [Pa], shape (...), from stress components [Pa], shape (3 or 6, ...).
+
+    The components are xx, yy, xy (plane stress) or xx, yy, zz, yz, xz, xy.
+    """
     if len(stress) == 3:
         xx, yy, xy = stress
         return np.sqrt(xx * xx - xx * yy + yy * yy + 3 * xy * xy)
@@ -137,9 +141,9 @@ def von_mises(stress: Array) -> Array:
 
 
 def principal(stress: Array) -> Array:
-    """Compute the principal stresses [Pa] (..., d), the largest first, from components (3 or 6, ...).
+    """Compute the principal stresses [Pa], shape (..., 2 or 3), the largest first, from stress components [Pa].
 
-    The components are in the order of `PLANE` or `SPACE`.
+    The components are xx, yy, xy, shape (3, ...), or xx, yy, zz, yz, xz, xy, shape (6, ...).
     """
     pairs = PLANE if len(stress) == 3 else SPACE
     dimension = 2 if len(stress) == 3 else 3
