@@ -118,7 +118,7 @@ def fit_candidates(
     Raises
     ------
     RunError
-        No static balance was found.
+        No static equilibrium exists.
     FitStopped
         Ctrl-C.
     """

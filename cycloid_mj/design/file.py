@@ -414,7 +414,7 @@ def _read_table(
     prefix
         Name of the table that contains this one, with a point.
     root
-        Model of the whole file.
+        Model of all tables of the file.
     """
     known_keys = _keys_of(section)
     values: dict[str, Any] = {}
@@ -454,8 +454,9 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 
 
 def _expand_sparse_lists(values: dict[str, Any], source: str) -> dict[str, Any]:
-    """Expand lists such as ``{3 = 5.0}``, in place, to full ones: the third value 5 and the others 0; return `values`.
+    """Expand sparse lists such as ``{3 = 5.0}``, in place, to lists with a value for each part; return `values`.
 
+    In this example the third value is 5 and the others are 0.
     `values` are the tables of the file, `source` names it in errors; the lengths of lists follow from counts such as
     ``ring.teeth``.
     """
@@ -476,10 +477,10 @@ def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
 
 
 def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], source: str) -> tuple[Any, ...]:
-    """Return a list with a value for each part: 0, or the one that `sparse` has under the part's number, from 1 on.
+    """Return a list with a value for each part: that of `sparse` under the part's number (from 1 on), or else 0.
 
     The number of parts is the product of `counts`; `source` names the key in errors. If a count is out of range, the
-    sparse values are returned as they are, for the validation to report.
+    sparse values are returned unchanged, for the validation to report.
 
     Raises
     ------

@@ -687,6 +687,6 @@ def datasheet_of(design: Named, life_h: float = 0.0, progress: Progress = silent
     DesignError
         The design cannot be read, its crank does not turn, or no torque is rated for that life.
     RunError
-        No static equilibrium was found, for example because friction jams the reducer.
+        No static equilibrium exists, for example because friction jams the reducer.
     """
     return datasheet(Reducer(resolve(design)), life_h, progress)

@@ -65,7 +65,7 @@ def rate(
     Raises
     ------
     DesignError, RunError
-        The crank does not turn; no static equilibrium was found at a torque of the duty.
+        The crank does not turn; no static equilibrium exists at a torque of the duty.
     UsageError
         The parts are to be toleranced, but the design has no tolerances.
     """

@@ -165,7 +165,7 @@ def solve_loading(
     Raises
     ------
     RunError
-        No static equilibrium was found.
+        No static equilibrium exists.
     """
     design = reducer.design
     speed = math.copysign(point.speed, design.drive.speed)

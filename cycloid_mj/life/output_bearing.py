@@ -144,7 +144,7 @@ def output_bearings(reducer: Reducer) -> OutputBearings:
     DesignError
         The covers do not fit.
     RunError
-        No static equilibrium was found.
+        No static equilibrium exists.
     """
     sizes, design = casing(reducer), reducer.design
     row = balls_of(sizes.hub)

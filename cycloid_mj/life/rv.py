@@ -47,7 +47,7 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
     DesignError
         The sun does not turn.
     RunError
-        No static equilibrium was found at a torque of the duty.
+        No static equilibrium exists at a torque of the duty.
     """
     points = [point for point in duty.points if point.speed and point.torque]
     if not points:

@@ -48,7 +48,7 @@ def solve_rv_losses(
     Raises
     ------
     RunError
-        No static equilibrium was found.
+        No static equilibrium exists.
     """
     losses = []
     for point in points:

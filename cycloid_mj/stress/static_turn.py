@@ -44,7 +44,7 @@ def balance_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> tuple[R
     Raises
     ------
     RunError
-        No static equilibrium was found.
+        No static equilibrium exists.
     """
     return _balance_turn(reducer, tuple(np.ravel(angles).tolist()))
 

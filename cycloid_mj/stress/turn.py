@@ -79,7 +79,7 @@ def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike 
     LogError
         The run contains no design or no forces, or too few samples at constant speed and load.
     UsageError
-        The design is not the one that ran.
+        The run is that of another design.
     """
     logged_design = design_of(run)
     if logged_design.layout != Reducer.LAYOUT:
