@@ -223,12 +223,12 @@ class Mechanism:
         return {name: body for group in self.surfaces for name, body in zip(group.names, group.bodies, strict=True)}
 
     def against(self, body: str) -> list[str]:
-        """Return the pairs in which a body receives the forces of discs, pins or sleeves."""
+        """Return the names of the pairs in which a body, by its name, receives the forces of discs, pins or sleeves."""
         carriers = self.carriers
         return [pair.name for pair in self.pairs if carriers[pair.by] == body]
 
     def mating(self, kind: str, disc: int = 0) -> Mating:
-        """Return the pairs of a kind on a disc."""
+        """Return the group of pairs of a `kind` on the disc of index `disc`."""
         return next(mating for mating in self.matings if (mating.kind, mating.disc) == (kind, disc))
 
 
@@ -241,9 +241,9 @@ def phases(design: Design) -> tuple[float, ...]:
 def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
     """Return whether all discs are identical parts, which differ only by how they are rotated on their holes.
 
-    `discs`, `output_pins` and `lobes` (of a disc) are numbers. The teeth of disc d of D are ahead of its holes by d/D
-    of a pitch. A rotation by j hole pitches moves them by j lobes/pins pitches; modulo 1 these are the multiples of
-    1/m, with m = pins/gcd(pins, lobes). So the discs are identical if m is a multiple of D.
+    `discs` and `output_pins` are numbers, `lobes` is the number of lobes of a disc. The teeth of disc d of D are ahead
+    of its holes by d/D of a pitch. A rotation by j hole pitches moves them by j lobes/pins pitches; modulo 1 these are
+    the multiples of 1/m, with m = pins/gcd(pins, lobes). So the discs are identical if m is a multiple of D.
     """
     return output_pins // math.gcd(output_pins, lobes) % discs == 0
 
@@ -293,9 +293,10 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
 
 
 def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterator[Body]:
-    """Yield the bodies of moving pins or sleeves at their seats, none for fixed or massless pins.
+    """Yield the bodies of moving pins or sleeves, which are in the middle of their seats at crank angle 0.
 
-    `errors` are those of the seats' positions. Their joints are relative to the body `carrier`; "" is the world.
+    Nothing is yielded for fixed or massless pins. `errors` displace the seats. The joints are relative to the body with
+    the name `carrier`; "" is the world.
     """
     ring = design.ring
     if not ring.has_pin_bodies:
@@ -307,15 +308,15 @@ def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterato
 
 
 def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
-    """Return the ring's surfaces that mate with the teeth, pins or lobes, and the matings of moving pins.
+    """Return the surfaces of the ring that mate with the teeth (pins or lobes), and the matings of moving pins.
 
-    Seats are the sockets of pins, or the cores of sleeves. `errors` are those of the pins.
+    Moving pins mate with their seats: sockets of pins, or cores of sleeves. `errors` are those of the pins.
 
     Returns
     -------
     tuple
-        The surfaces, which belong to the housing without moving pins; and the matings of pins and seats, empty without
-        moving pins.
+        The surfaces, which belong to moving pins if there are any and to the housing if not; and the matings of pins
+        and seats, empty without moving pins.
     """
     ring, clearance = design.ring, design.clearance
     radius_errors = np.tile(errors.pin_radius, ring.halves)

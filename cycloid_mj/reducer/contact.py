@@ -85,7 +85,7 @@ class CurvatureLaw:
         return float(self.factors(np.array(relative_curvature)))
 
     def factors(self, relative_curvature: Array) -> Array:
-        """Return `factor` at many relative curvatures, in their shape."""
+        """Return `factor` at many relative curvatures [1/m], in their shape."""
         if self.reference == 0.0:
             return np.ones(relative_curvature.shape)
         least = math.exp(0.5 * self.reference - self.constant)
@@ -160,9 +160,9 @@ class Contact:
 
     @property
     def impact(self) -> ImpactLaw | None:
-        """Law IMPACT of each line contact of the pair if ``contact.law`` is "impact", else None.
+        """Parameters of the Adams law IMPACT for each line contact of the pair; None with another ``contact.law``.
 
-        Through a massless pin two of them act in series.
+        Two contacts in series act through a massless pin.
         """
         law, design = self._reducer.contacts.impact, self._reducer.design
         if law is None:
@@ -186,10 +186,11 @@ class Contact:
     def stiffness(self) -> float:
         """Stiffness of the pair [N/m]: that of the design file, or the secant at the working force.
 
-        Of teeth it is that of a pin on a flat; in sockets, sleeves and holes it follows the relative curvature. In a
-        rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck; Harris, Rolling
-        Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat. A plain cam is
-        `ideal_loads.conformal_stiffness`. Of the law IMPACT it is the secant of its spring, wherever the parts touch.
+        For teeth it is the stiffness of a pin on a flat; for sockets, sleeves and holes it follows from the relative
+        curvature. In a rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck;
+        Harris, Rolling Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat. The
+        stiffness of a plain cam is `ideal_loads.conformal_stiffness`. With the law IMPACT, the stiffness of all pairs
+        is the secant of its spring.
         """
         return self._kept(Contact.stiffness, self._compute_stiffness)
 
@@ -216,8 +217,9 @@ class Contact:
     def relative_curvature(self) -> float:
         """Relative curvature [1/m] of all contacts of this kind; not defined for teeth, where it varies.
 
-        It is that of a pin or cam in its bore. With rollers it is that of a roller on the cam, both convex, where the
-        pressure is higher than in the bore; the radius of the cam's raceway is taken as that of the bore.
+        For a pin or a cam it is that of the pin or cam in its bore. For a cam with rollers it is that of a roller on
+        the cam, both convex, where the pressure is higher than in the bore; the radius of the cam's raceway is taken as
+        that of the bore.
         """
         design = self._reducer.design
         if self.kind == "cam" and self._has_rollers:
@@ -245,7 +247,7 @@ class Contact:
         return self._hertz(force, curvature).peak_pressure
 
     def hertz_holds(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Mask:
-        """Return where a line contact is not conformal: its strip is narrow compared with the thinner body.
+        """Return whether each line contact is not conformal: its strip is narrow compared with the thinner body.
 
         `force` [N] on the line and relative `curvature` [1/m] broadcast to the shape of the result.
         """
@@ -282,21 +284,21 @@ class Contact:
 
     @property
     def _line_force(self) -> float:
-        """Working force of one line contact [N]; of the cam as of rollers, on the most loaded one."""
+        """Working force of a single line contact [N]; for any cam, that on the most loaded roller."""
         rollers = self._reducer.design.contact.cam_rollers
         return self.force * STRIBECK / rollers if self.kind == "cam" else self.force
 
     def _ideal_force(self, torque: float) -> float:
         """Compute the largest force [N] of the pair on one disc under ideal sharing of that disc's output torque [N m].
 
-        Of the cam it is the mean over a turn.
+        For the cam it is the mean over a turn.
         """
         reducer, design = self._reducer, self._reducer.design
         gear, output, torque = design.gear, design.output, reducer.share * torque
         if self.kind == "output":
             return 4.0 * torque / (output.pins * output.pin_circle_radius)
         if self.kind == "cam":
-            return torque * _cam_share(reducer.tooth_profile, output.pins, output.pin_circle_radius)
+            return torque * _cam_force_per_torque(reducer.tooth_profile, output.pins, output.pin_circle_radius)
         return 4.0 * torque / (design.ring.teeth * gear.eccentricity * design.lobes)
 
     def _compute_stiffness(self) -> float:
@@ -325,9 +327,9 @@ class Contact:
         return law.stiffness * law.factor(self.relative_curvature)
 
     def _cam_roller_stiffness(self) -> float:
-        """Compute the stiffness [N/m] of a roller on the cam, of the shaft's material, under the force of one line.
+        """Compute the stiffness [N/m] of the contact of the most loaded roller with the cam, of the shaft's material.
 
-        0 if ``contact.stiffness`` sets that of all contacts.
+        It is 0 if ``contact.stiffness`` sets the stiffness of all contacts.
         """
         design = self._reducer.design
         if design.contact.stiffness:
@@ -338,7 +340,7 @@ class Contact:
         return float(ideal_loads.line_contact_stiffness(force, face, modulus, depth, 1.0 / depth))
 
     def _compute_curvature_law(self) -> CurvatureLaw:
-        """Compute the stiffness of a line contact of the pair by its curvature, for the property `curvature_law`.
+        """Compute the stiffness of a line contact of the pair as a function of its curvature, for `curvature_law`.
 
         Raises
         ------
@@ -395,8 +397,8 @@ class Contacts:
     def working_load(self) -> float:
         """Output torque [N m] from which the working forces follow by ideal sharing.
 
-        It is ``contact.working_load``, or by default the size of the load, but at least `own_load`; with a preloaded
-        ring, whose contacts are loaded at any torque, at least the nominal torque.
+        It is ``contact.working_load``, or by default the magnitude of the load, but at least `own_load`; with a
+        preloaded ring, whose contacts are loaded at any torque, at least the nominal torque.
         """
         design = self._reducer.design
         preload_torque = design.rated_torque if design.ring.preload else 0.0
@@ -407,9 +409,9 @@ class Contacts:
         """Output torque [N m] that causes the same contact forces as weight and inertia of the discs.
 
         A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam, with the crank speed
-        w. A load torque T presses the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c
-        (N-1), or W c N if the ring is the output, for each disc. The mass m is that of a plain disc of the mean radius
-        E - rho.
+        w and the eccentricity c. A load torque T on N ring teeth presses the teeth sideways against the cam by T/(c
+        (N-1)). So W corresponds to a torque W c (N-1) for each disc, or W c N if the ring is the output. The mass m is
+        that of a plain disc of the mean radius E - rho: pin-circle radius minus pin radius.
         """
         design = self._reducer.design
         gear, ring, output = design.gear, design.ring, design.output
@@ -442,9 +444,10 @@ class Contacts:
 
     @property
     def impact(self) -> ImpactLaw | None:
-        """Law IMPACT of a line contact across the full disc if ``contact.law`` is "impact", else None.
+        """Parameters of the Adams law IMPACT for a contact across the full disc; None with another ``contact.law``.
 
-        In a design's file k is in N/mm^e, the force at a depth of 1 mm.
+        `ImpactLaw` is in SI units. In a design's file, the stiffness of the spring is in N/mm^e, its force at a depth
+        of 1 mm.
         """
         contact = self._reducer.design.contact
         if contact.law != "impact":
@@ -456,7 +459,7 @@ class Contacts:
     def mesh_stiffness(self) -> float:
         """Stiffness between disc and housing [N/m]: that of a pin on a flat and that of its seat in series.
 
-        A pin is a two-force body: play and compliance of its two contacts add up.
+        A pin transmits its force through two contacts, whose clearances and compliances add up.
         """
         kinds = [kind for kind in (self._reducer.design.tooth_pair, self._reducer.design.seat_pair) if kind]
         return 1.0 / sum(1.0 / self[kind].stiffness for kind in kinds)
@@ -489,8 +492,11 @@ class Contacts:
 
 
 @lru_cache(maxsize=64)
-def _cam_share(gear: CycloidGear, pins: int, radius: float) -> float:
-    """Return the mean magnitude of the cam force under ideal sharing, per load torque [1/m]."""
+def _cam_force_per_torque(gear: CycloidGear, pins: int, radius: float) -> float:
+    """Return the mean magnitude of the cam force on a disc over a turn, under ideal sharing, per load torque [1/m].
+
+    `pins` and `radius` [m] are the number of output pins and the radius of their circle.
+    """
     crank = np.linspace(0.0, 2.0 * np.pi, CONTACT.cam_force_angles, endpoint=False)
     ring = ideal_loads.ideal_load_sharing(gear, 1.0, crank)
     output = ideal_loads.ideal_output_forces(gear, pins, radius, 1.0, crank)

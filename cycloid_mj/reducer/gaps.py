@@ -90,7 +90,7 @@ class Gaps:
     twist = deprecated_attribute("Gaps", "twist", "curvature_rate")
 
     def select(self, rows: Mask) -> "Gaps":
-        """Return a selection of the gaps at one crank angle, by a mask of shape (n,)."""
+        """Return the gaps of the rows that a mask (n,) marks; only for gaps at one crank angle."""
         return Gaps(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     @property
@@ -105,10 +105,10 @@ def unknowns(reducer: "Reducer") -> int:
 
 
 def gaps(reducer: "Reducer", crank_angle: float) -> Gaps:
-    """Compute the gaps of teeth and output pins of all discs at one crank angle [rad].
+    """Compute the gaps of teeth and output pins of all discs at one crank angle in the frame of the ring [rad].
 
-    Those of an internal gear's flanks, 4 or 5 per disc, follow those of its arcs. The cam is not included, because its
-    gap is round: see `cam_displacements`.
+    The teeth come first, then the output pins. With an internal gear, the gaps of its flanks follow, 4 or 5 per disc.
+    The cams are not included, because their gaps are not linear: see `cam_displacements`.
     """
     discs = range(len(reducer.phases))
     flanks = [flank_gaps(reducer, crank_angle, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
@@ -116,10 +116,10 @@ def gaps(reducer: "Reducer", crank_angle: float) -> Gaps:
 
 
 def arc_gaps(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Gaps:
-    """Compute the gaps at crank angles (k,) [rad], or at one (), without an internal gear's flanks.
+    """Compute the gaps at crank angles [rad], shape (k,) or (), except those of an internal gear's flanks.
 
-    Pairs and order are the same at every crank angle: the teeth of all discs, then their output pins; with a ring in
-    two halves, each disc has those of one half, then those of the other.
+    Crank angles are in the frame of the ring. The contacts at each are the teeth of all discs, then their output pins;
+    in a ring of two halves, the contacts of a disc with the first half come first.
     """
     angles = np.asarray(crank_angle, dtype=np.float64)
     discs = range(len(reducer.phases))
@@ -127,24 +127,27 @@ def arc_gaps(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Gaps:
 
 
 def mesh_gaps(reducer: "Reducer", crank_angle: Array) -> Gaps:
-    """Compute the gaps between all discs and the ring at crank angles [rad] (k,), as `arc_gaps` without output pins."""
+    """Compute the gaps between all discs and the ring at crank angles (k,) [rad], as `arc_gaps` without output pins."""
     return _concatenate([_arc_gaps(reducer, crank_angle, disc) for disc in range(len(reducer.phases))])
 
 
 def _arc_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
     gear, turned = reducer.tooth_profile, crank_angle[..., np.newaxis] + reducer.phases[disc]
     lines, middle = envelope.arc_contacts(gear, turned), gear_centre(gear, turned)
-    return _of_halves(reducer, disc, lines, middle)
+    return _gaps_with_each_half(reducer, disc, lines, middle)
 
 
 def flank_gaps(reducer: "Reducer", crank_angle: float, disc: int = 0) -> Gaps:
-    """Compute the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
+    """Compute the gaps of a disc and the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5.
+
+    The crank angle is in the frame of the ring; `disc` is the index of the disc.
+    """
     gear, turned = reducer.tooth_profile, crank_angle + reducer.phases[disc]
     lines, middle = envelope.sigma_contacts(gear, turned), gear_centre(gear, turned)
-    return _of_halves(reducer, disc, lines, middle)
+    return _gaps_with_each_half(reducer, disc, lines, middle)
 
 
-def _of_halves(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
+def _gaps_with_each_half(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
     ahead = reducer.design.ring.ahead
     return _concatenate([_tooth_gaps(reducer, disc, lines, middle, half) for half in range(len(ahead))])
 
@@ -152,10 +155,10 @@ def _of_halves(reducer: "Reducer", disc: int, lines: envelope.RingContacts, midd
 def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half_index: int) -> Gaps:
     """Compute the gaps (n,) between a disc and the ring, or a half of it, at the contact lines of the ideal mesh.
 
-    A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A radius larger by r closes it by r,
-    like flanks that are larger by r, and reduces the clearance in the socket. For a disc whose pin circle is larger by
-    x, a pin is closer to the centre by x; flanks rotated by a are set back by a times the arm of their normal. The
-    disc's curve is its trochoid, its mate a pin's centre.
+    A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A radius that is larger by r closes
+    the gap by r, as do flanks that are larger by r, and reduces the clearance in the socket. If the pin circle of a
+    disc is larger by x, its pins are closer to the centre by x. Flanks rotated by a are set back by a times the arm of
+    their normal. The curve of the disc is its trochoid, and that of a pin its centre.
 
     Parameters
     ----------
@@ -246,10 +249,11 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
 
 
 def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
-    """Compute the ideal displacement of the unknowns per crank rotation (..., 3 D + 1) [m/rad] at crank angles.
+    """Compute the ideal displacement of the unknowns per crank rotation [m/rad], shape (..., 3 D + 1), at crank angles.
 
-    Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
-    `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
+    Disc centres run on circles, discs and output rotate by -1/(N-1) of the crank (Hsieh 2014, Eqs 12 and 13,
+    corrected). The product with `Gaps.slip_slope` is the sliding distance of each contact per crank rotation [m/rad];
+    the product with `Gaps.slope` is 0.
     """
     gear, angles = reducer.tooth_profile, np.asarray(crank_angle, dtype=np.float64)
     motion = np.full((*angles.shape, unknowns(reducer)), -reducer.lever / gear.lobes)
@@ -259,9 +263,9 @@ def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
 
 
 def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
-    """Compute the displacement of each cam from its ideal position (..., D, 2) [m] at crank angles (...) [rad].
+    """Compute the displacement of each cam by the errors of the crank [m], shape (..., D, 2), at crank angles (...).
 
-    It results from the errors of the crank. The disc's centre is at most the cam's clearance away from the cam.
+    Crank angles [rad] are in the frame of the ring. A disc's centre is at most the cam's clearance away from the cam.
     """
     gear, errors = reducer.tooth_profile, reducer.deviations
     crank_column = np.asarray(crank_angle, dtype=np.float64)[..., np.newaxis]
@@ -272,17 +276,21 @@ def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
     )
 
 
-def _by_unknown(reducer: "Reducer", disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
-    """Return the gradient by z (..., n, 3 D + 1), from those by disc position (..., n, 2), disc and output angle."""
-    slope = np.zeros((*by_turn.shape, unknowns(reducer)))
-    slope[..., 3 * disc : 3 * disc + 2] = by_place
-    slope[..., 3 * disc + 2] = by_turn / reducer.lever
+def _by_unknown(reducer: "Reducer", disc: int, by_position: Array, by_rotation: Array, by_output: Array) -> Array:
+    """Return the gradient by z (..., n, 3 D + 1) [1] of gaps of one disc, from their derivatives by its motion.
+
+    These are the derivatives by the position of the disc (..., n, 2) [1], and by the rotations of disc and output (...,
+    n) [m/rad].
+    """
+    slope = np.zeros((*by_rotation.shape, unknowns(reducer)))
+    slope[..., 3 * disc : 3 * disc + 2] = by_position
+    slope[..., 3 * disc + 2] = by_rotation / reducer.lever
     slope[..., -1] = by_output / reducer.lever
     return slope
 
 
 def _concatenate(parts: list[Gaps]) -> Gaps:
-    """Concatenate gaps along n."""
+    """Concatenate gaps along the axis of their n contacts, in the order of the list."""
     along = {field.name: -2 if field.name.endswith("slope") else -1 for field in fields(Gaps)}
     joined = {name: [getattr(part, name) for part in parts] for name in along}
     return Gaps(**{name: np.concatenate(arrays, axis=along[name]) for name, arrays in joined.items()})

@@ -64,20 +64,21 @@ class Fit:
 
 
 def best_fit(reducer: "Reducer", crank_angle: float) -> Fit:
-    """Return the pose with the largest minimum gap of all pairs at a crank angle [rad]."""
+    """Return the pose of discs and output with the largest minimum gap of all pairs at a crank angle [rad]."""
     mesh_gaps, pose, least, _ = _maximize_min_gap(reducer, crank_angle)
     return _make_fit(reducer, mesh_gaps, pose, least)
 
 
 def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
-    """Return the pose for unknowns of ``gaps`` [m], shape (u,), at a crank angle [rad], without its minimum gap."""
+    """Convert a pose (u,) [m], unknowns of ``gaps``, at a crank angle [rad] to a `Fit`; its `min_gap` is NaN."""
     return _make_fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank_angle))), pose, math.nan)
 
 
 def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
     """Convert a pose of the unknowns of ``gaps`` (u,) [m] to displacements [m] and rotations [rad] of the parts.
 
-    `mesh_gaps` are the gaps at this crank angle, `min_gap` [m] is the smallest gap in this pose, for `Fit.min_gap`.
+    The pose is relative to the ring; the rotations of `Fit` include that of a ring that is the output. `mesh_gaps` are
+    the gaps at this crank angle, `min_gap` [m] is the smallest gap in this pose, for `Fit.min_gap`.
     """
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
@@ -86,11 +87,11 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
     ring, _ = reducer.member.ring_and_carrier(output)
     # a ring that turns at a locked crank takes the gear along by N/(N-1) of its turn
     rotations = rotations + ring * design.ring.teeth / design.lobes
-    return Fit(min_gap, discs[:, :2], rotations, output, _shift_pins(reducer, mesh_gaps, pose))
+    return Fit(min_gap, discs[:, :2], rotations, output, _pin_displacements(reducer, mesh_gaps, pose))
 
 
 def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, dict[str, float]]:
-    """Compute the minimum gap [m] of `best_fit` at a crank angle [rad], and how the pairs share in limiting it.
+    """Compute the minimum gap [m] of `best_fit` at a crank angle [rad], and how far each kind of pair limits it.
 
     Clearances may be negative here, unlike in a design file.
 
@@ -108,8 +109,11 @@ def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, 
 def _maximize_min_gap(reducer: "Reducer", crank_angle: float) -> tuple[Gaps, Array, float, Array]:
     """Maximize the minimum gap at a crank angle [rad] by linear programming.
 
-    Returns the gaps (n,), the pose (u,) [m] in the unknowns of ``gaps``, its minimum gap [m], and the dual values [1]
-    of all limits: of the n gaps, then of the sides of each cam's polygon.
+    Returns
+    -------
+    tuple
+        Gaps (n,) of teeth and output pins; pose (u,) [m] in the unknowns of ``gaps``; its minimum gap [m]; and the dual
+        values [1] of all limits: of the n gaps, then of the sides of each cam's polygon.
     """
     from scipy.optimize import linprog
 
@@ -126,9 +130,9 @@ def _maximize_min_gap(reducer: "Reducer", crank_angle: float) -> tuple[Gaps, Arr
 
 
 def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple[float, float]:
-    """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
+    """Compute the rotations [rad] from the ideal angle at which the output stops, clockwise and counter-clockwise.
 
-    As `stops_at`, errors too.
+    The crank is locked at an angle [rad]. `sides` and errors are those of `stops_at`.
     """
     low, high = stops_at(reducer, np.array([crank]), sides)[0].tolist()
     return low, high
@@ -137,8 +141,8 @@ def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple
 def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> Array:
     """Compute the rotations (n, 2) [rad] from the ideal angle at which the output stops, at crank angles (n,) [rad].
 
-    The first is clockwise, the second counter-clockwise. All clearances, errors and modifications are included. `sides`
-    is the number of sides of the polygon that represents a cam's play.
+    The first is clockwise, the second counter-clockwise. Parts are rigid, with all clearances, errors and
+    modifications. `sides` is the number of sides of the polygon that represents a cam's clearance.
 
     Raises
     ------
@@ -153,7 +157,7 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     """Solve one linear program for the stops (n, 2) [rad] at crank angles `cranks` (n,) [rad], which are independent.
 
     `sides` is the number of sides of a cam's polygon. If the program has no solution, each angle is solved alone, to
-    name the one at which the disc jams.
+    name the angle at which the disc jams.
 
     Raises
     ------
@@ -194,17 +198,17 @@ def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
 def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> float:
     """Compute the backlash of the output with rigid parts [rad] at a crank angle [rad]; errors as `stops`.
 
-    Halves of a ring count as not turned against each other: that leaves the most.
+    The preload angle between the halves of a ring is ignored, which makes the backlash the largest.
     """
     low, high = stops(reducer.but(ring={"preload": 0.0}), crank, sides)
     return high - low
 
 
 def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Return the limits slope . z + gap >= 0 on the unknowns z (u,) of ``gaps``: those of contacts, then of cams.
+    """Return the limits slope . z + gap >= 0 on the unknowns z (u,) [m] of ``gaps``: those of contacts, then of cams.
 
-    The play of a cam, displaced by `cams` (D, 2) [m], is a polygon of `sides` sides. `mesh_gaps` are the gaps of teeth
-    and output pins.
+    The clearance of a cam, displaced by `cams` (D, 2) [m], is a polygon of `sides` sides. `mesh_gaps` are the gaps of
+    teeth and output pins.
 
     Returns
     -------
@@ -221,11 +225,18 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
     return np.concatenate(slopes), np.concatenate(widths)
 
 
-def _shift_pins(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
-    """Return the displacements of moving pins (mates, 2) [m] that separate them from the discs in a pose (u,) [m].
+def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
+    """Return the displacements of moving pins that separate them from the discs in a pose, shape (mates, 2) [m].
 
-    `mesh_gaps` are the gaps at this crank angle. A pin that overlaps a disc moves along the normal of the deepest
-    overlap, half-way between touching the disc and touching its seat; others stay. Zeros for pins that do not move.
+    A pin that overlaps a disc moves along the normal of the deepest overlap, half-way between touching the disc and
+    touching its seat. The displacement of other pins is 0, as is that of all pins if they cannot move.
+
+    Parameters
+    ----------
+    mesh_gaps
+        Gaps at this crank angle.
+    pose
+        Displacements of discs and output (u,) [m], the unknowns of ``gaps``.
     """
     design = reducer.design
     if not design.ring.has_moving_pins:

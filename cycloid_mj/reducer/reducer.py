@@ -99,7 +99,7 @@ class Reducer:
     def working_at(self, torque: float) -> Self:
         """Return the reducer whose contact stiffnesses are those at an output torque [N m], whatever its load.
 
-        A design with a working load, or with a working force for all pairs, keeps it.
+        A design with a working load, or with a working force for all pairs, is returned unchanged.
         """
         contact = self.design.contact
         if contact.working_load or contact.working_force:
@@ -108,9 +108,9 @@ class Reducer:
 
     @property
     def at_rated_load(self) -> Self:
-        """Reducer `working_at` its own load, or at the nominal torque if it has none.
+        """Reducer `working_at` its own load, or at the nominal torque if it has no load.
 
-        It is for uses without a particular load: a folder with a model, springs for any torque, a figure.
+        With a preloaded ring, it is the larger of both torques.
         """
         load, rated = abs(self.design.load.torque), self.design.rated_torque
         return self.working_at(max(load, rated) if self.design.ring.preload else load or rated)
@@ -119,8 +119,8 @@ class Reducer:
     def for_slices(self) -> Self:
         """Reducer for the simulation with mesh contact, with stiffnesses for its nominal torque, or its load if larger.
 
-        A bed of slices is softer at a small depth by itself, so its stiffness does not follow a small load. Its creep
-        speed is that of the design, or `SLICES_CREEP`.
+        The stiffness does not follow a smaller load, because a contact of slices is softer at a small depth anyhow. Its
+        creep speed is that of the design, or `SLICES_CREEP`.
         """
         stiffened_reducer = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
         return stiffened_reducer.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})

@@ -237,7 +237,7 @@ class RvReducer(Reducer):
     def play(self) -> float:
         """Backlash of the output with rigid parts without errors [rad], at a fixed sun.
 
-        By the principle of virtual work, from the planets' backlash, the clearance of the crank bearings along the
+        The principle of virtual work adds the backlash of the planets, the clearance of the crank bearings along the
         circle of cranks and across the eccentricity, and the clearance of the teeth.
         """
         design, clearance = self.design, self.bearing_clearance

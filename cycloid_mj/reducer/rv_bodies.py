@@ -97,7 +97,8 @@ class PlanetMesh:
 def compute_planet_mesh(reducer: "RvReducer") -> PlanetMesh:
     """Return the mesh of sun and planets of an RV reducer.
 
-    Parts at home mesh in the middle of their backlash; planets that equal angles would not let mesh are clocked.
+    At crank angle 0, parts are in the middle of their backlash; planets are rotated on their cranks such that they
+    mesh.
     """
     planet, (sun_gear, planet_gear) = reducer.planet, reducer.stage_gears
     sun_base, planet_base = sun_gear.base_radius, planet_gear.base_radius
@@ -175,7 +176,10 @@ def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
 
 
 def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
-    """Return the mating of the crank bores of a disc with the eccentrics of the cranks."""
+    """Return the mating of the crank bores of a disc, by its index, with the eccentrics of the cranks.
+
+    The clearance of needles and tapered bearing is in the radius of the bores.
+    """
     design, errors, count = reducer.design, reducer.crank_errors, reducer.cranks.count
     shape, cranks, gear = (design.gear.discs, count), crank_names(reducer), reducer.gears[disc]
 
@@ -254,5 +258,5 @@ def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str,
 
 
 def listed(values: tuple[float, ...], shape: tuple[int, ...]) -> Array:
-    """Return a list of errors with a shape; an empty list has zeros."""
+    """Return a list of errors as an array of a `shape`; an empty list becomes zeros."""
     return np.array(values).reshape(shape) if values else np.zeros(shape)

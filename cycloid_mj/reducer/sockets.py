@@ -31,7 +31,7 @@ def wall_radius(design: Design) -> float:
 def arc_half_angle(design: Design, radius: float) -> float:
     """Compute half the angle [rad] over which a circle of `radius` [m] about a pin centre lies within the ring's wall.
 
-    It is counted from the direction away from the reducer's axis; 0 where the wall lies outside the circle.
+    It is counted from the direction away from the reducer's axis; 0 if the entire circle is inside the wall's radius.
     """
     centre, wall = design.ring.pin_circle_radius, wall_radius(design)
     cosine = (wall**2 - centre**2 - radius**2) / (2.0 * centre * radius)
@@ -46,7 +46,7 @@ def socket_half_angle(design: Design) -> float:
 
 
 def is_drawn(design: Design) -> bool:
-    """Return whether the parts are drawn as they are, in one ring: not those of closed sockets."""
+    """Return whether the design has solids of its parts: not with closed sockets, or with a ring in two halves."""
     return design.ring.halves == 1 and not (design.ring.has_sockets and design.ring.socket == "closed")
 
 
