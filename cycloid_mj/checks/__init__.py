@@ -79,17 +79,14 @@ def check(design: Named) -> Checks:
 def soundness(reducer: Reducer) -> tuple[Check, ...]:
     """Return the checks of whether a design can be built and turned.
 
-    Checks that depend on a failed one are left out: undercut of a profile with loops, balance and assembly of a disc
+    Checks that depend on a failed check are left out: undercut of a profile with loops, balance and assembly of a disc
     that cannot be manufactured.
     """
     return tuple(sound_checks(reducer))
 
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks that decide whether a design can be built, one by one, so that a search can stop early.
-
-    Checks of the balance and of the assembly need a feasible disc and ring, and are left out without.
-    """
+    """Yield the checks of `soundness` as they are computed, so that a search can stop at the first failure."""
     if isinstance(reducer, RvReducer):
         yield from rv_checks(reducer)
         return
@@ -105,7 +102,7 @@ def sound_checks(reducer: Reducer) -> Iterator[Check]:
 
 
 def shape_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks of the shape of disc and ring, on which the others depend."""
+    """Yield the checks of the shape of disc and ring, which all other checks require to pass."""
     return evaluate(reducer, chain(tooth_rules(reducer), body_rules(reducer)))
 
 

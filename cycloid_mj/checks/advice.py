@@ -43,7 +43,7 @@ def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
 
     A change is kept if the check passes with it and no other check that needs no statics gets worse. It is completed by
     changes for checks that fail because of it, such as a hole that depends on the eccentricity. If no change is left,
-    the remedy names only the keys.
+    the remedy names only the keys. Checks that pass are returned unchanged.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
 
 
 def _verify_remedy(reducer: Reducer, check: Check, checks_before: Mapping[str, Check]) -> Check:
-    """Return a failed check with those of its changes that work, completed, and its remedy in words.
+    """Return a failed check with only those of its changes that work, each completed, and its remedy in words.
 
     `checks_before` are all checks of the unchanged design by name.
     """
@@ -92,7 +92,11 @@ def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
 def _complete_change(
     reducer: Reducer, change: Change, check: Check, checks_before: Mapping[str, Check]
 ) -> Change | None:
-    """Complete a change until its check passes and no other is worse than before; None if no repair achieves that."""
+    """Add further keys to a change until its check passes and no other check is worse than before; None if that fails.
+
+    `check` is the failed check that proposes the change, `checks_before` are all checks of the unchanged design by
+    name.
+    """
     complete_change: dict[str, float] = dict(change)
     for _ in range(ADVICE.max_repairs):
         checks_after = quick_checks(reducer, complete_change)
@@ -106,7 +110,7 @@ def _complete_change(
             worse = [hole_check]
         if not worse:
             return complete_change
-        repair = _repair(reducer, worse[0], complete_change)
+        repair = _choose_repair(reducer, worse[0], complete_change)
         if repair is None:
             return None
         complete_change.update(repair)
@@ -114,16 +118,19 @@ def _complete_change(
 
 
 def _is_worse(after: Check, before: Check | None, name: str) -> bool:
-    """Return whether a check is more serious than before; a new check must not be a failure."""
+    """Return whether a check is more serious `after` a change than `before` it.
+
+    The check with the `name`, for which the change is made, must pass. A check that did not exist before must not fail.
+    """
     if after.name == name:
         return not after.passed
     return RANKS[after.judgement] > (RANKS[before.judgement] if before else RANKS[Judgement.WARNING])
 
 
-def _repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
-    """Choose the next change that makes a failed check pass: more of the applied change, or else other keys.
+def _choose_repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
+    """Choose the next change that makes a failed check pass: a larger change of the same keys, or of other keys.
 
-    Returns None if there is no such change.
+    `applied_change` is the change so far. Returns None if there is no such change.
     """
     design = reducer.design
     for change in failed_check.changes:
@@ -144,10 +151,10 @@ def _repair(reducer: Reducer, failed_check: Check, applied_change: Change) -> Ch
 
 
 def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
-    """Change one key by more, in the same direction, until a check passes: by growing strides, then bisection.
+    """Change a key by more, in the same direction, until a check passes: by growing steps, then bisection.
 
-    `applied_change` maps the key to its value so far, with which `failed_check` fails. Returns the key with its value
-    to four digits, or None if the check never passes.
+    `applied_change` maps the only key to its value so far, with which `failed_check` fails. Returns the key with its
+    value to four digits, or None if the check never passes.
     """
     ((key, value),) = applied_change.items()
     original = value_of(reducer.design, key)

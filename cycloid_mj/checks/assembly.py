@@ -19,14 +19,14 @@ def assembly_checks(reducer: Reducer) -> Iterator[Check]:
     if reducer.is_ideal:
         return
     if reducer.design.ring.has_sockets:
-        yield _pins_in_sockets(reducer)
+        yield _check_pins_in_sockets(reducer)
     if not reducer.design.ring.preload:
         # preloaded parts are pressed into each other on purpose
-        yield _assembly_gap(reducer)
+        yield _check_assembly_gap(reducer)
 
 
-def _pins_in_sockets(reducer: Reducer) -> Check:
-    """Check that the thickest free pin fits into its socket."""
+def _check_pins_in_sockets(reducer: Reducer) -> Check:
+    """Check that the thickest free pin is smaller than its socket."""
     radius_errors = reducer.deviations.pin_radius
     thickest = int(np.argmax(radius_errors))
     play = reducer.design.clearance.pin_socket
@@ -44,10 +44,11 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
     )
 
 
-def _assembly_gap(reducer: Reducer) -> Check:
-    """Check that the disc has a pose without overlap at every crank angle; a warning.
+def _check_assembly_gap(reducer: Reducer) -> Check:
+    """Check that the parts have a pose without overlap at every crank angle; a warning.
 
-    Parts that overlap run under load only. The pose is the best fit at up to `MAX_POSES` crank angles.
+    Parts that overlap run under load only. The pose is the best fit at up to `MAX_POSES` crank angles. The remedy
+    widens all clearances of the disc together.
     """
     poses = min(MAX_POSES, reducer.design.ring.teeth)
     smallest_gap = min(best_fit(reducer, 2 * np.pi * pose / poses).min_gap for pose in range(poses))

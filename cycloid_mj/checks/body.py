@@ -13,41 +13,51 @@ from cycloid_mj.reducer import Reducer
 
 
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
-    """Yield the rules for the walls around bore and holes of the disc, and for the size of its holes.
-
-    E is the radius of the pin circle, rho that of a pin. The inner functions return the limits that leave a wall of a
-    share of E.
-    """
+    """Yield the rules for the walls around bore and holes of the disc, and the check of the radius of its holes."""
     design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
-    E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(reducer), _hole(reducer)
+    E, rho, bore, hole = (
+        design.ring.pin_circle_radius,
+        design.ring.pin_radius,
+        _bore_radius(reducer),
+        _hole_radius(reducer),
+    )
     below_root = design.gear.eccentricity + reducer.profile_offset - design.modification.pin_circle
     root = E - below_root
     root_text = f"the root of the lobes (radius {millimetres(root)})"
 
-    def bore_to_root(wall: float) -> tuple[Limit, ...]:
+    def bore_to_root_limits(relative_wall: float) -> tuple[Limit, ...]:
+        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between bore and roots."""
         return (
-            Limit("gear.bore_radius", "less than", root - wall * E - cam),
-            Limit("ring.pin_circle_radius", "more than", (bore + below_root) / (1 - wall)),
-            Limit("ring.pin_radius", "less than", root - wall * E - bore + rho),
+            Limit("gear.bore_radius", "less than", root - relative_wall * E - cam),
+            Limit("ring.pin_circle_radius", "more than", (bore + below_root) / (1 - relative_wall)),
+            Limit("ring.pin_radius", "less than", root - relative_wall * E - bore + rho),
         )
 
-    def bore_to_holes(wall: float) -> tuple[Limit, ...]:
+    def bore_to_holes_limits(relative_wall: float) -> tuple[Limit, ...]:
+        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between bore and holes."""
         return (
-            Limit("gear.bore_radius", "less than", circle - hole - wall * E - cam),
-            Limit("output.pin_circle_radius", "more than", bore + wall * E + hole),
+            Limit("gear.bore_radius", "less than", circle - hole - relative_wall * E - cam),
+            Limit("output.pin_circle_radius", "more than", bore + relative_wall * E + hole),
         )
 
-    def holes_to_root(wall: float) -> tuple[Limit, ...]:
+    def holes_to_root_limits(relative_wall: float) -> tuple[Limit, ...]:
+        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius next to the roots."""
         return (
-            Limit("output.pin_circle_radius", "less than", root - wall * E - hole),
-            Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - wall)),
+            Limit("output.pin_circle_radius", "less than", root - relative_wall * E - hole),
+            Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - relative_wall)),
         )
 
-    yield wall_rule("bore", bore_to_root, TEETH.min_wall_share, E, f"between the bore and {root_text}")
-    yield wall_rule("holes_to_bore", bore_to_holes, TEETH.min_wall_share, E, "between the bore and the output holes")
+    yield wall_rule("bore", bore_to_root_limits, TEETH.min_wall_share, E, f"between the bore and {root_text}")
     yield wall_rule(
-        "holes_to_root", holes_to_root, TEETH.min_wall_share, E, f"between the output holes and {root_text}"
+        "holes_to_bore", bore_to_holes_limits, TEETH.min_wall_share, E, "between the bore and the output holes"
+    )
+    yield wall_rule(
+        "holes_to_root",
+        holes_to_root_limits,
+        TEETH.min_wall_share,
+        E,
+        f"between the output holes and {root_text}",
     )
     yield _hole_wall_rule(reducer)
     yield _check_hole_size(reducer)
@@ -56,7 +66,8 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
 def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
     """Return the rules for counterweight and shaft bearings; the disc must be feasible.
 
-    Several discs balance each other and need no counterweight.
+    Several discs balance each other and have no rule for a counterweight. The rule for the bearings is left out while
+    that for the counterweight is not met.
     """
     if reducer.design.gear.discs > 1:
         return (bearing_room_rule(reducer),)
@@ -87,7 +98,7 @@ def counterweight_rule(reducer: Reducer) -> Rule:
 def bearing_room_rule(reducer: Reducer) -> Rule:
     """Return the rule that the journal is long enough for the shaft's bearings and the counterweight.
 
-    Bearings whose width or spacing follows from other sizes use the length that is left.
+    A bearing width that the design leaves open counts as 0, as it follows from the length that is left.
     """
     design = reducer.design
     shaft = design.shaft
@@ -125,23 +136,24 @@ def _static_moments(reducer: Reducer) -> tuple[float, float]:
 def _hole_wall_rule(reducer: Reducer) -> Rule:
     """Return the rule for the wall between neighbouring output holes.
 
-    A smaller hole is no remedy, as its radius depends on pin and eccentricity.
+    A smaller hole alone is no remedy, as its radius depends on pin and eccentricity.
     """
     design = reducer.design
     output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
     half_pitch = circle * math.sin(math.pi / output.pins)
 
-    def limits(wall: float) -> tuple[Limit, ...]:
-        needed_radius = _hole(reducer) + wall * E / 2
+    def hole_limits(relative_wall: float) -> tuple[Limit, ...]:
+        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between output holes."""
+        needed_radius = _hole_radius(reducer) + relative_wall * E / 2
         return (
-            Limit("output.hole_radius", "less than", half_pitch - wall * E / 2 - design.clearance.output),
+            Limit("output.hole_radius", "less than", half_pitch - relative_wall * E / 2 - design.clearance.output),
             Limit("output.pins", "less than", circles_on_circle(needed_radius / circle)),
             Limit("output.pin_circle_radius", "more than", needed_radius / math.sin(math.pi / output.pins)),
         )
 
     return wall_rule(
         "neighbouring_holes",
-        limits,
+        hole_limits,
         TEETH.min_wall_share,
         E,
         "between neighbouring output holes",
@@ -150,7 +162,7 @@ def _hole_wall_rule(reducer: Reducer) -> Rule:
 
 
 def _check_hole_size(reducer: Reducer) -> Check:
-    """Check that a hole is exactly as large as the orbit of its pin."""
+    """Check that the radius of the output holes equals pin radius plus eccentricity, the orbit of a pin in its hole."""
     design = reducer.design
     orbit = design.output.pin_radius + design.gear.eccentricity
     hole = design.output.hole_radius
@@ -169,11 +181,11 @@ def _check_hole_size(reducer: Reducer) -> Check:
     )
 
 
-def _bore(reducer: Reducer) -> float:
+def _bore_radius(reducer: Reducer) -> float:
     """Return the radius of the disc's bore [m], with its clearance."""
     return reducer.design.gear.bore_radius + reducer.design.clearance.cam
 
 
-def _hole(reducer: Reducer) -> float:
+def _hole_radius(reducer: Reducer) -> float:
     """Return the radius of an output hole as cut [m], with its clearance."""
     return reducer.design.output.hole_radius + reducer.design.clearance.output

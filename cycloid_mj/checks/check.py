@@ -116,7 +116,10 @@ class Checks(Presented, tuple[Check, ...]):
 
     @property
     def margins(self) -> dict[str, float]:
-        """Factor by which the value of a check may grow, or shrink, until it reaches its bound, by the check's name."""
+        """Factor by which the value of a check may grow, or shrink, until it reaches its bound, by the check's name.
+
+        It is above 1 if the check passes. Checks without number, or with a value or bound of 0, are left out.
+        """
         sides = {check.name: (check.value, check.bound, check.limit.startswith(UPPER)) for check in self}
         numbers = {name: (value, bound, upper) for name, (value, bound, upper) in sides.items() if value and bound}
         return {name: bound / value if upper else value / bound for name, (value, bound, upper) in numbers.items()}

@@ -78,7 +78,7 @@ class Limit:
     def remedy(self, reducer: Reducer) -> str:
         """Describe the change that satisfies the limit, as ``lower KEY to VALUE or less``.
 
-        Empty if the bound is 0 or infinite, or the file does not allow the value.
+        The text is empty if the bound is 0 or infinite, or the file does not allow the value.
         """
         if not LIMIT.smallest_bound < abs(self.bound) < math.inf:
             return ""
@@ -122,10 +122,10 @@ class Limit:
 
 
 def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = "") -> Remedy:
-    """Return the change that satisfies all limits together, with its description, and `other_remedy`, in words.
+    """Return the remedy that changes the keys of all limits together, in words and as a single change.
 
-    Without limits all are empty. If the file allows no change for one of the limits, it is left out of the text, and
-    there is no change.
+    `other_remedy`, in words, is an alternative to it. Without limits, text and changes are empty. A limit that the file
+    does not allow is left out of the text; then there is no change.
     """
     changes = [limit.change(reducer) for limit in limits]
     text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
@@ -136,7 +136,10 @@ def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = 
 
 
 def single_remedies(reducer: Reducer, limits: Sequence[Limit], otherwise: str = "") -> Remedy:
-    """Return the changes that each satisfy a limit, and an alternative in words; empty without limits."""
+    """Return a remedy per limit, each of which is sufficient, in words and as changes; both are empty without limits.
+
+    `otherwise`, in words, is a further alternative. A limit that the file does not allow is left out.
+    """
     texts = [*(limit.remedy(reducer) for limit in limits), otherwise] if limits else []
     return {
         "remedy": ", or ".join(filter(None, texts)),
@@ -145,7 +148,7 @@ def single_remedies(reducer: Reducer, limits: Sequence[Limit], otherwise: str = 
 
 
 def round_beyond(value: float, down: bool, is_integer: bool) -> str:
-    """Write the next lower or higher number of four digits, or whole number."""
+    """Round a value, not 0, down or up to four digits or to a whole number, and write it as text."""
     increment = 1.0 if is_integer else 10.0 ** (math.floor(math.log10(abs(value))) - 3)
     return f"{(math.floor if down else math.ceil)(value / increment) * increment:.10g}"
 
@@ -164,7 +167,7 @@ def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[
     Returns
     -------
     tuple of str
-        Value and limit with their unit.
+        Value with unit; side and limit with unit.
     """
     unit_symbol = SYMBOLS.get(unit.suffix, unit.suffix)
     shown_value, limit = unit.from_si(value), unit.from_si(bound)

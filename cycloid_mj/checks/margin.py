@@ -29,15 +29,16 @@ def margin_rules(reducer: Reducer) -> Iterator[Rule]:
     """Yield the rules for the margins of feasible teeth; all are warnings."""
     yield _short_width_rule(reducer)
     yield _undercut_margin_rule(reducer)
-    yield _gear_tool(reducer)
+    yield _gear_cutter_rule(reducer)
     if reducer.design.ring.kind == "nonpin":
-        yield _ring_tool(reducer)
+        yield _ring_cutter_rule(reducer)
 
 
 def _short_width_rule(reducer: Reducer) -> Rule:
     """Return the rule that K1 = c N / E is within the usual range `MARGINS.k1_range`.
 
-    It is the eccentricity c over that at which the pins' path has loops, with N ring teeth and the pin-circle radius E.
+    c is the eccentricity, N the number of ring teeth, and E the pin-circle radius; at K1 = 1 the path of a pin centre
+    in the disc begins to have loops.
     """
     design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
@@ -56,7 +57,8 @@ def _short_width_rule(reducer: Reducer) -> Rule:
 def _undercut_margin_rule(reducer: Reducer) -> Rule:
     """Return the rule that the sharpest convex point of the lobes keeps a share of its radius of curvature.
 
-    The offset of the flank takes at most `MARGINS.max_undercut_share` of the radius of the pins' path.
+    The offset of the flank from the path of the pin centres (pin radius, clearance, modification) takes at most
+    `MARGINS.max_undercut_share` of the smallest convex radius of this path.
     """
     path_radius, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
     radius = reducer.design.ring.pin_radius
@@ -70,14 +72,14 @@ def _undercut_margin_rule(reducer: Reducer) -> Rule:
     )
 
 
-def _gear_tool(reducer: Reducer) -> Rule:
+def _gear_cutter_rule(reducer: Reducer) -> Rule:
     """Return the rule that a cutter that fits into the disc's valleys reaches through the face width."""
     radius = -1.0 / float(profile.curvature(reducer.gear_profile, 0.0, reducer.profile_offset))
     return _cutter_rule("gear_tool", radius if radius > 0.0 else math.inf, "valleys of the disc")
 
 
-def _ring_tool(reducer: Reducer) -> Rule:
-    """Return the same rule for the roots of the internal gear."""
+def _ring_cutter_rule(reducer: Reducer) -> Rule:
+    """Return the rule that a cutter that fits into the roots of the internal gear reaches through the face width."""
     return _cutter_rule("ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
 
 

@@ -39,7 +39,7 @@ PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poi
 def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check]:
     """Yield the rules for output pins, bolts, shaft, clearances, materials and drive.
 
-    `has_shape` is true if disc and ring are feasible; some checks require that.
+    `has_shape` is true if disc and ring are feasible, which the check of tooth skipping requires.
     """
     design = reducer.design
     yield Rule(
@@ -152,9 +152,9 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
-    """Yield the check that the clearances from crank to output add up to little.
+    """Yield the check that the sum of the clearances from crank to output is small against the teeth.
 
-    If they do not, another one checks that the disc skips no tooth, provided that the disc has a feasible shape.
+    If it is not, and the disc has a feasible shape (`has_shape`), another check is that the disc cannot skip a tooth.
     """
     design = reducer.design
     names = design.pair_kinds
@@ -177,7 +177,7 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
 
 
 def _total_clearance(reducer: Reducer) -> tuple[float, float]:
-    """Return the sum of the clearances from crank to ring and output, and its usual maximum [m]."""
+    """Return the sum of the clearances from crank to ring and output, and its assumed maximum [m]."""
     design = reducer.design
     total = sum(getattr(design.clearance, name) for name in design.pair_kinds)
     return total, MECHANICS.max_clearance_share * min(design.gear.eccentricity, design.ring.pin_radius)
@@ -189,24 +189,27 @@ def jumps(reducer: Reducer) -> bool:
     Disc and ring must pass their checks; the search stops at the first crank angle where it can.
     """
     total, usual = _total_clearance(reducer)
-    return total > usual and any(backlash > _half_lobe(reducer) for backlash in _largest_backlashes(reducer))
+    return total > usual and any(backlash > _half_lobe_rotation(reducer) for backlash in _backlashes(reducer))
 
 
-def _half_lobe(reducer: Reducer) -> float:
-    """Compute the turn of the output while the disc turns by half a lobe [rad]."""
+def _half_lobe_rotation(reducer: Reducer) -> float:
+    """Compute the rotation of the output by which the disc has turned by half a lobe [rad]."""
     return reducer.share * math.pi / reducer.design.lobes
 
 
-def _largest_backlashes(reducer: Reducer) -> Iterator[float]:
-    """Yield the backlash of the output from stop to stop [rad] at a few crank angles."""
+def _backlashes(reducer: Reducer) -> Iterator[float]:
+    """Yield the backlash of the output with rigid parts [rad] at each of `MECHANICS.jump_poses` crank angles."""
     poses = (2.0 * math.pi * pose / MECHANICS.jump_poses for pose in range(MECHANICS.jump_poses))
     return (widest_play(reducer, pose, MECHANICS.jump_sides) for pose in poses)
 
 
 def _check_tooth_skip(reducer: Reducer) -> Check:
-    """Check that the disc cannot skip a tooth: from stop to stop, it must turn by less than half a lobe."""
+    """Check that the disc cannot skip a tooth: from stop to stop, it must turn by less than half a lobe.
+
+    The remedy reduces all clearances by a common factor.
+    """
     design = reducer.design
-    backlash, allowed = max(_largest_backlashes(reducer)), _half_lobe(reducer)
+    backlash, allowed = max(_backlashes(reducer)), _half_lobe_rotation(reducer)
     value_text, limit = value_and_limit(backlash, "at most", allowed, DEGREE)
     share = (1.0 - MECHANICS.jump_margin) * allowed / backlash
     lower = [

@@ -52,7 +52,7 @@ class RatedLoad:
     def torque_at(self, kind: str, pressure: float) -> float:
         """Compute the output torque [N m] at which the contacts of a kind reach a peak pressure [Pa]; NaN if none does.
 
-        There is none if inertia forces alone exceed the pressure.
+        It is NaN if inertia forces alone exceed the pressure, or there is no equilibrium.
         """
         try:
             with np.errstate(invalid="ignore"):  # shares of the torque where it vanishes

@@ -41,16 +41,16 @@ def wall_rule(
     location: str,
     depends_on_others: bool = False,
 ) -> Rule:
-    """Return the rule of a wall thickness: a warning below an assumed share of the pin circle radius E, an error at 0.
+    """Return the rule of a wall thickness: a warning below an assumed thickness, an error if no wall is left.
 
     Parameters
     ----------
     name, depends_on_others
-        As in `Rule`.
+        As `name` and `tied` of `Rule`.
     limits
-        Returns the limits that leave a wall of a share of E; the first is on the checked value.
+        Function that returns the limits which leave a wall of a share of `radius`; the first limits the checked value.
     share, radius
-        Assumed least share, and E [m].
+        Assumed smallest wall over `radius` [1], and radius of the pin circle [m].
     location
         Position of the wall, in words.
     """
@@ -70,7 +70,10 @@ def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]
 
 
 def _evaluate(reducer: Reducer, rule: Rule) -> Check:
-    """Evaluate one rule on a reducer; return its check with value, limit and remedy."""
+    """Evaluate a rule on a reducer; return its check with value, limit and remedy.
+
+    If the `failure` of the rule is violated too, its check is returned, with the remedy of this rule.
+    """
     limit = rule.limit
     is_passed = limit.is_met(reducer)
     value_text, allowed = limit.texts(reducer)

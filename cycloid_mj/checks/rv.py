@@ -25,19 +25,23 @@ def rv_checks(reducer: RvReducer) -> Iterator[Check]:
             _wall_rules(reducer),
             _flange_rules(reducer),
             (_post_rule(reducer),),
-            _materials(reducer),
+            _all_material_rules(reducer),
         ),
     )
 
 
-def _materials(reducer: RvReducer) -> Iterator[Rule | Check]:
+def _all_material_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
+    """Yield the rules for the values of all material tables that the design has."""
     for table in ("material", *(f"{part}_material" for part in PARTS)):
         if material := getattr(reducer.design, table):
             yield from material_rules(table, material)
 
 
 def _check_planet_mesh(reducer: RvReducer) -> Check:
-    """Check that identical planets at equal angles mesh with the sun: n divides z_s + z_p."""
+    """Check that identical planets at equal angles mesh with the sun: their number divides z_s + z_p.
+
+    z_s and z_p are the numbers of teeth of the sun and of a planet.
+    """
     planet, count = reducer.planet, reducer.cranks.count
     misfit = planet_misfit(planet.sun_teeth, planet.planet_teeth, count)
     closing = meshing_planet_teeth(planet.sun_teeth, planet.planet_teeth, count)
@@ -74,7 +78,7 @@ def _check_dead_points(reducer: RvReducer) -> Check:
 
 
 def _check_crank_circle(reducer: RvReducer) -> Check:
-    """Check that the crank axes are at the centre distance of sun and planet."""
+    """Check that the crank axes are at the centre distance of sun and planet, within half a module."""
     planet, radius = reducer.planet, reducer.crank_radius
     pitch = planet.module * (planet.sun_teeth + planet.planet_teeth) / 2.0
     passed = abs(radius - pitch) <= 0.5 * planet.module
@@ -91,7 +95,7 @@ def _check_crank_circle(reducer: RvReducer) -> Check:
 
 
 def _check_stage_teeth(reducer: RvReducer) -> Iterator[Check]:
-    """Yield the checks that the rack does not undercut the teeth of sun and planets, and that they are not pointed."""
+    """Yield the checks that the teeth of sun and planets are neither undercut by the rack nor pointed."""
     for name, gear in zip(("sun", "planet"), reducer.stage_gears, strict=True):
         yield Check(
             name=f"{name}_teeth",
@@ -116,10 +120,15 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
     around = bore - cranks.eccentric_radius
 
     def wall(name: str, where: str, key: str, room: float) -> Rule:
-        def limits(share: float) -> tuple[Limit, ...]:
-            return (Limit(key, "less than", room - share * E),)
+        """Return the rule of a wall at a position in words, `where`.
 
-        return wall_rule(name, limits, TEETH.min_wall_share, E, where)
+        `room` [m] is the value at `key` that leaves no wall.
+        """
+
+        def wall_limits(relative_wall: float) -> tuple[Limit, ...]:
+            return (Limit(key, "less than", room - relative_wall * E),)
+
+        return wall_rule(name, wall_limits, TEETH.min_wall_share, E, where)
 
     eccentric, post = "cranks.eccentric_radius", "cranks.post_radius"
     beyond = window - cranks.post_radius
@@ -138,7 +147,7 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
 
 
 def _flange_rules(reducer: RvReducer) -> Iterator[Rule | Check]:
-    """Yield the rules that tapered bearings, posts and planets have room in and next to the flanges."""
+    """Yield the rules that tapered bearings, posts, journals and planets have room in and next to the flanges."""
     cranks, circle, posts = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
     apart = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
     yield Rule(

@@ -60,7 +60,7 @@ def strength_checks(reducer: Reducer) -> Iterator[Check]:
     try:
         state = rated_load(reducer)
     except CycloidError as error:
-        yield _missing_balance(error)
+        yield _failed_balance_check(error)
         return
     for part in PARTS:
         if part != "cam" or reducer.design.gear.bearing == "plain" or has_bare_rollers(reducer):
@@ -71,8 +71,8 @@ def strength_checks(reducer: Reducer) -> Iterator[Check]:
         yield _check_wall(state, wall)
 
 
-def _missing_balance(error: CycloidError) -> Check:
-    """Return a failed check, a warning, that statics found no equilibrium at the nominal torque, with the `error`."""
+def _failed_balance_check(error: CycloidError) -> Check:
+    """Return a failed check, a warning: no static equilibrium at the nominal torque, with the text of `error`."""
     return Check(
         name="rated_load",
         passed=False,
@@ -89,7 +89,7 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
     """Yield the checks of a part's largest Hertz pressure against first yield, shakedown and hardness.
 
     `state` are the loads at the nominal torque, `part` is a key of `PARTS`. The remedies of a failed check are a wider
-    face, a stronger material, and less torque.
+    face, a stronger material, or less torque.
     """
     reducer, design = state.reducer, state.reducer.design
     kind = design.tooth_pair if part == "tooth" else part
@@ -147,7 +147,7 @@ def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strengt
     kind
         Kind of pair.
     strength, surface_strength
-        Attributes of the material: the strength that a key sets, and that of the surface in its place.
+        Attributes of a material: the strength that a key sets, and the strength of its surface, which is compared.
 
     Returns
     -------
@@ -169,10 +169,10 @@ def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strengt
 
 
 def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
-    """Return the limit on the face width [m] at which a value decreases to `allowed`.
+    """Return the limit on the face width [m] at which a value of the loads decreases to `allowed`.
 
-    `value` computes it from the loads at the rated torque; it is assumed to vary as width ** (-1/power) in each
-    iteration. Without an equilibrium the limit is infinite, so that it is no remedy.
+    `value` computes it from the loads at the nominal torque. Each iteration assumes that it varies as width **
+    (-1/`power`) and solves for the loads again. Without an equilibrium the limit is infinite, so that it is no remedy.
     """
     width, current_value = reducer.design.gear.face_width, value(rated_load(reducer))
     for _ in range(STRENGTH.max_iterations):
@@ -189,10 +189,11 @@ def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], all
 def _check_load_sharing(state: RatedLoad) -> Check:
     """Check the largest tooth force relative to that of ideal load sharing, under the loads `state`.
 
-    The remedy is a common factor on all clearances, by bisection; if none is small enough, a stiffer cam in words.
+    The remedy reduces all clearances by a common factor, which bisection determines. If no factor is small enough, the
+    remedy is a stiffer cam, in words.
     """
     reducer, design, ratio = state.reducer, state.reducer.design, state.concentration
-    names = _clearances(reducer)
+    names = _load_sharing_clearances(reducer)
     is_passed = ratio <= STRENGTH.max_concentration
     value_text, limit = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
 
@@ -224,18 +225,19 @@ def _check_load_sharing(state: RatedLoad) -> Check:
     )
 
 
-def _clearances(reducer: Reducer) -> tuple[str, ...]:
-    """List the kinds of pairs whose clearances change the load sharing."""
+def _load_sharing_clearances(reducer: Reducer) -> tuple[str, ...]:
+    """Return the kinds of pairs whose clearances change the load sharing."""
     design = reducer.design
     moving = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
     return (design.tooth_pair, *(name for name, moves in moving.items() if moves), "cam", "output")
 
 
 def _check_pressure_angle(state: RatedLoad) -> Check:
-    """Check the mean pressure angle of the tooth forces, averaged by force, under the loads `state`.
+    """Check the mean pressure angle of the tooth forces, weighted by force, under the loads `state`.
 
-    The remedy is an eccentricity towards its largest, where the pins' path has loops, by bisection; if none is enough,
-    smaller clearances in words.
+    The remedy is a larger eccentricity, with output holes that are larger by the same amount. Bisection determines it
+    between its present value and the largest possible value, at which the path of the pins has loops. If no
+    eccentricity is large enough, the remedy is smaller clearances, in words.
     """
     reducer, design, angle = state.reducer, state.reducer.design, state.pressure_angle
     is_passed = angle <= STRENGTH.max_pressure_angle
@@ -274,7 +276,10 @@ def _check_pressure_angle(state: RatedLoad) -> Check:
 
 
 def _find_threshold(is_met: Callable[[float], bool]) -> float:
-    """Find the largest share in [0, 1] at which a condition is met that fails at 1, by bisection; 0 if none."""
+    """Find the largest share in [0, 1] at which a condition is met that fails at 1, by bisection; 0 if there is none.
+
+    The condition counts as not met where it raises `CycloidError`, and is assumed to be met at all smaller shares.
+    """
 
     def is_met_safely(share: float) -> bool:
         try:
@@ -336,7 +341,10 @@ def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
 
 
 def _check_wall(state: RatedLoad, wall: Wall) -> Check:
-    """Check that no pin tears out through its wall, in tension or shear, under the loads `state`."""
+    """Check that no pin breaks through its wall by tension or shear, under the loads `state`.
+
+    The remedies are a wider face, or a material with more yield strength.
+    """
     reducer, design = state.reducer, state.reducer.design
 
     def wall_stress(state: RatedLoad) -> float:

@@ -34,8 +34,8 @@ WALLS = ("bore", "holes_to_bore", "holes_to_root", "neighbouring_holes", "neighb
 def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
     """Yield the rules for the teeth of disc and ring, in the order in which they depend on each other.
 
-    N ring teeth, eccentricity c, pin-circle radius E and pin radius rho. Rules without meaning for a path with loops
-    are left out.
+    Rules without meaning for a path of the pins with loops are left out. In texts, N are the ring teeth, c is the
+    eccentricity, E the pin-circle radius and rho the pin radius.
     """
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
@@ -69,11 +69,12 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _undercut_rule(reducer: Reducer) -> Rule:
-    """Return the rule that the profile has no undercut: rho is below the smallest convex radius of the trochoid.
+    """Return the rule that the profile has no undercut: pin and clearance are smaller than the path's convex radii.
 
-    An internal gear exists under the same condition (see ``geometry.envelope``). It also keeps the outline simple: for
-    N >= 4 teeth the smallest convex radius of the path is below the smallest distance of its tangents from the disc's
-    centre, so that the polar angle grows along the entire profile.
+    The path is that of a pin centre in the disc, a trochoid. An internal gear exists under the same condition (see
+    ``geometry.envelope``). The condition also keeps the outline simple: for N >= 4 ring teeth the smallest convex
+    radius of the path is below the smallest distance of its tangents from the disc's centre, so that the polar angle
+    grows along the entire profile.
     """
     design = reducer.design
     ring, c, offset = design.ring, design.gear.eccentricity, reducer.profile_offset
@@ -97,30 +98,29 @@ def _undercut_rule(reducer: Reducer) -> Rule:
 
 
 def _pin_wall_rule(reducer: Reducer) -> Rule:
-    """Return the rule for the wall between the sockets of neighbouring ring pins.
-
-    The wall is a share of the pin-circle radius E.
-    """
+    """Return the rule for the wall between the sockets of neighbouring ring pins."""
     design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
 
-    def limits(wall: float) -> tuple[Limit, ...]:
-        """Return the limits on the pins that leave a wall of a share of E between their sockets."""
-        relative_radius = math.sin(math.pi / N) - wall / 2
+    def pin_limits(relative_wall: float) -> tuple[Limit, ...]:
+        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius between pin sockets."""
+        relative_radius = math.sin(math.pi / N) - relative_wall / 2
         return (
             Limit("ring.pin_radius", "less than", E * relative_radius - play),
-            Limit("ring.teeth", "less than", circles_on_circle(socket / E + wall / 2)),
+            Limit("ring.teeth", "less than", circles_on_circle(socket / E + relative_wall / 2)),
             Limit(
                 "ring.pin_circle_radius", "more than", socket / relative_radius if relative_radius > 0.0 else math.inf
             ),
         )
 
-    return wall_rule("neighbouring_pins", limits, TEETH.min_wall_share, E, "between the sockets of neighbouring pins")
+    return wall_rule(
+        "neighbouring_pins", pin_limits, TEETH.min_wall_share, E, "between the sockets of neighbouring pins"
+    )
 
 
 def _sleeve_rule(reducer: Reducer) -> Rule:
-    """Return the rule that a sleeve leaves room for a pin inside, of at least `TEETH.min_core_share` of rho."""
+    """Return the rule that the core pin in a sleeve has at least `TEETH.min_core_share` of the sleeve's radius."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
     no_pin = Rule(
         "sleeve", Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play), "the sleeve leaves no pin inside"
@@ -139,15 +139,16 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
     """Return the rule that half-open sockets support their pins in all directions in which the disc presses them.
 
     The disc presses a pin outwards, at most asin(c N/E) to the side (Hsieh 2014, Eq. 7). Within that angle a loaded pin
-    rests on the wall of its socket, and an unloaded one is retained by the disc in front of it.
+    rests on the wall of its socket, and an unloaded pin is retained by the disc in front of it. c is the eccentricity,
+    N the number of pins and E the pin-circle radius.
     """
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def remaining_angle(pin_radius: float, eccentricity: float) -> float:
-        """Compute the angle [rad] of the socket's support beyond the largest direction of the force.
+        """Compute the angle [rad] of the socket's support minus the largest direction of the force.
 
-        It is that with a `pin_radius` and an `eccentricity` [m] in place of those of the design.
+        A `pin_radius` and an `eccentricity` [m] replace those of the design.
         """
         changed_design = design.model_copy(
             update={
@@ -186,27 +187,27 @@ def _housing_wall_rule(reducer: Reducer) -> Rule:
     outermost = socket_radius if ring.kind == "pin" else root_radius
     wall_thickness = outermost - ring.pin_circle_radius
 
-    def limits(wall: float) -> tuple[Limit, ...]:
-        """Return the limits on housing and ring that leave a wall of a share of E outside the teeth."""
+    def housing_limits(relative_wall: float) -> tuple[Limit, ...]:
+        """Return the limits for a wall of `relative_wall` [1] times the pin-circle radius outside the teeth."""
         return (
-            Limit("housing.outer_radius", "more than", outermost + wall * ring.pin_circle_radius),
-            Limit("ring.pin_circle_radius", "less than", (outer - wall_thickness) / (1 + wall)),
+            Limit("housing.outer_radius", "more than", outermost + relative_wall * ring.pin_circle_radius),
+            Limit("ring.pin_circle_radius", "less than", (outer - wall_thickness) / (1 + relative_wall)),
         )
 
     location = f"outside the ring's teeth (out to {millimetres(outermost)})"
-    return wall_rule("housing", limits, TEETH.min_wall_share, ring.pin_circle_radius, location)
+    return wall_rule("housing", housing_limits, TEETH.min_wall_share, ring.pin_circle_radius, location)
 
 
 def circles_on_circle(half_pitch_share: float) -> float:
-    """Compute how many circles fit on a circle, from half their pitch over its radius."""
+    """Compute how many circles fit on a circle, not rounded, from half of their pitch over its radius [1]."""
     return math.pi / math.asin(min(half_pitch_share, 1.0))
 
 
 def _find_decreasing_root(function: Callable[[float], float], high: float) -> float:
     """Find the root of a decreasing function in (0, `high`) by bisection, to rounding; 0 if there is none.
 
-    The root has the unit of `high`. The lower end of the last interval is returned: the function is positive there. A
-    root below 1e-12 of `high` counts as none.
+    The lower end of the last interval is returned, where the function is positive; it is `high` to rounding if the
+    function is positive everywhere. A root below 1e-12 of `high` counts as none.
     """
     low, floor = 0.0, 1e-12 * high
     while max(low, floor) < (midpoint := (low + high) / 2) < high:

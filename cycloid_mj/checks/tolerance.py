@@ -15,8 +15,8 @@ SIGMAS = 3.0
 def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
     """Yield the checks that the manufacturing errors of a design fit into its clearances; all are warnings.
 
-    Errors of position and radius of a ring pin add as squares. The clearances of cam and mesh compensate errors of cam
-    and eccentricity together.
+    Errors of position and radius of a ring pin add as squares. Errors of the cams' positions and eccentricity are
+    compared with the sum of the clearances of cam and mesh.
     """
     design = reducer.design
     errors, measured, clearance, pair = design.errors, design.measured, design.clearance, design.tooth_pair
@@ -44,7 +44,10 @@ def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
 
 
 def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
-    """Compute a tolerance [m]: that of the random draw, or the largest of the listed errors."""
+    """Compute the tolerance of an error [m]: the largest listed values, or three standard deviations of random errors.
+
+    `deviation` is the standard deviation [m]. If several lists are not empty, their largest values add as squares.
+    """
     largest = [max(abs(value) for value in values) for values in listed if values]
     return math.hypot(*largest) if largest else SIGMAS * deviation
 
