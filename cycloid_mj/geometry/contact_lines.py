@@ -39,7 +39,15 @@ class ContactLines:
 
 
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
-    """Compute every contact line at some crank angles [rad], without clearance."""
+    """Compute every contact line of disc and ring at some crank angles [rad], without clearance.
+
+    `kind` is "pin" for a ring of pins, or "nonpin" for an internal gear.
+
+    Raises
+    ------
+    DesignError
+        The gear is undercut.
+    """
     profile.require_no_undercut(gear)
     pieces = [piece for angle in np.ravel(crank_angles) for piece in _contact_lines_at(gear, kind, float(angle))]
     columns = {field.name: [getattr(piece, field.name) for piece in pieces] for field in fields(ContactLines)}

@@ -53,7 +53,7 @@ class Deviations:
 
     @property
     def largest(self) -> float:
-        """The largest size of any of them [m]."""
+        """The largest magnitude of all errors [m]."""
         displacements = np.concatenate([self.pin_displacement, *self.hole_displacement, self.cam_displacement])
         radii = np.concatenate([self.pin_radius, self.disc_radius, self.waves.ravel()])
         return float(max(np.linalg.norm(displacements, axis=1).max(), np.abs(radii).max(), abs(self.eccentricity)))
@@ -68,8 +68,8 @@ class Deviations:
 def deviations(design: Design) -> Deviations:
     """Compute the manufacturing errors of a design's parts.
 
-    Each kind of error is listed in the design, or else drawn from a normal distribution with the design's standard
-    deviation and seed: equal designs have equal errors. Measured errors are added.
+    Errors of a kind that the design lists are used; others are drawn from a normal distribution with the design's
+    standard deviation and seed, so that equal designs have equal errors. Measured errors are added to both.
 
     Raises
     ------
@@ -85,21 +85,23 @@ def deviations(design: Design) -> Deviations:
         errors.cam_position,
     )
     measured_parts = measured_deviations(design)
-    listed_waves = np.stack([_each(design, name, 0.0, pin_count) for name in ("profile_cos", "profile_sin")], axis=1)
+    listed_waves = np.stack(
+        [_errors_of_parts(design, name, 0.0, pin_count) for name in ("profile_cos", "profile_sin")], axis=1
+    )
     waves = np.pad(listed_waves, ((0, max(0, len(measured_parts.waves) - pin_count)), (0, 0)))
     waves[: len(measured_parts.waves)] += measured_parts.waves
     return Deviations(
         pin_displacement=np.stack(
-            [_each(design, axis, pin_deviation, pin_count) for axis in ("pin_x", "pin_y")], axis=1
+            [_errors_of_parts(design, axis, pin_deviation, pin_count) for axis in ("pin_x", "pin_y")], axis=1
         )
         + measured_parts.pin_displacement,
-        pin_radius=_each(design, "pin_dr", radius_deviation, pin_count) + measured_parts.pin_radius,
+        pin_radius=_errors_of_parts(design, "pin_dr", radius_deviation, pin_count) + measured_parts.pin_radius,
         hole_displacement=np.stack(
-            [_of_discs(design, axis, hole_deviation, hole_count) for axis in ("hole_x", "hole_y")], axis=2
+            [_errors_by_disc(design, axis, hole_deviation, hole_count) for axis in ("hole_x", "hole_y")], axis=2
         ),
-        disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0] + measured_parts.disc_radius,
+        disc_radius=_errors_by_disc(design, "disc_dr", errors.disc_size, 1)[:, 0] + measured_parts.disc_radius,
         cam_displacement=np.stack(
-            [_of_discs(design, axis, cam_deviation, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1
+            [_errors_by_disc(design, axis, cam_deviation, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1
         ),
         eccentricity=errors.eccentricity,
         waves=waves,
@@ -107,12 +109,12 @@ def deviations(design: Design) -> Deviations:
 
 
 def profile_error(waves: Array, t: Array) -> Array:
-    """Compute how far the flanks are set back inwards [m], at parameters t [rad] of the gear's trochoid, in t's shape.
+    """Compute by how much the flanks are set back inwards [m], at parameters t [rad] of the gear's trochoid, any shape.
 
     It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the rows (a_k, b_k) [m] of `waves`
     (orders, 2). k is in cycles per turn of the gear, as measuring machines report profile errors. The trochoid is set
     back along its normals, and the flanks are its parallel, as ground by a wheel of the pin's radius. Statics evaluates
-    it at the foot point of the ideal profile, to first order.
+    the error at the foot point of the ideal profile, to first order.
     """
     error = np.zeros(np.shape(t))
     for index in np.flatnonzero(np.any(waves != 0.0, axis=1)):
@@ -121,22 +123,31 @@ def profile_error(waves: Array, t: Array) -> Array:
     return error
 
 
-def _of_discs(design: Design, name: str, standard_deviation: float, count: int) -> Array:
-    """Compute the error of each of `count` like parts of every disc [m], shape (D, count)."""
+def _errors_by_disc(design: Design, name: str, standard_deviation: float, count: int) -> Array:
+    """Return the errors of a kind [m] of `count` equal parts on every disc, shape (D, count): listed, or drawn.
+
+    `name` is the list in ``design.errors``; `standard_deviation` [m] is that of drawn errors.
+    """
     listed = getattr(design.errors, name)
     if listed:
         return np.reshape(listed, (design.gear.discs, count))
-    return np.stack([_drawn(design, name, standard_deviation, count, disc) for disc in range(design.gear.discs)])
+    return np.stack([_draw_errors(design, name, standard_deviation, count, disc) for disc in range(design.gear.discs)])
 
 
-def _each(design: Design, name: str, standard_deviation: float, count: int) -> Array:
-    """Compute the error of each part [m]: its list, or normal deviates."""
+def _errors_of_parts(design: Design, name: str, standard_deviation: float, count: int) -> Array:
+    """Return the errors of a kind [m] of `count` equal parts, shape (count,): listed in ``design.errors``, or drawn.
+
+    `name` is the list; `standard_deviation` [m] is that of drawn errors.
+    """
     values = getattr(design.errors, name)
-    return np.array(values) if values else _drawn(design, name, standard_deviation, count)
+    return np.array(values) if values else _draw_errors(design, name, standard_deviation, count)
 
 
-def _drawn(design: Design, name: str, standard_deviation: float, count: int, disc: int = 0) -> Array:
-    """Draw normal deviates [m]; every disc has a stream of its own, the first that of a drive with one."""
+def _draw_errors(design: Design, name: str, standard_deviation: float, count: int, disc: int = 0) -> Array:
+    """Draw normally distributed errors [m], shape (count,), from the random stream of a list and of a `disc`.
+
+    `name` is a key of `_STREAMS`. The errors are 0 if the `standard_deviation` [m] is.
+    """
     if not standard_deviation:
         return np.zeros(count)
     key = [design.errors.seed, _STREAMS[name], *([disc] if disc else [])]

@@ -88,10 +88,11 @@ class Sigma:
 
     @property
     def points(self) -> Array:
-        """Points (..., 2) [m] of the flank: c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l).
+        """Points (..., 2) [m] of the flank in the ring frame, on the common normal through the pitch point.
 
-        They are on the common normal through the pitch point. `crank` is `crank_angle_cw`, psi is `normal_angle`; other
-        symbols as in the module.
+        They are c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l), K = E^2 - c^2 N^2 and u(b) = (sin b,
+        cos b). `crank` is `crank_angle_cw`, psi is `normal_angle`, l is `profile.pitch_distance`; other symbols as in
+        `CycloidGear`.
         """
         N, c, _, rho = self.gear.symbols
         h = ((N - 1) * _K(self.gear) + self._l**2) / (N * self._l)
@@ -147,11 +148,13 @@ class Sigma:
 
 
 def tightest_radius(gear: CycloidGear) -> float:
-    """Compute the smallest concave radius of curvature of the ring [m]; symbols as in the module.
+    """Compute the smallest concave radius of curvature of the ring [m].
 
-    With y = l^2/K, the radius is stationary at the only root above 1 of (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3
-    (N-1)(N+2) y + (N-1)(N-2). It is the smallest there, or where Sigma ends if that comes first, at y = (E + c N)/(E -
-    c N).
+    Notes
+    -----
+    With y = l^2/K, K = E^2 - c^2 N^2 and the pitch distance l, the radius is stationary at the only root above 1 of
+    (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3 (N-1)(N+2) y + (N-1)(N-2). It is the smallest there, or where Sigma ends if
+    that comes first, at y = (E + c N)/(E - c N). Symbols as in `CycloidGear`.
     """
     N, c, E, _ = gear.symbols
     cubic = [(N + 1) * (N + 2), -3 * (N + 1) * (N - 2), -3 * (N - 1) * (N + 2), (N - 1) * (N - 2)]
@@ -178,10 +181,12 @@ def perimeter(gear: CycloidGear) -> float:
 
 
 def area(gear: CycloidGear) -> float:
-    """Compute the area of the ring's bore [m^2]: that inside the inward parallel at rho of the trochoid's envelope.
+    """Compute the area of the ring's bore [m^2], inside the lobes and the second envelope.
 
-    It is A0 - rho (L + 8 c) + pi rho^2, with L the trochoid's length and A0 = pi (N+1) (E^2/N + 2 c^2) - 2 B0 (E^2/N +
-    2 N c^2) + 6 c sqrt(K).
+    Notes
+    -----
+    It is A0 - rho (L + 8 c) + pi rho^2, with the trochoid's length L and A0 = pi (N+1) (E^2/N + 2 c^2) - 2 B0 (E^2/N +
+    2 N c^2) + 6 c sqrt(E^2 - c^2 N^2). Symbols as in `CycloidGear`, with B0 its `best_phase`.
     """
     N, c, E, rho = gear.symbols
     B0 = gear.best_phase
@@ -215,10 +220,10 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
 
 
 def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline:
-    """Compute few points of the ring whose chords deviate by at most `chord_error` [m]; all lobes have the same.
+    """Compute few points of the ring whose chords deviate from it by at most `chord_error` [m].
 
-    The junctions are among the points, so that each chord spans an arc or a Sigma only. The order is as in
-    `sample_ring`.
+    All lobes have the same points. The junctions are among them, so that each chord spans an arc or a Sigma only. The
+    order is as in `sample_ring`.
 
     Raises
     ------
@@ -237,9 +242,9 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
 
 
 def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
-    """Compute phases B (n,) [rad] from the junction to the middle of the root, whose chords deviate equally from Sigma.
+    """Compute phases B (n,) [rad] of points of Sigma from the junction to the middle of the root, by chord error.
 
-    The deviation is at most `chord_error` [m].
+    The chords between the points deviate about equally from Sigma, by at most `chord_error` [m].
 
     Raises
     ------
@@ -278,14 +283,17 @@ def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
 def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
     """Compute the contacts of the gear with Sigma at a counter-clockwise `crank_angle` [rad], in order of lobes.
 
-    Solves N/(N-1) B + A(B) + psi_1 = 0 modulo 2 pi, that is `Sigma.crank_angle_cw` = -crank_angle less the lobe's
-    angle, on each interval of B where that is monotone: one from B0 to 2 pi - B0 if c N / E <= (N-2)/N, else three.
-    A lobe may have no contact or several.
+    Sigma are the flanks between the arcs of the ring. A lobe may have no contact with them or several.
 
     Raises
     ------
     DesignError
         The gear is undercut.
+
+    Notes
+    -----
+    The equation `Sigma.crank_angle_cw` = -crank_angle minus the lobe's angle, modulo 2 pi, is solved for the phase B on
+    each interval where the left side is monotone: one interval if c N / E <= (N-2)/N, three otherwise.
     """
     require_envelope(gear)
     zeta = profile.pin_angles(gear)
@@ -320,9 +328,10 @@ def _K(gear: CycloidGear) -> float:
 
 
 def _monotone_intervals(gear: CycloidGear) -> list[tuple[float, float]]:
-    """Return the intervals of B between B0 and 2 pi - B0 in which `Sigma.crank_angle_cw` is monotone.
+    """Return the intervals of the phase B in which `Sigma.crank_angle_cw` is monotone, one or three.
 
-    There are one or three; they end where l^2 = (N-1) K.
+    They are between B0 = `CycloidGear.best_phase` and 2 pi - B0, and end where l^2 = (N-1) (E^2 - c^2 N^2), with the
+    pitch distance l and the symbols of `CycloidGear`.
 
     Returns
     -------
@@ -339,7 +348,7 @@ def _monotone_intervals(gear: CycloidGear) -> list[tuple[float, float]]:
 
 
 def _rotate(points: Array, angle: Array) -> Array:
-    """Turn points (n, 2) clockwise by angles (n,)."""
+    """Rotate points (n, 2) [m] clockwise about the ring's axis by angles (n,) [rad]."""
     x, y = points.T
     return np.stack([x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)], axis=1)
 

@@ -40,12 +40,16 @@ def _expansion(design: Design, part: str) -> float:
 
 
 def warm_clearances(design: Design) -> dict[str, float]:
-    """Compute the clearance [m] of each mating pair at the temperatures of ``[thermal]``; negative where it is lost.
+    """Compute the clearance [m] of each kind of pair at the temperatures of ``[thermal]``; negative if it is lost.
 
+    An RV reducer has mesh and socket only.
+
+    Notes
+    -----
     With thermal strains s relative to the ring, pin radius rho, hole radius r, radius b of cam or output pin,
     eccentricity c, offset q of the flanks beyond rho and clearances c_s of the socket, c_c of the cam and c_o of the
     output: mesh q + (rho + q) s_disc - rho s_pin, socket c_s - rho s_pin, cam c_c + (b + c_c) s_disc - b s_shaft,
-    output c_o + (r + c_o - c) s_disc - b s_output. An RV reducer has mesh and socket only.
+    output c_o + (r + c_o - c) s_disc - b s_output.
     """
     ring, gear, output, clearance = design.ring, design.gear, design.output, design.clearance
     pin_strain = strain(design, "pin") if ring.kind == "pin" else 0.0
@@ -68,12 +72,12 @@ def warm_clearances(design: Design) -> dict[str, float]:
 def expand(design: Design) -> Design:
     """Return the design as it is at the temperatures of ``[thermal]``: with changed clearances and materials.
 
-    A design at the reference temperature, 20 °C, is returned itself.
+    A design at the reference temperature, 20 °C, is returned unchanged.
 
     Raises
     ------
     DesignError
-        A clearance is lost: the parts jam. Or a profile is measured, but that of the drawing is undercut.
+        A clearance is lost, so that the parts jam; or a profile is measured, but that of the drawing is undercut.
     """
     if design.thermal.is_reference:
         return design
@@ -93,7 +97,7 @@ def expand(design: Design) -> Design:
         output={"hole_radius": output.hole_radius + gear.eccentricity * disc_strain},
         errors={
             "eccentricity": design.errors.eccentricity + gear.eccentricity * (crank_strain - disc_strain),
-            **_shift_holes(design, output.pin_circle_radius * (disc_strain - strain(design, "output"))),
+            **_shifted_hole_errors(design, output.pin_circle_radius * (disc_strain - strain(design, "output"))),
         },
         thermal={"applied": True},
         **{f"{part}_material": warm_material(design, part).model_dump() for part in PARTS},
@@ -103,8 +107,8 @@ def expand(design: Design) -> Design:
 def _expand_rv(design: Design) -> Design:
     """Return an RV reducer as it is at the temperatures of ``[thermal]``; clearances that are lost become preloads.
 
-    Teeth and sockets close by a modification of the flanks, as the discs are pressed against springs. Bores and carrier
-    expand away from each other, and eccentrics in their bores.
+    The change of the clearances of teeth and sockets becomes a modification of the flanks, which may press the discs
+    against the pins. Bores and carrier expand differently, as do eccentrics and their bores.
     """
     import numpy as np
 
@@ -125,8 +129,8 @@ def _expand_rv(design: Design) -> Design:
     places = circle * unit(2.0 * np.pi * np.arange(cranks.count) / cranks.count)
     outward = np.broadcast_to((disc_strain - strain(design, "output")) * places, (*shape, 2)).reshape(-1, 2)
 
-    def plus(values: tuple[float, ...], change: "Array | float") -> tuple[float, ...]:
-        """Add a change [m] to a list of errors [m] of the eccentrics; an empty list has zeros."""
+    def add_to_errors(values: tuple[float, ...], change: "Array | float") -> tuple[float, ...]:
+        """Add a change [m] to a list of errors [m] of all eccentrics; an empty list counts as zeros."""
         size = shape[0] * shape[1]
         return tuple((np.array(values or (0.0,) * size) + change).tolist())
 
@@ -142,9 +146,9 @@ def _expand_rv(design: Design) -> Design:
             "needle_clearance": cranks.needle_clearance + bore_radius * disc_strain - inner_radius * crank_strain,
         },
         crank_errors={
-            "eccentric_radial": plus(errors.eccentric_radial, eccentricity * (crank_strain - disc_strain)),
-            "bore_x": plus(errors.bore_x, outward[:, 0]),
-            "bore_y": plus(errors.bore_y, outward[:, 1]),
+            "eccentric_radial": add_to_errors(errors.eccentric_radial, eccentricity * (crank_strain - disc_strain)),
+            "bore_x": add_to_errors(errors.bore_x, outward[:, 0]),
+            "bore_y": add_to_errors(errors.bore_y, outward[:, 1]),
         },
         thermal={"applied": True},
         **{f"{part}_material": warm_material(design, part).model_dump() for part in PARTS},
@@ -172,10 +176,10 @@ def warm_material(design: Design, part: str) -> Material:
     return material.model_copy(update=warm_values)
 
 
-def _shift_holes(design: Design, expansion: float) -> Mapping[str, tuple[float, ...]]:
-    """Return the position errors x and y of the holes [m] as in ``[errors]``, with all holes moved outwards.
+def _shifted_hole_errors(design: Design, expansion: float) -> Mapping[str, tuple[float, ...]]:
+    """Return the position errors of the holes with all holes moved outwards [m], as "hole_x" and "hole_y".
 
-    `expansion` [m] is that of the circle of holes relative to that of the output pins; if it is 0, nothing is returned.
+    `expansion` [m] is that of the circle of holes relative to that of the output pins; if it is 0, the result is empty.
     """
     if expansion == 0.0:
         return {}
@@ -203,11 +207,11 @@ def _describe_jam(design: Design, pair: str, clearance: float) -> str:
 
 
 def jam_difference(design: Design) -> float:
-    """Compute how much warmer than its ring a disc may be until the teeth lose their clearance [K]; inf if never.
+    """Compute by how much a disc may be warmer than its ring until the teeth lose their clearance [K]; inf if never.
 
-    It is play/(alpha (E - rho)), with the expansion alpha [1/K] of the disc, the pin circle radius E and the pin radius
-    rho: the flanks at the valleys expand towards the pins, which recede by their play in the sockets. Errors of the
-    parts are not included.
+    It is play/(alpha (E - rho)), with the expansion alpha [1/K] of the disc, the pin-circle radius E, the pin radius
+    rho, and the clearance of teeth and sockets, play: the flanks at the valleys expand towards the pins, which recede
+    by their clearance in the sockets. Errors of the parts are not included.
     """
     ring, alpha = design.ring, design.material_of("gear").expansion
     play = getattr(design.clearance, design.tooth_pair) + design.modification.equidistant + design.pin_play
@@ -216,9 +220,9 @@ def jam_difference(design: Design) -> float:
 
 
 def tooth_play(design: Design) -> float:
-    """Compute the radial play [m] between disc and ring at the temperatures of ``[thermal]``; negative if they jam.
+    """Compute the radial clearance [m] of disc and ring at the temperatures of ``[thermal]``; negative if they jam.
 
-    It includes the play of pins in their sockets. At equal temperatures and materials it is the play of
+    It includes the clearance of pins in their sockets. At equal temperatures and materials it is the clearance of
     `jam_difference`.
     """
     ring, clearance = design.ring, warm_clearances(design)

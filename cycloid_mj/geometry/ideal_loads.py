@@ -199,11 +199,12 @@ def palmgren_stiffness(force: npt.ArrayLike, length: npt.ArrayLike) -> Array:
 
 
 def line_contact_constant(force: float, length: float, modulus: float, depth: float) -> float:
-    """Compute the constant a of the compliance factor a + ln kappa of a line contact: 2 ln(4 D/b) - 1 with Hertz's b.
+    """Compute the constant a of the compliance factor a + ln kappa = 2 ln(4 D/b) - 1 of a line contact.
 
     Each body's approach, from the contact to a point at the depth D, is F (1 - nu^2)/(pi E L) [2 ln(4 D/b) - 1]
-    (Johnson 1985, Contact Mechanics, section 5.6). `force` F [N] over the `length` L [m], `modulus` E* [Pa], `depth` D
-    [m], the same for both bodies.
+    with Hertz's half width b (Johnson 1985, Contact Mechanics, section 5.6); b^2 kappa does not depend on the relative
+    curvature kappa [1/m]. `force` F [N] over the `length` L [m], `modulus` E* [Pa], `depth` D [m], the same for both
+    bodies.
     """
     b_squared_kappa = 4 * force / (math.pi * length * modulus)
     return 2 * math.log(4 * depth) - math.log(b_squared_kappa) - 1
@@ -264,7 +265,7 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
 def _balance_gear(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
     """Share a torque [N m] among contacts by their arms (..., n) [m], and compute the eccentric's reaction on the gear.
 
-    `gear_normals` (..., n, 2) are the outward normals of the gear at the contacts. `torque` and `crank_angle` [rad]
+    `gear_normals` (..., n, 2) are the directions in which the contacts push the gear. `torque` and `crank_angle` [rad]
     have the shape (...).
     """
     forces = share_load(arms, torque)

@@ -123,16 +123,16 @@ class InvoluteGear:
         return self.base_radius * (along + t[..., np.newaxis] * across)
 
     def flank_tangents(self, roll: npt.ArrayLike) -> Array:
-        """Compute unit tangents (n, 2) of the involute towards the tip."""
+        """Compute unit tangents (n, 2) of the involute towards the tip, at roll angles (n,) [rad]."""
         turned = self.space_half_angle + np.asarray(roll, dtype=np.float64)
         return np.stack([np.sin(turned), np.cos(turned)], -1)
 
     def flank_length(self, roll: npt.ArrayLike) -> Array:
-        """Compute the arc length of the involute from the base circle [m]."""
+        """Compute the arc length of the involute from the base circle [m], at roll angles (n,) [rad]."""
         return np.asarray(self.base_radius * np.square(roll) / 2.0)
 
     def flank_curvature(self, roll: npt.ArrayLike) -> Array:
-        """Compute the signed curvature of the involute [1/m], negative as its tangent turns clockwise."""
+        """Compute the signed curvature of the involute [1/m] at roll angles [rad], negative: clockwise."""
         return np.asarray(-1.0 / (self.base_radius * np.asarray(roll, dtype=np.float64)))
 
     def fillet(self, corner: npt.ArrayLike) -> Array:
@@ -148,21 +148,21 @@ class InvoluteGear:
         return _rotate(s * stretch, r - h * stretch, (s - self.corner_offset) / r)
 
     def fillet_tangents(self, corner: npt.ArrayLike) -> Array:
-        """Compute unit tangents (n, 2) of the fillet towards the involute."""
+        """Compute unit tangents (n, 2) of the fillet towards the involute, at positions (n,) [m] as in `fillet`."""
         s = np.asarray(corner, dtype=np.float64)
         distance = np.hypot(s, self.corner_depth)
         angle = (s - self.corner_offset) / self.reference_radius
         return _rotate(self.corner_depth / distance, s / distance, angle)
 
     def fillet_length(self, corner: npt.ArrayLike) -> Array:
-        """Compute the arc length of the fillet from the root circle [m]."""
+        """Compute the arc length of the fillet from the root circle [m], at positions [m] as in `fillet`."""
         s = np.asarray(corner, dtype=np.float64)
         h, r = self.corner_depth, self.reference_radius
         centre = (s * np.hypot(s, h) + h * h * np.arcsinh(s / h)) / (2.0 * r)
         return np.asarray(centre + self.module * CORNER_RADIUS * (s / r + np.arctan(s / h)))
 
     def fillet_curvature(self, corner: npt.ArrayLike) -> Array:
-        """Compute the curvature of the fillet [1/m]."""
+        """Compute the curvature of the fillet [1/m], positive, at positions [m] as in `fillet`."""
         s = np.asarray(corner, dtype=np.float64)
         h, r = self.corner_depth, self.reference_radius
         distance = np.hypot(s, h)
@@ -204,10 +204,10 @@ def shift_sum(teeth: int, module: float, pressure_angle: float, centre_distance:
 def gear_pair(
     teeth: tuple[int, int], module: float, pressure_angle: float, centre_distance: float, backlash: float
 ) -> tuple[InvoluteGear, InvoluteGear]:
-    """Return a pinion and its mate, of which the pinion has the profile shift that avoids undercut.
+    """Return a pinion without undercut and its mate, which fit a centre distance.
 
-    The shift of the mate makes the pair fit the centre distance without backlash; then each tooth is thinned by half of
-    the backlash. The tips leave the clearance of the rack at the mating roots.
+    The pinion has the profile shift that avoids undercut, and its mate the shift with which the pair has no backlash;
+    then each tooth is thinned by half of the backlash. The tips have the clearance of the rack from the mating roots.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def gear_pair(
     module, centre_distance, backlash
         Lengths [m]; the backlash is circumferential, at the reference circles.
     pressure_angle
-        At the reference circle [rad].
+        Pressure angle at the reference circle [rad].
 
     Returns
     -------
@@ -238,6 +238,6 @@ def gear_pair(
 
 
 def _rotate(x: npt.ArrayLike, y: npt.ArrayLike, angle: Array) -> Array:
-    """Rotate vectors counter-clockwise by angles (n,) [rad]; return them as (n, 2)."""
+    """Rotate vectors (x, y), shape (n,) each, counter-clockwise by angles (n,) [rad]; return them as (n, 2)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack([cos * x - sin * y, sin * x + cos * y], -1)

@@ -93,8 +93,9 @@ def gear_centre_acceleration(
 ) -> Array:
     """Compute the acceleration of the gear's centre (..., 2) [m/s^2] (Hsieh 2014, Eq. 14 corrected).
 
-    c omega_i^2 towards the axis, and c domega_i/dt along the tangent. Crank angle [rad], speed omega_i [rad/s] and
-    acceleration [rad/s^2] are counter-clockwise and broadcast to the shape (...).
+    It is the sum of c omega_i^2 towards the axis and c domega_i/dt along the tangent, with the eccentricity c. Crank
+    angle [rad], speed omega_i [rad/s] and acceleration [rad/s^2] are counter-clockwise and broadcast to the shape
+    (...).
     """
     centripetal = -(_column(crank_speed) ** 2) * _radial(crank_angle)
     tangential = _column(crank_acceleration) * _tangential(crank_angle)
@@ -118,13 +119,14 @@ def point_path(
     crank_angle, crank_speed, crank_acceleration
         Motion of the crank [rad], [rad/s], [rad/s^2], counter-clockwise; they broadcast to the shape (...).
     turning
-        Whether the gear rotates. If not, as its carrier is fixed, all its points move on circles of the radius c.
+        Whether the gear rotates. If not, as its carrier is fixed, all its points move on circles whose radius is the
+        eccentricity.
 
     Returns
     -------
     PointPath
-        Vectors of shape (..., 2). The origin is that of Eq. 16, the *initial* gear centre: add (0, c) for positions
-        from the reducer's axis.
+        Vectors of shape (..., 2). The origin is that of Eq. 16, the *initial* gear centre: add (0, eccentricity) for
+        positions from the reducer's axis.
     """
     theta, speed, acceleration = np.broadcast_arrays(crank_angle, crank_speed, crank_acceleration)
     if not turning:
@@ -171,9 +173,9 @@ def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, A
 
 
 def point_speed(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike) -> Array:
-    """Speed of the gear point q, shape (...) [m/s] (Eq. 18).
+    """Compute the speed of a point `q` of the gear (...) [m/s] (Hsieh 2014, Eq. 18).
 
-    |dzeta/dt| sqrt(c^2 (N-1)^2 + q^2 + 2 c (N-1) (q_x sin N zeta - q_y cos N zeta)).
+    |dzeta/dt| sqrt(c^2 (N-1)^2 + q^2 + 2 c (N-1) (q_x sin N zeta - q_y cos N zeta)). Parameters as in `point_path`.
     """
     return np.abs(np.asarray(crank_speed, float)) / gear.lobes * np.sqrt(_slope_squared(gear, q, crank_angle))
 
@@ -187,9 +189,13 @@ def point_acceleration(
 ) -> Array:
     """Compute the magnitude of the acceleration (...) [m/s^2] of a point q of the gear (Hsieh 2014, Eq. 20 corrected).
 
+    Parameters as in `point_path`.
+
+    Notes
+    -----
     With derivatives r', r'' of the position by zeta, the crank angle over N - 1: |r'' (dzeta/dt)^2 + r' d2zeta/dt2|,
-    where |r''|^2 = c^2 (N-1)^4 + q^2 + 2 c (N-1)^2 (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and
-    r' . r'' = c N (N-1) (q_x cos N zeta + q_y sin N zeta). Parameters as in `point_path`.
+    where |r''|^2 = c^2 (N-1)^4 + |q|^2 + 2 c (N-1)^2 (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and
+    r' . r'' = c N (N-1) (q_x cos N zeta + q_y sin N zeta), with N ring teeth and the eccentricity c.
     """
     N, c = gear.ring_teeth, gear.eccentricity
     q_x, q_y = np.asarray(q, float)
@@ -202,7 +208,7 @@ def point_acceleration(
 
 
 def _slope_squared(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike) -> Array:
-    """Square of |dr/dzeta| [m^2]."""
+    """Compute |dr/dzeta|^2 [m^2]: r is the position of the point `q`, zeta the crank angle over N - 1, as in Eq. 18."""
     N, c = gear.ring_teeth, gear.eccentricity
     q_x, q_y = np.asarray(q, float)
     turn = N * np.asarray(crank_angle, float) / (N - 1)

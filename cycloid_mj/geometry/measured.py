@@ -227,10 +227,10 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
 def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment | None) -> MeasuredProfile:
     """Fit a mean and waves to outward deviations (n,) [m] at parameters t (n,) [rad], by weighted least squares.
 
-    A point's weight is the length of t that is nearest to it, because contacts pass t evenly. The highest order is
-    `max_order`, or less if the largest gap between the points does not determine it: it is below pi over the gap
-    (Gröchenig 1992, "Reconstruction algorithms in irregular sampling"). The highest orders are left out as long as
-    their rms is at most `FIT.tail`. `alignment` is stored in the result.
+    The weight of a point is the part of the range of t that is nearest to it. The highest order is `max_order`, or less
+    if the points are too far apart: it must be below pi over the largest gap (Gröchenig 1992, "Reconstruction
+    algorithms in irregular sampling"). The highest orders are left out as long as their rms is at most `FIT.tail`.
+    `alignment` is stored in the result.
     """
     from scipy.linalg import lstsq
 
@@ -252,7 +252,7 @@ def fit_waves(t: Array, deviation: Array, max_order: int, alignment: Alignment |
 
 
 def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
-    """Estimate centre and rotation of measured points (n, 2) [m]: a circle fit (Kasa 1976), the lobes' phase.
+    """Estimate centre and rotation of measured points (n, 2) [m] by a circle fit (Kasa 1976) and the lobes' phase.
 
     Returns
     -------

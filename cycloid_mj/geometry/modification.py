@@ -54,16 +54,19 @@ def gear_profile(design: Design) -> CycloidGear:
 
 
 def profile_offset(design: Design) -> float:
-    """Compute the distance of the gear's profile from its trochoid [m]: pin radius, clearance, equidistant."""
+    """Compute the distance of the gear's profile from its trochoid [m].
+
+    It is the sum of pin radius, clearance and equidistant modification.
+    """
     clearance = design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
     return design.ring.pin_radius + clearance + design.modification.equidistant
 
 
 def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
-    """Compute where the flanks of a profile end that are rotated by `rotation` >= 0 [rad] towards the lobe's middle.
+    """Compute the ends of flanks that are rotated by `rotation` >= 0 [rad] towards the middle of their lobe.
 
-    The profile is at `offset` [m] from its trochoid. The point of the unrotated flank that comes to lie in the middle
-    is at the polar angle of the middle less `rotation`.
+    The profile is at `offset` [m] from its trochoid. The end of a rotated flank is the point of the unrotated flank
+    whose polar angle is that of the middle of tip or valley minus `rotation`.
 
     Raises
     ------

@@ -37,7 +37,7 @@ CURVE = CurveSettings()
 
 @dataclass(frozen=True)
 class CycloidGear:
-    """The four numbers that fix the mesh: N ring teeth, and c, E, rho [m].
+    """The four numbers that define the mesh: N ring teeth, eccentricity c, pin-circle radius E and pin radius rho [m].
 
     Raises
     ------
@@ -154,10 +154,10 @@ def conjugate_alpha(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def conjugate_point(gear: CycloidGear, pin_angle: npt.ArrayLike, crank_angle_cw: npt.ArrayLike) -> ConjugatePoint:
-    """Compute the contact point of a pin and the gear (Hsieh 2014, Eq. 2 with alpha - zeta, Eq. 7) in both frames [m].
+    """Compute the contact point of a pin and the gear in the frames of gear and ring [m] (Hsieh 2014, Eqs 2 and 7).
 
     `pin_angle` zeta and `crank_angle_cw` phi_1 [rad] are both clockwise from +y and broadcast; a counter-clockwise
-    crank angle theta is phi_1 = -theta.
+    crank angle theta is phi_1 = -theta. Eq. 2 is used with the angle alpha - zeta.
     """
     N, c, E, rho = gear.symbols
     zeta, phi = np.asarray(pin_angle, float), np.asarray(crank_angle_cw, float)
@@ -201,18 +201,22 @@ def outline(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) ->
 def curvature(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
     """Compute the signed curvature of the outline [1/m] at t [rad]: positive on the lobes' tips, negative in valleys.
 
-    1/R with R = l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] - offset, with the symbols of the module; `offset` [m] is by
-    default rho. The result has the shape of t.
+    `offset` [m] is that of the outline from the trochoid, by default the pin radius. The result has the shape of t.
+
+    Notes
+    -----
+    1/R with R = l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] - offset, symbols as in `CycloidGear`, B the `phase` of t and
+    l its `pitch_distance`.
     """
     B = phase(gear, t)
-    bend = _bend(gear, B)
+    bend = _curvature_bracket(gear, B)
     return bend / (pitch_distance(gear, B) ** 3 - _offset(gear, offset) * bend)
 
 
 def turning_rate(gear: CycloidGear, t: npt.ArrayLike) -> Array:
     """Differentiate `normal_angle` by t: [E^2 + c^2 N^3 - E c N (N+1) cos B] / l^2, shape (...)."""
     B = phase(gear, t)
-    return _bend(gear, B) / pitch_distance(gear, B) ** 2
+    return _curvature_bracket(gear, B) / pitch_distance(gear, B) ** 2
 
 
 def arc_rate(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
@@ -300,21 +304,24 @@ def inflection_phase(gear: CycloidGear) -> float:
 
 
 def undercut_radius(gear: CycloidGear) -> float:
-    """Compute the smallest convex radius of curvature of the trochoid [m], the limit of rho; always finite.
+    """Compute the smallest convex radius of curvature of the trochoid [m], which is the limit of the pin radius.
 
+    Notes
+    -----
     The radius l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] is stationary at B = 0, B = pi and, if the following is a
-    cosine, at cos B = 3 (E^2 + c^2 N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N); symbols as in the module.
+    cosine, at cos B = 3 (E^2 + c^2 N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N). Symbols as in `CycloidGear`; l is
+    the `pitch_distance` at the phase B.
     """
     N, c, E, _ = gear.symbols
     stationary_cosine = 3 * (E**2 + c**2 * N**3) / (E * c * N * (N + 1)) - (E**2 + (c * N) ** 2) / (E * c * N)
     B = np.arccos(np.array([1.0, -1.0, stationary_cosine] if abs(stationary_cosine) < 1 else [1.0, -1.0]))
-    numerator = _bend(gear, B)
+    numerator = _curvature_bracket(gear, B)
     convex = numerator > 0
     return float(np.min(pitch_distance(gear, B[convex]) ** 3 / numerator[convex]))
 
 
 def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
-    """Raise DesignError if the outline has cusps: its offset (by default rho) must be below `undercut_radius`."""
+    """Raise DesignError unless the offset of the outline [m], by default the pin radius, is below `undercut_radius`."""
     limit, rho = undercut_radius(gear), _offset(gear, offset)
     if rho >= limit:
         raise DesignError(
@@ -327,7 +334,7 @@ def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
 def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outline:
     """Compute `points` >= 3 points of the outline, equally spaced by arc length, clockwise from the valley on +y.
 
-    `offset` [m] is that of the outline from the trochoid, by default rho.
+    `offset` [m] is that of the outline from the trochoid, by default the pin radius.
 
     Raises
     ------
@@ -355,9 +362,9 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
 def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
     """Compute few parameters t (n,) [rad] of an outline whose chords deviate by at most `chord_error` [m].
 
-    `offset` [m] is that of the outline from the trochoid, by default rho. All lobes have the same parameters. Each half
-    lobe is divided at its inflection, so that a chord spans a purely concave or convex arc. The array is cached and
-    read-only.
+    `offset` [m] is that of the outline from the trochoid, by default the pin radius. All lobes have the same
+    parameters. Each half lobe is divided at its inflection, so that a chord spans a purely concave or convex arc. The
+    array is cached and read-only.
 
     Raises
     ------
@@ -396,7 +403,7 @@ class SmoothArc:
 
 
 def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -> Array:
-    """Compute parameters (n,) from `low` to `high` whose chords deviate about equally from `arc`.
+    """Compute parameters (n,) from `low` to `high` of points of `arc` whose chords have about equal deviations from it.
 
     The deviation is at most `chord_error` [m]. Chords of equal sagitta have equal shares of the integral of
     sqrt(|curvature|) ds.
@@ -404,7 +411,7 @@ def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -
     Raises
     ------
     DesignError
-        `chord_error` is below 1e-12 m (there, rounding takes over).
+        `chord_error` is below 1e-12 m, the rounding of coordinates.
     """
     if not chord_error >= CURVE.min_chord_error:
         raise DesignError(f"chord_error = {chord_error} m is too small: choose at least {CURVE.min_chord_error} m")
@@ -430,10 +437,10 @@ def solve_monotone(
     high: npt.ArrayLike,
     rtol: float = 0.0,
 ) -> Array:
-    """Solve function(x) = target in [low, high], elementwise, by Newton steps kept inside a shrinking bracket.
+    """Solve function(x) = target in [low, high], elementwise, by Newton's method safeguarded by bisection.
 
-    The last step is within rounding, or at most `rtol` of the bracket; after `CURVE.max_iterations` steps, the last x
-    is returned.
+    The iteration ends at a step within rounding, or of at most `rtol` of the bracket; after `CURVE.max_iterations`
+    steps, the last x is returned.
 
     Parameters
     ----------
@@ -466,8 +473,8 @@ def _offset(gear: CycloidGear, offset: float | None) -> float:
     return gear.pin_radius if offset is None else offset
 
 
-def _bend(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Bracket E^2 + c^2 N^3 - E c N (N+1) cos B [m^2]: l^2 times the turning rate of the normal."""
+def _curvature_bracket(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Compute the bracket E^2 + c^2 N^3 - E c N (N+1) cos B [m^2] of the curvature: l^2 times the turning rate."""
     N, c, E, _ = gear.symbols
     return E**2 + c**2 * N**3 - E * c * N * (N + 1) * np.cos(B)
 
@@ -475,7 +482,7 @@ def _bend(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
     """Return points, normals, curvature and arc length of the outline at trochoid parameters t (n,) [rad].
 
-    `offset` [m] is that of the outline from the trochoid, None: rho.
+    `offset` [m] is that of the outline from the trochoid; None is the pin radius.
     """
     return Outline(
         t=t,
@@ -487,9 +494,9 @@ def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
 
 
 def _sagittas(arc: SmoothArc, nodes: Array) -> Array:
-    """Compute the largest distance (n - 1,) [m] of each chord between nodes (n,) from its arc.
+    """Compute the largest distance [m] of each chord from its arc, shape (n - 1,), for chords between `nodes` (n,).
 
-    It is where the tangent of the arc is parallel to the chord.
+    The distance is largest where the tangent of the arc is parallel to the chord.
     """
     points, angles = arc.points(nodes), arc.normal_angle(nodes)
     dx, dy = np.diff(points, axis=0).T

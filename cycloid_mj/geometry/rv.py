@@ -77,7 +77,7 @@ class RvKinematics:
 
 
 def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
-    """Compute by how many tooth pitches the worst of identical planets at equal angles misses its mesh; 0: all mesh.
+    """Compute the largest misalignment of the teeth of identical planets at equal angles [pitches]; 0 if all mesh.
 
     Without a ring gear, planet i has to be rotated on its crank by the fraction of i (z_s + z_p)/n pitches, with z_s
     teeth of the sun, z_p of a planet, and `count` n of planets. All mesh if n divides z_s + z_p.
@@ -87,10 +87,10 @@ def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
 
 
 def meshing_planet_teeth(sun_teeth: int, planet_teeth: int, count: int) -> tuple[int, ...]:
-    """Return the planet tooth numbers just below and above `planet_teeth` with which all planets mesh, nearest first.
+    """Return two tooth numbers of planets that mesh, just below and just above `planet_teeth`, the nearest first.
 
-    `sun_teeth` is the number of teeth of the sun, `count` that of identical planets. Of two numbers at the same
-    distance, the larger one comes first.
+    `sun_teeth` is the number of teeth of the sun, `count` that of identical planets. If both are at the same distance,
+    the larger number comes first.
     """
     changes = [
         next(change for change in range(1, count + 1) if (sun_teeth + planet_teeth + sign * change) % count == 0) * sign
@@ -105,19 +105,20 @@ def disc_clocking(pins: int, lobes: int, discs: int, disc: int) -> Fraction:
 
 
 def are_one_part(pins: int, lobes: int, discs: int, cranks: int) -> bool:
-    """Return whether all discs are one part that is only turned by a step of its crank bores.
+    """Return whether all discs are identical parts, which differ only by a rotation by steps of their crank bores.
 
-    A turn by j steps moves the lobes against the bores by j lobes/n pitches.
+    A rotation by j steps moves the lobes against the bores by j lobes/n pitches, with n = `cranks`.
     """
     steps = [Fraction(lobes * step, cranks) % 1 for step in range(cranks)]
     return all(disc_clocking(pins, lobes, discs, disc) in steps for disc in range(discs))
 
 
 def flip_clockings(pins: int, lobes: int, cranks: int) -> tuple[Fraction, ...]:
-    """Return the angles from a lobe's axis to bore 1 at which a disc is the other of two discs, flipped [lobe pitches].
+    """Return the angles from a lobe's axis to bore 1 at which a flipped disc is the second of two discs [lobe pitches].
 
-    A flip about the axis through bore 1 changes the sign of the distance q of bore 1 from the lobe. With k = pins -
-    lobes and n = `cranks` bores, q has to solve -q + j lobes/n = q + k/2 (modulo 1) for a whole number j.
+    Then both discs are identical parts. The angles q are from 0 to 1, in increasing order. A flip about the axis
+    through bore 1 changes the sign of q. With k = pins - lobes and n = `cranks` bores, q has to solve -q + j lobes/n =
+    q + k/2 (modulo 1) for a whole number j.
     """
     required_clocking = disc_clocking(pins, lobes, 2, 1)
     doubled_angles = {(Fraction(lobes * bore, cranks) - required_clocking) % 1 for bore in range(cranks)}
@@ -125,9 +126,10 @@ def flip_clockings(pins: int, lobes: int, cranks: int) -> tuple[Fraction, ...]:
 
 
 def dead_points(cranks: int, discs: int) -> bool:
-    """Return whether all cranks pass dead points together: two cranks and a single disc, whose eccentrics line up.
+    """Return whether all cranks pass dead points together, which is so for two cranks and a single disc.
 
-    There the disc cannot turn the cranks against each other, so only the planets keep them in phase.
+    At a dead point the eccentrics line up, and the disc cannot turn the cranks against each other, so only the planets
+    keep them in phase.
     """
     return cranks == 2 and discs == 1
 
@@ -154,7 +156,7 @@ def mesh_stiffness(sun_teeth: int, planet_teeth: int, pressure_angle: float, fac
 
 
 def contact_ratio(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> float:
-    """Compute the transverse contact ratio of full-depth spur gears [1]; the angle in radians."""
+    """Compute the transverse contact ratio of full-depth spur gears [1]; the pressure angle is in [rad]."""
     return sum(_tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle))
 
 
@@ -184,6 +186,7 @@ def _tip_contact_ratios(sun_teeth: int, planet_teeth: int, pressure_angle: float
     """
 
     def of_tip(teeth: int) -> float:
+        """Compute the contact ratio of the tip of a gear with some `teeth` [1]."""
         tip_angle = math.acos(teeth * math.cos(pressure_angle) / (teeth + 2.0))
         return teeth * (math.tan(tip_angle) - math.tan(pressure_angle)) / (2.0 * math.pi)
 

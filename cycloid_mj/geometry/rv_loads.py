@@ -90,9 +90,9 @@ def ideal_rv_loads(
 ) -> IdealRvLoads:
     """Compute the ideal forces in an RV reducer under a torque on the carrier [N m] at `crank_angles` (m,) [rad].
 
-    `stage` is the geometry of the cycloid stage. The torque on the ring, T (R - 1)/R, is shared equally by the discs,
-    and by the pins of each as `ideal_loads.share_load` does. The crank bearings are equally stiff: their forces are
-    those of least squares that balance the pins on each disc. With a floating sun, the cranks also have equal torques.
+    The torque on the ring, T (R - 1)/R with the ratio R = `RvStage.to_carrier`, is shared equally by the discs, and by
+    the pins of each disc as in `ideal_loads.share_load`. The crank bearings are equally stiff: their forces are the
+    least-squares forces that balance the pins on each disc. With a floating sun, the cranks also have equal torques.
     """
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     discs, lobes = len(stage.phases), stage.gear.lobes
@@ -101,7 +101,7 @@ def ideal_rv_loads(
     pin_forces, disc_forces = [], []
     for phase in stage.phases:
         mesh = ideal_load_sharing(stage.gear, disc_torque, crank_angles + phase)
-        radial, forward = profile.unit(-(crank_angles + phase)), -_unit_turned(crank_angles + phase)
+        radial, forward = profile.unit(-(crank_angles + phase)), -_rotated_x_axis(crank_angles + phase)
         reaction = mesh.eccentric_radial[:, np.newaxis] * radial + mesh.eccentric_tangential[:, np.newaxis] * forward
         pin_forces.append(mesh.forces)
         disc_forces.append(-reaction)
@@ -181,10 +181,6 @@ def closed_form_stiffness(stage: RvStage, bearing_stiffness: float, tooth_stiffn
 def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: Array, misfit: Array) -> Array:
     """Compute the error of the carrier's angle (m,) [rad] in closed form, ring and sun fixed, without clearance.
 
-    Yang et al. 2021, equation (30), for any errors: -(epsilon + m_t/e + lobes rho)/(lobes + 1 + z_s/z_p), with the mean
-    phase error epsilon of the cranks, the mean misfit m_t across the eccentricity e, and the turn rho that the misfits
-    ask for; the mean of the discs.
-
     Parameters
     ----------
     stage
@@ -195,6 +191,12 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
         Error of the angle of each crank [rad], shape (m, n).
     misfit
         Displacement of each eccentric from its bore [m], shape (m, D, n, 2).
+
+    Notes
+    -----
+    Yang et al. 2021, equation (30), for any errors: -(epsilon + m_t/e + lobes rho)/(lobes + 1 + z_s/z_p), as the mean
+    of the discs. epsilon is the mean phase error of the cranks, m_t the mean of `misfit` across the eccentricity e, rho
+    the rotation of the disc that fits the misfits best, and z_s and z_p are the teeth of sun and planet.
     """
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     perpendicular = quarter_turned(stage.eccentrics(crank_angles))
@@ -205,6 +207,6 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
     return -(phase_error.mean(axis=1) + disc_errors.mean(axis=1)) / stage.speed_up
 
 
-def _unit_turned(angle: Array) -> Array:
-    """Return the direction clockwise across +y turned counter-clockwise by an angle [rad], shape (..., 2)."""
+def _rotated_x_axis(angle: Array) -> Array:
+    """Return the unit vector +x rotated counter-clockwise by an angle [rad], shape (..., 2)."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)

@@ -66,9 +66,9 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
 def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
     """Compute the surface speeds [m/s] in the seat of a rolling pin or sleeve.
 
-    The pin turns as on the disc, and the load turns with the contact line: both at the seat's `radius` [m], which is
-    the pin's in a socket, and that of the bore of a sleeve. `B` are phases of the pins [rad] and `crank_speed` [rad/s]
-    is the speed of the crank, as in `tooth_speeds`.
+    The speeds of pin and contact line are those of `tooth_speeds`, reduced from the pin radius to the seat's `radius`
+    [m]: that of the pin in a socket, or of the bore of a sleeve. `B` are phases of the pins [rad] and `crank_speed`
+    [rad/s] is the speed of the crank, as in `tooth_speeds`.
     """
     disc_speeds, scale = tooth_speeds(gear, B, crank_speed), radius / gear.pin_radius
     return SurfaceSpeeds(moving=scale * disc_speeds.moving, fixed=scale * disc_speeds.fixed)
@@ -86,9 +86,13 @@ def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_
 def entrainment_zeros(gear: CycloidGear) -> Array:
     """Compute the phases B in (0, pi) [rad], in order, at which a pin that does not rotate has no entrainment.
 
+    There may be none.
+
+    Notes
+    -----
     The entrainment is v/2 + V, with the sliding speed v of the disc and the speed V of the contact line (see the
-    module). It vanishes where the distance l from the pitch point is a root of l^3 - N rho l^2 + (N - 1) rho (E^2 - c^2
-    N^2); roots in (E - c N, E + c N) have a phase. There may be none.
+    module). It vanishes where the distance l of the pin from the pitch point is a root of l^3 - N rho l^2 + (N - 1) rho
+    (E^2 - c^2 N^2); roots in (E - c N, E + c N) have a phase. Symbols as in `CycloidGear`.
     """
     N, c, E, rho = gear.symbols
     constant = gear.lobes * rho * (E**2 - (c * N) ** 2)

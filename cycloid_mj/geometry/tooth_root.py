@@ -55,9 +55,10 @@ def contact_ratio(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float
 
 
 def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -> ToothRoot:
-    """Compute the critical section of a tooth, loaded at the outer point of single contact with its mate.
+    """Compute the critical section of a tooth of `gear`, loaded at the outer point of single contact with its mate.
 
-    The rack is profile A of ISO 53. A tooth that is thinner for backlash has the profile shift of its thickness.
+    `centre_distance` is that of the axes [m]. The rack is profile A of ISO 53. Thinning for backlash is included as a
+    smaller profile shift.
     """
     teeth, angle = gear.teeth, gear.pressure_angle
     shift = gear.shift - gear.thinning / (2.0 * gear.module * math.tan(angle))
@@ -85,7 +86,7 @@ def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -
 
 
 def _solve_tangent(factor: float, offset: float) -> float:
-    """Solve theta = factor tan(theta) - offset by Newton's method [rad]."""
+    """Solve theta = factor tan(theta) - offset for the angle theta [rad] by Newton's method, from 30 deg."""
     theta = math.pi / 6.0
     for _ in range(20):
         slope = 1.0 - factor / math.cos(theta) ** 2
