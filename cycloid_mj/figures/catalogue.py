@@ -55,12 +55,12 @@ NEED_NAMES = {
 
 
 def find_figure(key: str) -> Figure | None:
-    """Return the figure of a key or alias; None if there is none."""
+    """Return the catalogue row of a key or alias; None if there is none."""
     return _BY_ANY_NAME.get(key)
 
 
 def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer | None = None) -> Figure:
-    """Return the figure of a key or alias; warn if the key is deprecated.
+    """Return the catalogue row of a key or alias; warn if the key is deprecated.
 
     Parameters
     ----------
@@ -102,10 +102,10 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
 
 
 def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
-    """Return a question for an error message: whether one of up to `MAX_SUGGESTIONS` similar keys was meant.
+    """Return a question for an error message that suggests up to `MAX_SUGGESTIONS` similar keys, or "".
 
-    Similar keys contain `key`, or else resemble it; they are those of figures with one of the `needs`, and of the
-    reducer unless it is None. The text is empty if there are none.
+    Similar keys contain `key`; if none does, they resemble it. They are those of figures with one of the `needs`, and
+    of the reducer unless it is None.
     """
     available = [
         name
@@ -123,36 +123,42 @@ def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) ->
 
 
 def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figure, ...]:
-    """Return the figures that a reducer has, of some needs."""
+    """Return the catalogue rows that apply to a reducer and have one of the `needs`, the cheapest first."""
     return tuple(row for row in FIGURES.values() if row.need in needs and row.applies_to(reducer))
 
 
 def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
-    """Compute figures of a reducer by their keys or aliases, each in its unit; errors are those of the figures."""
+    """Compute the values of figures by their keys or aliases, each in its unit, for a reducer.
+
+    Errors are those of the figures.
+    """
     return {key: figure(key).value(reducer) for key in keys}
 
 
 def of_measure(measure: str, measured: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Return the quantities of a measure that are figures of the catalogue, by its keys."""
+    """Return those quantities of a measure that are figures of the catalogue, with the catalogue's keys and names.
+
+    `measure` is the name of the measure, `measured` are its quantities by its own keys.
+    """
     rows = {key: row for key in measured if (row := find_figure(f"{measure}/{key}"))}
     return {row.key: replace(measured[key], key=row.key, name=row.name) for key, row in rows.items()}
 
 
 def quantities(reducer: Reducer, needs: Collection[Need] = CHEAP) -> dict[str, Quantity]:
-    """Compute all figures that a reducer has, of some needs, by their keys.
+    """Compute all figures with one of the `needs` that apply to a reducer, by key.
 
-    A figure that fails is NaN, and its note says why.
+    The value of a figure that fails is NaN, and its note is the error.
     """
-    return {row.key: _quantity(reducer, row) for row in figures_of(reducer, needs)}
+    return {row.key: _quantity_of_row(reducer, row) for row in figures_of(reducer, needs)}
 
 
 def quantity(reducer: Reducer, key: str) -> Quantity:
-    """Compute one figure as `quantities` does all."""
-    return _quantity(reducer, figure(key))
+    """Compute the figure of a key or alias; if that fails, its value is NaN, and its note is the error."""
+    return _quantity_of_row(reducer, figure(key))
 
 
-def _quantity(reducer: Reducer, row: Figure) -> Quantity:
-    """Compute a figure; one that fails is NaN, and its note says why."""
+def _quantity_of_row(reducer: Reducer, row: Figure) -> Quantity:
+    """Compute the figure of a catalogue row; if that fails, its value is NaN, and its note is the error."""
     try:
         return row.quantity(reducer)
     except CycloidError as error:

@@ -48,7 +48,12 @@ def solve_states(
     """Solve the static equilibrium of samples in some of `STATES`, without friction, weight and inertia.
 
     Inertia vanishes because the crank turns at `CREEP_SHARE` of its speed. `angles` is the number of crank angles over
-    a turn. Return figures of the samples by state, in the order of `STATES`.
+    a turn.
+
+    Returns
+    -------
+    dict
+        Means, ranges and largest forces of the samples by state, in the order of `STATES`.
     """
     weightless = {"gravity_x": 0.0, "gravity_y": 0.0}
     creeping = reducer.but(environment=weightless, drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
@@ -66,8 +71,8 @@ def condition(reducer: Reducer) -> str:
 
 
 @once
-def _as_designed(reducer: Reducer, state: State) -> SampleFigures:
-    """Solve a single sample without random deviations in a state."""
+def _solve_design(reducer: Reducer, state: State) -> SampleFigures:
+    """Solve for the equilibrium of a single sample, the design with its own errors, in a state of `STATES`."""
     return solve_states(reducer, identical_samples(reducer, 1), [state])[state]
 
 
@@ -78,7 +83,7 @@ def _make_figure(key: str, name: str, unit: str, definition: str, sampled: Sampl
     """
 
     def compute(reducer: Reducer) -> float:
-        return float(sampled.value(*(_as_designed(reducer, state) for state in sampled.states))[0])
+        return float(sampled.value(*(_solve_design(reducer, state) for state in sampled.states))[0])
 
     return Figure(
         key=key, name=name, unit=unit, definition=definition, need=Need.STATICS, function=compute, sampled=sampled

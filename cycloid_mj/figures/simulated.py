@@ -8,7 +8,8 @@ from cycloid_mj.reducer import Reducer
 def _make_figure(key: str, unit: str, name: str, definition: str, measure: str, quantity: str) -> Figure:
     """Return a row of the catalogue whose value is a quantity of a measure; its alias is ``measure/quantity``.
 
-    Its key is ``simulated_`` and `key`; unit, name and definition are those of `Figure`.
+    Its key is ``simulated_`` and `key`; unit, name and definition are those of `Figure`. The value is computed by a
+    run.
     """
 
     def compute(reducer: Reducer) -> float:

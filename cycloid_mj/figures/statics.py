@@ -22,14 +22,14 @@ CREEP_SHARE = 1e-3
 
 @once
 def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
-    """Compute a part of the sheet, once for all its figures."""
+    """Compute a part of the static sheet, by its keys, once for all of its figures."""
     return sheet_part(reducer, part)
 
 
 def _make_figure(row: SheetFigure) -> Figure:
     """Return the row of the catalogue for a figure of the static sheet.
 
-    Its other keys are that of the sheet and that with the unit.
+    Its aliases are the key of the sheet, without and with the unit.
     """
     column = with_unit(row.key, row.unit)
     key = row.catalogue_key or column
@@ -66,17 +66,17 @@ def starting_torque(reducer: Reducer) -> float:
 
     It includes weight and seals, but no centrifugal forces.
     """
-    return no_load_torque(_creeping(reducer))
+    return no_load_torque(_at_creep_speed(reducer))
 
 
 def back_driving_torque(reducer: Reducer) -> float:
     """Compute the torque on the output that turns a free crank slowly [N m]; NaN if the reducer is self-locking.
 
-    T solves the power balance T w/i = L(-T), with the losses L [W] at a driving torque on the output, the crank's speed
-    w and the ratio i, by up to `MAX_SECANT_STEPS` steps of the secant through T and 2 T. A slope of the losses of 1 or
-    more means self-locking. Errors as `powers`.
+    The torque T balances the losses: T w/i = L(-T), with the losses L [W] under a driving torque on the output, the
+    crank's speed w and the ratio i. It is determined by up to `MAX_SECANT_STEPS` steps of the secant through T and 2 T.
+    A slope of the losses of 1 or more means self-locking. Errors as `powers`.
     """
-    creeping = _creeping(reducer)
+    creeping = _at_creep_speed(reducer)
     lever = reducer.design.reduction / abs(creeping.design.drive.speed)
     smallest_load = torque = TOUCH * reducer.design.rated_torque
     for _ in range(MAX_SECANT_STEPS):
@@ -92,9 +92,9 @@ def back_driving_torque(reducer: Reducer) -> float:
 
 
 def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
-    """Compute `no_load_torque` with the law ``film``, and its interval [N m]; errors as `powers`.
+    """Compute `no_load_torque` with the law ``film`` and its interval [N m]; errors as `powers`.
 
-    The interval is that over sampled inputs of the film law.
+    The interval is that of `samples` of the inputs of the film law.
     """
     speed = abs(reducer.design.drive.speed)
     lost, outcomes = lost_powers(reducer, TOUCH * reducer.design.rated_torque, samples)
@@ -103,20 +103,20 @@ def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
 
 def starting_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `starting_torque` with the law ``film`` and its interval [N m]; errors as `powers`."""
-    return no_load_spread(_creeping(reducer), samples)
+    return no_load_spread(_at_creep_speed(reducer), samples)
 
 
 def back_driving_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `back_driving_torque` with the law ``film`` and its interval [N m]; errors as `powers`.
 
-    The torque of a sample is in proportion to its losses.
+    The torques of the `samples` are assumed to be proportional to their losses.
     """
     torque = back_driving_torque(reducer)
-    lost_power, outcomes = lost_powers(_creeping(reducer), TOUCH * reducer.design.rated_torque, samples)
+    lost_power, outcomes = lost_powers(_at_creep_speed(reducer), TOUCH * reducer.design.rated_torque, samples)
     return compute_spread(torque, torque * outcomes / lost_power, sample_inputs(samples)[1])
 
 
-def _creeping(reducer: Reducer) -> Reducer:
+def _at_creep_speed(reducer: Reducer) -> Reducer:
     """Return the drive at a speed at which the discs' centrifugal force vanishes."""
     return reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
 
