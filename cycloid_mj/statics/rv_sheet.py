@@ -55,7 +55,7 @@ class RvSheetSettings:
 SETTINGS = RvSheetSettings()
 
 
-def carrier_turn(reducer: RvReducer, count: int = SETTINGS.force_angles) -> Array:
+def carrier_turn_angles(reducer: RvReducer, count: int = SETTINGS.force_angles) -> Array:
     """Return crank angles against the ring [rad], shape (count,), that cover a turn of the carrier evenly.
 
     They are in the order in which the drive passes them, and multiples of the golden ratio of the turn, which cover any
@@ -106,20 +106,20 @@ def running_rotation(reducer: RvReducer, torque: float) -> Array:
 
 @once
 def springs_over_turn(reducer: RvReducer, count: int = SETTINGS.force_angles) -> RvSprings:
-    """Return the springs at the angles of `carrier_turn`."""
-    return compute_rv_springs(reducer, carrier_turn(reducer, count))
+    """Return the springs at the angles of `carrier_turn_angles`."""
+    return compute_rv_springs(reducer, carrier_turn_angles(reducer, count))
 
 
 @once
 def ideal_rv(reducer: RvReducer, torque: float) -> IdealRvLoads:
     """Return the forces of ideal sharing over a turn of the carrier under a torque on the output [N m]."""
-    return ideal_rv_loads(reducer.stage, torque_on_carrier(reducer, torque), carrier_turn(reducer))
+    return ideal_rv_loads(reducer.stage, torque_on_carrier(reducer, torque), carrier_turn_angles(reducer))
 
 
 def closed_rotation(reducer: RvReducer) -> Array:
     """Compute the output's rotation by manufacturing errors in closed form [rad], over a turn of the carrier.
 
-    The result has the shape (`RvSheetSettings.closed_angles`,).
+    It is without clearance and load, at a fixed sun; the shape is (`RvSheetSettings.closed_angles`,).
     """
     crank = np.linspace(0.0, reducer.crank_turn, SETTINGS.closed_angles, endpoint=False)
     rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))

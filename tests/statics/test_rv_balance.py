@@ -16,7 +16,7 @@ from cycloid_mj.statics.rv import (
     phase_errors,
     solve_rv_loads,
 )
-from cycloid_mj.statics.rv_sheet import balance_running, balance_rv, carrier_turn, friction_powers
+from cycloid_mj.statics.rv_sheet import balance_running, balance_rv, carrier_turn_angles, friction_powers
 from cycloid_mj.statics.sheet import sheet_part
 
 RV80E = PRESETS["rv80e"]
@@ -186,7 +186,7 @@ def test_a_running_drive_carries_the_friction_torque_of_its_cranks_in_its_planet
 def test_half_the_angles_have_the_same_peaks() -> None:
     drive = reducer()
     peaks = [
-        solve_rv_loads(compute_rv_springs(drive, carrier_turn(drive, count)), 784.0).bearings.max()
+        solve_rv_loads(compute_rv_springs(drive, carrier_turn_angles(drive, count)), 784.0).bearings.max()
         for count in (360, 720)
     ]
     assert peaks[0] == pytest.approx(peaks[1], rel=2e-3)
