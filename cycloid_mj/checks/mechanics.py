@@ -117,9 +117,9 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules that the cam encloses shaft and fillet.
+    """Yield the rules that the cam encloses shaft and fillet, and the rules for the counterweight of a single disc.
 
-    For a single disc also those that its counterweight is larger than the shaft, and turns inside the ring.
+    The counterweight must be larger than the shaft, and turn inside the ring.
     """
     design = reducer.design
     shaft, c = design.shaft, design.gear.eccentricity

@@ -54,8 +54,8 @@ PARTS = {"tooth": "the teeth", "output": "the output pins in their holes", "cam"
 def strength_checks(reducer: Reducer) -> Iterator[Check]:
     """Yield the checks of pressures, load sharing and walls of a feasible design at its nominal torque.
 
-    Without a static equilibrium, only a failed check yields its reason. A cam with a bought bearing has no pressure
-    checks.
+    If there is no static equilibrium, a single failed check is yielded, which states the reason. A cam with a bought
+    bearing has no pressure checks.
     """
     try:
         state = rated_load(reducer)

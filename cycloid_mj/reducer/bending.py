@@ -20,7 +20,7 @@ def pin_flexibility(reducer: "Reducer") -> Array:
 
     The pin is a round beam. Its root, or both of its ends, is built in at the faces of the plates that support it, and
     its load acts in the middle of each disc. Shear adds to bending: Timoshenko's beam with Cowper's coefficient 6 (1 +
-    nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a pin with a roller, only the core bends. The
+    nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). If the pin has a roller, only the core bends. The
     matrix is zero for ``structure = "rigid"``.
     """
     design = reducer.design

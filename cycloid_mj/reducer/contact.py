@@ -432,8 +432,8 @@ class Contacts:
     def creep_speed(self) -> float:
         """Sliding speed [m/s] at which friction is fully developed, at the working force.
 
-        It is that of the design file, or `CONTACT.creep_share` of the orbital speed c w of the disc's centre; at a
-        crank at rest `CONTACT.slow_creep`.
+        It is that of the design file, or `CONTACT.creep_share` of the orbital speed of the disc's centre; if the crank
+        is at rest, `CONTACT.slow_creep`.
         """
         design = self._reducer.design
         return (

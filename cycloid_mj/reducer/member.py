@@ -110,7 +110,8 @@ def member_of(design: Design) -> Member:
 def view_from_ring(design: Design) -> Design:
     """Return the design of the same drive as seen from its ring: the carrier rotates, with its speed and torques.
 
-    A design with a fixed ring is returned itself. Environment and inertia forces in that frame are up to the caller.
+    A design with a fixed ring is returned unchanged. Gravity is not converted to the rotating frame, and inertia forces
+    of the frame are not included: this is left to the caller.
     """
     if not design.output.turns_ring:
         return design

@@ -178,7 +178,7 @@ class RvReducer(Reducer):
 
     @property
     def stage_gears(self) -> "tuple[InvoluteGear, InvoluteGear]":
-        """Sun and planet of the first stage; their `fault` says whether they can be made."""
+        """Sun and planet of the first stage; their `fault` says whether they can be manufactured."""
         from cycloid_mj.geometry.involute import gear_pair
 
         planet = self.planet

@@ -217,7 +217,7 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
 
 
 def _planet_mating(reducer: "RvReducer") -> Mating:
-    """Return the mating of the sun with the planets; the place of a planet's teeth on its crank is their run-out."""
+    """Return the mating of the sun with the planets, whose teeth are displaced from their cranks by run-out."""
     count, errors = reducer.cranks.count, reducer.crank_errors
     sun_gear, planet_gear = reducer.stage_gears
     runout = np.stack([listed(errors.planet_x, (count,)), listed(errors.planet_y, (count,))], axis=-1)

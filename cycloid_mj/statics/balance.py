@@ -104,7 +104,7 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     springs
         Its contact springs at m crank angles, from `springs_of`.
     torque
-        Output torque [N m], not 0, with the sign of `Member.share`: a number, or one per crank angle, shape (m,).
+        Output torque [N m], not 0, positive as in `Member.share`: a number, or one per crank angle, shape (m,).
     follow
         Whether to start each solution from the previous equilibria, for angles and torques that vary smoothly.
 
@@ -297,7 +297,7 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
     crank
         Crank angles in order [rad], shape (k,).
     torque
-        Output torque [N m], not 0, with the sign of `Member.share`, which is that of the rotations, too.
+        Output torque [N m], not 0; positive as in `Member.share`, like the rotations.
 
     Raises
     ------

@@ -258,7 +258,7 @@ class FilmContacts:
         return replace(self, surfaces=replace(self.surfaces, inputs=inputs))
 
     def displaced(self, departures: Array) -> "FilmContacts":
-        """Return the contacts at their phases from the displaced centres of the discs.
+        """Return the contacts for displaced discs, whose centres change the phases of the pins.
 
         A clearance of the cam of 25 um at an eccentricity of 1 mm changes the phases by 1.4 deg.
 

@@ -38,11 +38,11 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
 
     Notes
     -----
-    A contact with force F that slides at v below v0 F/F_w, with the creep speed v0 and the working force F_w, loses v
-    F_w/(v0 F) of Coulomb's mu F v. The teeth share the load of a disc that only rotates, by t, against pins with full
-    clearance: F = K max(a t - clearance, 0) at the arm a. With weight, or if the disc moves aside, it may be twice
-    that. A moving pin or sleeve divides the sliding between its two contacts, which extends the range to higher
-    speeds.
+    The full Coulomb loss of a contact with the force F and the sliding speed v is mu F v. If v is below v0 F/F_w, with
+    the creep speed v0 and the working force F_w, a run has only the share v F_w/(v0 F) of it. Tooth forces are those of
+    a disc that only rotates, by an angle t, against pins with full clearance: F = K max(a t - clearance, 0) at the arm
+    a. With weight, or if the disc moves sideways, the missing loss may be twice as large. A moving pin or sleeve
+    divides the sliding between its two contacts, which extends the range to higher speeds.
     """
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
@@ -71,9 +71,10 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
 def _creeping_contacts(reducer: Reducer) -> float:
     """Compute the effective number of contacts in series that creep below the full friction of a tooth [1].
 
-    A moving pin of radius R in a socket or on a core of radius r transmits a friction force f if this contact slips at
-    f', r f' = R f. With the limits mu F at the disc and mu' F there, each contact creeps in proportion to its share of
-    its limit; the second one moves by r/R as much. Returns 1 for fixed pins, and without friction.
+    It is 1 for fixed pins, and without friction. A moving pin of radius R in a socket or on a core of radius r
+    transmits a friction force f between disc and pin if the force at its seat is f', with r f' = R f. With the limits
+    mu F at the disc and mu' F at the seat, each contact creeps in proportion to the share of its limit. The pin's
+    surface moves by R/r times the sliding at the seat.
     """
     design = reducer.design
     ring, seat = design.ring, design.seat_pair
@@ -104,14 +105,6 @@ def _forces_with_clearance(arms: Array, torque: float, play: float, stiffness: f
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
     """Compute the ideal friction losses relative to the output power, under the design's own load with ideal sharing.
 
-    Symbols: eccentricity c, N ring teeth, pin radius rho, crank speed w; at a pin, B is its angle from the crank, alpha
-    the angle of the contact normal, l the distance of its centre from the pitch point.
-
-    A tooth contact slides at (l - rho) w/(N-1). Friction acts about the gear's centre with the arm s = l - rho + c
-    (N-1) cos(B - alpha), against the gear's rotation, so that the normal forces F rise by 1/(1 - mu sum F s / sum F
-    arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back. The cam of radius R
-    slides, or rolls with a bearing's coefficient, at R w N/(N-1) under its whole force.
-
     Parameters
     ----------
     crank
@@ -123,6 +116,16 @@ def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float
     -------
     tuple of float
         Losses of mesh, output pins and cam over the output power [1].
+
+    Notes
+    -----
+    Symbols: eccentricity c, N ring teeth, pin radius rho, crank speed w; at a pin, B is its angle from the crank, alpha
+    the angle of the contact normal, l the distance of its centre from the pitch point.
+
+    A tooth contact slides at (l - rho) w/(N-1). Friction acts about the gear's centre with the arm s = l - rho + c
+    (N-1) cos(B - alpha), against the gear's rotation, so that the normal forces F rise by 1/(1 - mu sum F s / sum F
+    arm). The holes slide on the output pins at c w N/(N-1). The cam of radius R slides, or rolls with the coefficient
+    of a bearing, at R w N/(N-1) under its total force.
     """
     design = reducer.design
     gear, load, output = reducer.tooth_profile, design.load.torque, design.output

@@ -89,10 +89,6 @@ def follow_torque_path(
 ) -> tuple[Array, Array]:
     """Compute the rotation of the output along a torque path with stick-slip friction, from rest.
 
-    Returns positions on the path and the rotations there [rad], shape (rows,) each. A position is an index of `torque`,
-    with fractions between its points. Each point has a row; if the output rotates by more than `max_rotation` between
-    two points, there are rows between them, so that a jump across the backlash appears at its torque.
-
     Parameters
     ----------
     reducer
@@ -104,9 +100,16 @@ def follow_torque_path(
     losses
         Losses in addition to the friction of the contacts.
     locked_shaft
-        The locked shaft.
+        The locked shaft, "crank" or "output"; the torque acts on the other.
     max_rotation
         Largest rotation of the output between rows [rad].
+
+    Returns
+    -------
+    tuple of Array
+        Positions on the path, as indices of `torque` with fractions, and rotations there [rad], shape (rows,) each.
+        Each point of the path has a row. If the output rotates by more than `max_rotation` between two points, there
+        are rows between them, so that a jump across the backlash appears at its torque.
 
     Raises
     ------

@@ -317,7 +317,7 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     def contact_effects(all_gradients: Array) -> Array:
         """Compute the effects of the four errors of `Effects` on distances or shifts of contacts, shape (k, n, 4).
 
-        They follow from the gradients of these by all unknowns, shape (k, n, u).
+        `all_gradients` (k, n, u) [1] are the gradients of these distances or shifts by all unknowns.
         """
         gradients = _own_disc_gradients(contacts, all_gradients)
         effects = np.zeros((*gradients.shape[:2], 4))

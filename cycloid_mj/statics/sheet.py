@@ -187,8 +187,8 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     """Compute the main quantities of `sheet` in less than half of the time; raises as `sheet`.
 
-    They are the motions, the forward transmission error under the load, the loads up to first yield, and the
-    efficiency.
+    These are backlash, lost motion and stiffness, the forward transmission error under the load, forces and pressures
+    up to first yield, and the efficiency.
     """
     if isinstance(reducer, RvReducer):
         rv_parts: tuple[SheetPart, ...] = ("motions", "loads", "losses")

@@ -89,22 +89,29 @@ def solve_by_arclength(
 ) -> float:
     """Solve for displacements z (u,) [m] at crank angle `k` by pseudo-arclength continuation in friction and clearance.
 
-    Without clearance and friction, unilateral springs have a convex energy, whose minimum Newton's method finds. The
-    path begins at this unique solution and cannot return to it: it leads to the full friction and clearance, or its
-    forces grow until friction wedges the parts. It is followed by its arc length, since it turns back where parts snap
-    over. Where a contact opens or closes it has a corner, beyond which it continues in the direction that preserves the
-    sign of its determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12).
-
-    Returns the residual norm [N]: infinity if the path is lost, or wedges the parts.
-
     Parameters
     ----------
-    springs, k, load, z
-        Springs, index of the crank angle, generalised load (u,) [N], and array for the displacements.
+    springs, k, load
+        Springs, index of the crank angle, and generalised load (u,) [N].
+    z
+        Output array for the displacements, which are a solution if the result is at most `tolerance`.
     tolerance
         Residual norm of a solution [N].
     path, system
         Path from `allocate_path`; residual, tangent and workspace. They are overwritten.
+
+    Returns
+    -------
+    float
+        Residual norm [N]; infinity if the path is lost, or friction wedges the parts along it.
+
+    Notes
+    -----
+    The path begins at parts without clearance and friction, whose energy is convex, so that Newton's method finds their
+    only equilibrium. It cannot return there: either it reaches the full friction and clearance, or forces grow until
+    friction wedges the parts. The continuation uses the arc length, as the path turns back where parts snap across
+    their clearances. The path has a corner where a contact opens or closes. Beyond it, the continuation keeps the sign
+    of the determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12).
     """
     unknown_count, end_parameter = z.size, 1.0 + abs(path.order)
     point, next_point, path_tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * tolerance
@@ -297,10 +304,11 @@ def _add_clearance_rate(
 def _update_tangent(
     springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: Path, system: System
 ) -> float:
-    """Write the unit tangent of the path at a `point` to `path`; return the sign of its determinant, 0 if singular.
+    """Write the unit tangent of the path at a `point` to `path.tangent`; return the sign of the determinant there.
 
-    `k` is the index of the crank angle, `load` (u,) [N] the generalised load. `sign` is that of the determinant at the
-    beginning of the path, by which the tangent is directed.
+    The determinant is that of the augmented system, and the sign 0 if it is singular; then the tangent is unchanged.
+    `sign` is that at the beginning of the path: it directs the tangent. `k` is the index of the crank angle, `load`
+    (u,) [N] the generalised load.
     """
     unknown_count = load.size
     augmented_residual(springs, k, load, point, path, system)
@@ -327,10 +335,10 @@ def _predict_and_correct(
     path: Path,
     system: System,
 ) -> bool:
-    """Compute the next point of the path at a `length` [1] from the last one, and its tangent there.
+    """Compute `path.next_point` at a `length` [1] from `path.point`, and its tangent; return whether it advances.
 
-    `sign` is that of `_update_tangent`, `tolerance` that of the residual norm [N]; `k` is the index of the crank angle,
-    `load` (u,) [N] the generalised load. Returns whether the path advances; if not, the tangent is unchanged.
+    If it does not, the tangent is unchanged. `sign` is that of `_update_tangent`, `tolerance` that of the residual norm
+    [N]; `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
     """
     copy(path.tangent, path.previous_tangent)
     if not _correct(springs, k, load, length, tolerance, path, system):

@@ -96,7 +96,10 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapo
 def balance_with_paths(
     springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool, system: System
 ) -> Residual:
-    """Solve as `balance` with the workspace `system`: by `balance_briefly`, where it fails along paths."""
+    """Solve as `balance`, with the workspace `system`.
+
+    Each angle is solved by `balance_briefly`, and by `solve_by_arclength` if that fails.
+    """
     residual = balance_briefly(springs, load, z, force, extrapolate, 0, system)
     while not residual.force <= RESIDUAL_RTOL:
         k, scale = residual.angle, float(np.abs(load[residual.angle]).max()) or 1.0
