@@ -21,7 +21,7 @@ class Rule:
     tied
         Whether the checked value depends on others, so that changing it alone is no remedy.
     failure
-        A rule on the same value whose violation is an error: then its check is returned, with this one's remedy.
+        A rule on the same value whose violation is an error: then its check is returned, with the remedy of this rule.
     """
 
     name: str

@@ -166,7 +166,7 @@ def _quantity_of_row(reducer: Reducer, row: Figure) -> Quantity:
 
 
 def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, Any]]:
-    """Convert computed figures to JSON values: name, value and unit by key, and the interval where there is one."""
+    """Convert computed figures to JSON values: name, value and unit by key, and the interval if there is any."""
     return {
         key: {"name": figure.name, "value": figure.value, "unit": figure.unit, **figure.interval_json()}
         for key, figure in figures.items()

@@ -85,7 +85,7 @@ class Figure:
         return self._compute(reducer) if self.applies_to(reducer) else math.nan
 
     def quantity(self, reducer: Reducer) -> Quantity:
-        """Compute the figure with its name and unit, its definition as a note, and its interval if it has one."""
+        """Compute the figure with its name and unit, its definition as a note, and its interval if it has any."""
         plain = Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
         if self.interval is None or not self.applies_to(reducer):
             return plain

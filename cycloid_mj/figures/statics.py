@@ -55,7 +55,7 @@ OF_STATICS = tuple(map(_make_figure, SHEET_FIGURES.values()))
 def no_load_torque(reducer: Reducer) -> float:
     """Compute the mean torque on the crank without load at the design's speed [N m]; errors as `powers`.
 
-    The load is `TOUCH` of the nominal torque: without one the parts have no defined position within the clearances.
+    The load is `TOUCH` of the nominal torque: without a load the parts have no defined position within the clearances.
     """
     design = reducer.design
     return powers(reducer, TOUCH * design.rated_torque).lost / abs(design.drive.speed)

@@ -27,7 +27,7 @@ Labels = npt.NDArray[np.str_]
 
 @dataclass(frozen=True)
 class RingOutline:
-    """Points of the whole closed ring in the ring frame: clockwise, from the tip of lobe 1 on +y, none repeated.
+    """Points of the entire closed ring in the ring frame: clockwise, from the tip of lobe 1 on +y, none repeated.
 
     `points` [m] and unit `normals` (n, 2) into the bore, `curvature` [1/m] (positive on the convex arcs), `part`
     ("arc", "sigma1", "sigma2"), `arc_length` from the first point [m].

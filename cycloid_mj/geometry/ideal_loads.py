@@ -215,7 +215,7 @@ def line_contact_stiffness(
 ) -> Array:
     """Compute the secant stiffness pi E* L / (a + ln kappa) [N/m] of a line contact, a of `line_contact_constant`.
 
-    Where b would pass 2 D/e, the bodies are conformal and the formula no longer holds: callers keep kappa above that.
+    The formula requires a half width b below 2 D/e, so the caller must keep kappa large enough.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """External involute spur gears as a rack cuts them: flanks, fillets and radii.
 
 The rack is profile A of ISO 53: addendum m, dedendum 1.25 m, corners of radius 0.38 m. Points are in the frame of the
-gear, with the middle of a tooth space on +y. The functions give the side of that space at x > 0, from root to tip.
+gear, with the middle of a tooth space on +y. The functions return the side of that space at x > 0, from root to tip.
 """
 
 import math

@@ -87,7 +87,7 @@ class CycloidGear:
 
 @dataclass(frozen=True)
 class Outline:
-    """Points of one whole closed gear outline in the gear frame: clockwise, from the valley on +y, none repeated.
+    """Points of the entire closed gear outline in the gear frame: clockwise, from the valley on +y, none repeated.
 
     `t` trochoid parameter [rad], `points` [m] and outward unit `normals` (n, 2), `curvature` [1/m] (positive where
     the gear is convex), `arc_length` from the first point [m].

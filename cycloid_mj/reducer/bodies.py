@@ -135,7 +135,7 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class Mating:
-    """A group of identical pairs: surface i of `on` mates with surface i of `by`, or with its only one."""
+    """A group of identical pairs: surface i of `on` mates with surface i of `by`, or with its only surface."""
 
     kind: str
     names: tuple[str, ...]

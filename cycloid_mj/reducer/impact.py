@@ -1,7 +1,7 @@
 """The contact law IMPACT of motion solvers (ADAMS, SolidWorks Motion): a spring F = k d^e, and damping by depth.
 
 The force is k d^e + c step(d/D) v, never negative, with the depth d [m], the closing speed v [m/s], and the cubic
-step(s) = s^2 (3 - 2 s) from nothing at the surface to the whole damping c at the depth D.
+step(s) = s^2 (3 - 2 s) from 0 at the surface to the full damping c at the depth D.
 """
 
 import math
@@ -20,7 +20,7 @@ class ImpactLaw:
     stiffness, exponent
         k [N/m^e] and e [1] of the spring.
     damping, depth
-        Whole damping c [N s/m], and the depth D from which on it acts [m].
+        Full damping c [N s/m], and the depth D from which on it acts [m].
     """
 
     stiffness: float

@@ -44,13 +44,13 @@ class Fit:
     Attributes
     ----------
     min_gap
-        Smallest gap of any pair in this pose [m]; negative where the parts only go together pressed into each other.
+        Smallest gap of any pair in this pose [m]; negative if parts can be assembled by force only.
     shift
-        Displacement of each disc's centre from the ideal one, seen from the ring [m], shape (D, 2).
+        Displacement of each disc's centre from its ideal position, in the frame of the ring [m], shape (D, 2).
     gear_turn
-        Angle of each disc less the ideal one [rad], shape (D,).
+        Rotation of each disc from its ideal angle [rad], counter-clockwise, shape (D,).
     output_turn
-        Angle of the output less the ideal one [rad].
+        Rotation of the output from its ideal angle [rad], counter-clockwise.
     pin_shift
         Displacement of each moving pin or sleeve that avoids an overlap [m], shape (N, 2); zero for fixed pins.
     """

@@ -83,7 +83,7 @@ class Member:
 
     @property
     def turning_and_held(self) -> tuple[str, str]:
-        """Names of the loaded body, the carrier (``output``) or the ring (``housing``), and of the other one."""
+        """Names of the loaded and the fixed body: carrier (``output``) and ring (``housing``), or vice versa."""
         return (names.HOUSING, names.OUTPUT) if self.turns_ring else (names.OUTPUT, names.HOUSING)
 
     @property

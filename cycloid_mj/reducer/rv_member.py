@@ -15,7 +15,7 @@ class RvMember(Member):
     """Kinematics of sun, cranks, discs, carrier, ring and output; the input of all functions is the sun.
 
     All angles are against the ground, except for those of `against_ring` and `against_carrier`. Speeds map to speeds.
-    The sun of `rv80e` turns its carrier the same way, and its ring the opposite way.
+    The sun of `rv80e` turns its carrier in its own sense, and its ring in the opposite sense.
 
     Attributes
     ----------

@@ -324,7 +324,7 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
     mesh_gaps, teeth
         Gaps of all contacts, and the number of contact lines with the ring among them, which come first.
     motion
-        Rate of the unknowns, shape (m, u), which determines the sliding directions.
+        Rate of the unknowns z of ``reducer.gaps`` [m/s], shape (m, u), which determines the sliding directions.
     """
     gear = reducer.tooth_profile
     owner, disc = mesh_gaps.owner[:teeth] % gear.ring_teeth, mesh_gaps.disc[:teeth]

@@ -1,7 +1,7 @@
 """Interval of the efficiency with the law ``film``: the spread of what a design leaves open, and its main causes.
 
 The inputs vary independently over `RANGES`; a scrambled Sobol sequence with a fixed seed samples them, and the interval
-holds 90 % of the outcomes. Causes are ranked by their share of the variance in a linear regression.
+contains 90 % of the outcomes. Causes are ranked by their share of the variance in a linear regression.
 """
 
 from collections.abc import Mapping, Sequence

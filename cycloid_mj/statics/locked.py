@@ -3,7 +3,7 @@
 The contacts carry T_s and rotate the output by x(T_s) without friction (`statics.balance`); friction H acts in
 parallel: T = T_s(x) + H(x). H is distributed over elements, each a spring that slips at a limit of its own (Iwan 1966,
 J. Appl. Mech. 33, 893-900), so that it builds up over a travel as 1 - exp(-x/travel) and has hysteresis. Unlike in
-`statics.friction_path`, the contacts have no friction: with stiff ones, they slide little at a locked crank.
+`statics.friction_path`, the contacts have no friction: if they are stiff, they slide little at a locked crank.
 Load-dependent friction (`LoadFriction`) adds mu |T_s| s(x), where s, from -1 to 1, builds up over a travel like H: that
 of a reducer whose crank rotates during wind-up, so that all contacts slide.
 """

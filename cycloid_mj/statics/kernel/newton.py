@@ -35,7 +35,7 @@ class NewtonSettings(NamedTuple):
         Largest component of a step, relative to the eccentricity.
     overshoot
         Rise of the energy after a warm-started step, relative to its fall before, from which on the step is shortened
-        to the minimum of the quadratic model: contacts that close on the way push back.
+        to the minimum of the quadratic model: contacts that close during the step push back.
     armijo_slope
         Share of the fall predicted by the slope that a descent step must reach.
     min_stiffness

@@ -268,8 +268,8 @@ def _continue_by_arclength(
 ) -> float:
     """Solve along the paths of `solve_by_arclength` from `system.begun` (u,), after Newton's method has failed.
 
-    Paths are followed in turn until one reaches equilibrium within `tolerance` [N]; the solution is written to `z` (u,)
-    [m]. `smallest_norm` is the residual norm so far [N]; returns the smallest one [N].
+    Paths are followed in turn until equilibrium is reached within `tolerance` [N]; the solution is written to `z` (u,)
+    [m]. `smallest_norm` is the residual norm so far [N]; returns the smallest residual norm [N].
     """
     has_friction = springs.rubbing.shape[0] > 0
     for order in PARAMETER_ORDERS if has_friction else (0.0,):
