@@ -232,8 +232,8 @@ def run_trial(tree: Path, trial: Trial, extra_words: tuple[str, ...], out: Path)
 def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Finished], list[Finished], dict[str, Figures]]:
     """Run a trial in this tree and in another in turn, `passes` times each, after a run that compiles.
 
-    Return the finished commands of this tree, those of the other, and figures by run: of both trees, and of the
-    reference of both.
+    Return the finished commands of this tree, those of the other, and the figures of both trees by name of the run. If
+    the trial has a reference run, its figures in both trees are included.
     """
     ours: list[Finished] = []
     theirs: list[Finished] = []

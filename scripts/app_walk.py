@@ -165,7 +165,7 @@ def wait_for_result(page: Tab) -> None:
 
 
 def break_design(page: Tab) -> None:
-    """Enter the radius of the output circle as that of the bore, so that no wall is left, and wait for the refusal."""
+    """Set the bore radius to the radius of the output circle, so that no wall is left, and wait for the refusal."""
     circle = page.run("document.getElementById('k-output.pin_circle_radius_mm').value")
     page.run("document.querySelector('[data-key=\"gear.bore_radius_mm\"] [type=number]').select()")
     page.type(circle)
@@ -173,7 +173,7 @@ def break_design(page: Tab) -> None:
     page.wait("!document.querySelector('#wrong').hidden", "it cannot be built, and the picture says so")
 
 
-def looks(page: Tab, on_step: Shown) -> None:
+def visit_tabs(page: Tab, on_step: Shown) -> None:
     """Visit all tabs of a drive, set a value that cannot be built, and repair it by a remedy's button."""
     page.click("[role=tab]", "Loads")
     page.wait("document.querySelectorAll('.chart').length === 3", "forces over the turn")
@@ -220,7 +220,7 @@ def main() -> int:
         content = download_drive(page, Path(downloads), on_step).read_bytes()
         print(f"a drive after {taken:.0f} s, its files after {time.monotonic() - began:.0f} s", end="")
         print(f" ({len(content) / 1e6:.1f} MB); load {os.getloadavg()[0]:.1f}")
-        looks(page, on_step)
+        visit_tabs(page, on_step)
         if page.errors:
             print(*page.errors, sep="\n", file=sys.stderr)
             return 1

@@ -66,7 +66,10 @@ OWN_STEP = "settings.timestep_us=0"
 
 
 def in_turn(passes: int, **cases: Callable[[], float]) -> Row:
-    """Take passes of several cases A B A B ..., so that a busy machine is busy for all of them."""
+    """Measure several cases in turn (A B A B ...), `passes` times each, so that other load affects all of them.
+
+    A case is a function that returns its cost. Return the costs of each case by its name.
+    """
     values: Row = {name: [] for name in cases}
     for _ in range(passes):
         for name, case in cases.items():

@@ -34,7 +34,7 @@ MASS_TOLERANCE = 0.01
 
 
 def faults(name: str) -> Iterator[str]:
-    """Yield each fault of a design by its name or file."""
+    """Yield a sentence for each fault of the drive of a design; `name` is a preset or a design file."""
     reducer = Reducer(resolve(name))
     sizes = casing(reducer)
     yield from touching_parts(reducer, sizes)
@@ -44,7 +44,7 @@ def faults(name: str) -> Iterator[str]:
 
 
 def touching_parts(reducer: Reducer, sizes: Casing) -> Iterator[str]:
-    """Yield the kinds of parts that touch at some crank angle, or are closer than the axial play."""
+    """Yield a sentence for two kinds of parts that touch at a crank angle, or are closer than the axial play."""
     for distance in smallest_distances(reducer, sizes, CRANK_ANGLES):
         if not distance.keeps(sizes.play):
             yield f"{distance.part} and {distance.other} are {1e6 * distance.value:.4g} um apart"
@@ -76,7 +76,7 @@ def failed_exports(name: str) -> Iterator[str]:
 
 
 def run(names: list[str]) -> int:
-    """Print the faults of designs, given by their names; return 1 if there are any, else 0."""
+    """Print the faults of designs by their names, by default all presets; return 1 if there are any, else 0."""
     count = 0
     for name in names or presets_for("simulate"):
         found = list(faults(name))

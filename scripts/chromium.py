@@ -73,7 +73,10 @@ class Tab:
         self.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     def wait(self, script: str, what: str, seconds: float = 60.0) -> None:
-        """Wait until the value of a script is true, such as an element, which cannot be returned itself."""
+        """Wait until the value of a script is true, for example an element that is there.
+
+        Raise TimeoutError with the text `what` if it is not true after a duration [s].
+        """
         for _ in range(int(seconds / 0.1)):
             if self.run(f"!!({script})"):
                 return

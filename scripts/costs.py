@@ -99,7 +99,10 @@ def timers() -> Iterator[None]:
 
 
 def example(kind: str, load: float, steps: int, *changes: str) -> Case:
-    """Return a design with its model: at full speed, `steps` of 1 us after the warm-up."""
+    """Return a design of a kind in `KINDS` with its model, for a run at full speed under a load [N m].
+
+    The run has `steps` time steps of 1 us after the warm-up; `changes` are further changes of the design.
+    """
     preset, pins = KINDS[kind]
     hold = (WARM + steps) * 1e-6
     run = ["settings.timestep_us=1.0", "drive.ramp_s=0.0", f"drive.hold_s={hold!r}", f"load.torque_nm={load}"]

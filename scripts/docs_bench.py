@@ -89,7 +89,11 @@ def fit_drives() -> dict[str, Any]:
 
 
 def part_compliances(kind: str) -> dict[str, Any]:
-    """Compute the compliance of each part as drawn by finite elements, and its interval over the modulus."""
+    """Compute the compliance of each part of a printed drive by finite elements; `kind` is that of the ring.
+
+    Return ``parts``, part -> compliance [rad/(N m)], and ``interval``, the stiffness of the drive [N m/rad] at both
+    limits of the modulus.
+    """
     import cycloid_mj as cm
     from cycloid_mj.reducer import Reducer
     from cycloid_mj.stress.mounts import read_mounts
@@ -100,7 +104,10 @@ def part_compliances(kind: str) -> dict[str, Any]:
 
 
 def fit_contact_friction() -> dict[str, Any]:
-    """Fit friction in the contacts to the pin drive's loops by crank angle and locked shaft; compare other losses."""
+    """Fit friction in the contacts to the loops of the pin drive, and compare other kinds of losses.
+
+    Return JSON values: ``held``, the fit for each crank angle and locked shaft, and ``losses``, a row for each kind.
+    """
     import cycloid_mj as cm
     from cycloid_mj.bench import compare_losses
     from cycloid_mj.reducer import Reducer
@@ -130,7 +137,10 @@ def fit_contact_friction() -> dict[str, Any]:
 
 
 def preload_study() -> dict[str, dict[str, float | None]]:
-    """Compute play, friction and stiffness of the nonpin drive as drawn over the preload of its ring [arcmin]."""
+    """Compute play [deg], friction [N m] and stiffness [N m/rad] of the nonpin drive by preload of its ring [arcmin].
+
+    Friction is that at the output, by statics and by a run; that of a run is None without preload.
+    """
     import cycloid_mj as cm
     from cycloid_mj.dynamics.planar.model import planar_model
     from cycloid_mj.figures import figure

@@ -207,7 +207,7 @@ def short_run(kind: str) -> Any:
 
 
 def run_of(kind: str) -> dict[str, Value]:
-    """Collect rms values over the second half of such a run: the crank's torque, and the errors of gear and output."""
+    """Compute rms values over the second half of `short_run`: crank torque, and angle errors of disc and output."""
     import numpy as np
 
     from cycloid_mj.analysis.series import design_of
@@ -224,7 +224,7 @@ def run_of(kind: str) -> dict[str, Value]:
 
 
 def words_of_the_report() -> dict[str, Value]:
-    """Collect the titles and the heads of tables, down to the mechanism that ends the picture, for two short runs."""
+    """Collect the headings of the report of two short runs, up to the section Mechanism, as one text."""
     from cycloid_mj.base.errors import CycloidWarning
     from cycloid_mj.report import report
 
@@ -237,7 +237,7 @@ def words_of_the_report() -> dict[str, Value]:
 
 
 def look_of_the_animation() -> dict[str, Value]:
-    """Collect how bright the parts of its first frame are, from 0 to 1, for a short run."""
+    """Compute the mean brightness, 0 to 1, of `BLOCKS` by `BLOCKS` blocks of the first frame of an animation."""
     import numpy as np
 
     from cycloid_mj.plots.animation import draw_frames, select_samples
@@ -249,7 +249,7 @@ def look_of_the_animation() -> dict[str, Value]:
 
 
 def numbers_of_the_paper() -> dict[str, Value]:
-    """Collect the digest of what the paper is said to state."""
+    """Compute the digest of all values that the module `hsieh2014.stated` attributes to the paper."""
     from hsieh2014 import stated
 
     imported = {"PRESETS", "TYPE_CHECKING"}
@@ -265,7 +265,10 @@ def drive_of_the_tutorial() -> dict[str, Value]:
 
 
 def loops_of_the_printed_drive() -> dict[str, Value]:
-    """Collect by how much the printed drive as drawn, with a structure as soft as its bench's, misses its loops."""
+    """Compute the residual of each measured loop of the printed drive for its design with a compliant structure.
+
+    The residual is a share of the loop's height.
+    """
     import cycloid_mj as cm
 
     design = cm.load("printed").but(springs={"housing": 400.0, "friction": 2.5, "hysteresis": 3.0})
@@ -275,7 +278,10 @@ def loops_of_the_printed_drive() -> dict[str, Value]:
 
 
 def shaft_of_the_printed_drive() -> dict[str, Value]:
-    """Collect what bends and twists of the printed drive, by closed forms: its parts by finite elements take longer."""
+    """Compute the compliances of the printed drive in bending (crank) and in torsion (parts) by closed forms.
+
+    They stand for the compliances by finite elements, which take longer.
+    """
     import cycloid_mj as cm
     from cycloid_mj.statics.structure import crank_flexibility, twisting_compliance
 
@@ -284,7 +290,7 @@ def shaft_of_the_printed_drive() -> dict[str, Value]:
 
 
 def files_of_the_app() -> dict[str, Value]:
-    """Collect the digests of what the browser is sent."""
+    """Compute the digests of the files that the app sends to the browser, by file name."""
     assets = ROOT / "cycloid_mj" / "app" / "assets"
     return {path.name: _digest(str(path.relative_to(ROOT))) for path in sorted(assets.iterdir()) if path.is_file()}
 
@@ -354,7 +360,7 @@ def _format_value(value: Value | None) -> str:
 
 
 def _digest(name: str) -> str:
-    """Compute the digest of a file, or of what a page has of `printed` text."""
+    """Compute the digest of a file; after ``#`` in its name, that of the command output printed on the page."""
     place, _, part = name.partition("#")
     path = ROOT / place
     if not path.exists():
@@ -376,7 +382,7 @@ def write(name: str, artefact: Artefact) -> None:
     for key, step in artefact.steps.items():
         out = scratch / key
         if not out.exists():
-            _do(step, out)
+            _run_step(step, out)
     places = {key: str((scratch / key).relative_to(ROOT)) for key in artefact.steps}  # as pages print them
     for command in artefact.last:
         subprocess.run([word.format(scratch, **places) for word in command], cwd=ROOT, check=True)
@@ -385,7 +391,7 @@ def write(name: str, artefact: Artefact) -> None:
     shutil.rmtree(scratch)
 
 
-def _do(task: Step, out: Path) -> None:
+def _run_step(task: Step, out: Path) -> None:
     """Run the command of a step; its output gets its name only when it is complete."""
     part = out.with_name(f"{out.name}.part")
     shutil.rmtree(part, ignore_errors=True)

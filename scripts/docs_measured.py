@@ -78,7 +78,7 @@ def read_measures(folder: Path, design: str) -> dict[str, dict[str, Any]]:
 
 
 def read_comparison(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Extract from the JSON of `compare` what the page shows, with the time step of each run."""
+    """Extract speed and runs for the page from the JSON of `compare`, with the time step of each run [us]."""
     runs = []
     for run in content["runs"]:
         spreads = {one["quantity"]: one for one in run["spreads"]}

@@ -124,7 +124,7 @@ def fails_a_test(file: str) -> bool:
 
 
 def warm() -> None:
-    """Load the libraries, and nothing of the project, so that what is forked from here begins with them."""
+    """Load the libraries, and nothing of the project, so that processes forked afterwards start with them."""
     for library in ("jinja2", "mujoco", "numba", "numpy", "pydantic", "pytest", "scipy.optimize", "scipy.spatial"):
         importlib.import_module(library)
 
@@ -179,7 +179,7 @@ class Trial:
         return cls(flip, child, pipe)
 
     def end(self) -> bool:
-        """Wait for whether a test fails; so does one whose process is stopped for its time."""
+        """Wait for the process, and return whether a test failed; a process that exceeded its time counts as failed."""
         with open(self.pipe, encoding="ascii") as pipe:
             seen = pipe.read() != "no"
         os.waitpid(self.child, 0)

@@ -68,7 +68,7 @@ def of_the_run(done: Finished) -> Figures:
 
 
 def moves(design: str, command: str, old: Figures, new: Figures) -> Iterator[Move]:
-    """Iterate over the figures that differ by more than `DIGITS`, and those that only one side has."""
+    """Yield the figures of a command that differ by more than `DIGITS`, and those that only one revision has."""
     for key in dict.fromkeys([*old, *new]):
         before, after = old.get(key), new.get(key)
         if before is None or after is None or abs(after - before) > DIGITS * abs(before):

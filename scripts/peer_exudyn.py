@@ -70,7 +70,10 @@ def _solve(exu: Any, mbs: Any, end: float, timestep: float, solver: Any) -> floa
 
 
 def reduced_design(timestep: float, friction: float, pins: str = "fixed") -> Design:
-    """Return the preset `pin` reduced to the features of Exudyn's model: uniform contacts, a rigid cam, no output."""
+    """Return the preset `pin` reduced to the features of Exudyn's model: uniform contacts, a rigid cam, no output.
+
+    `timestep` is in [s], `friction` is that of pin on gear, `pins` the kind of ring pins.
+    """
     changes = [
         f'ring.pins="{pins}"',
         'contact.stiffness_law="uniform"',
@@ -89,7 +92,8 @@ def reduced_design(timestep: float, friction: float, pins: str = "fixed") -> Des
 def run_ours(timestep: float, friction: float, end: float, pins: str = "fixed") -> Motion:
     """Simulate this project's model in MuJoCo, with the load on the gear.
 
-    `friction` is that of pin on gear, `pins` the kind of ring pins, ``fixed`` or ``free``.
+    `timestep` and `end` are time step and duration [s], `friction` is that of pin on gear, `pins` the kind of ring
+    pins, ``fixed`` or ``free``.
     """
     design = reduced_design(timestep, friction, pins)
     compiled = build(design)
@@ -116,15 +120,19 @@ def run_ours(timestep: float, friction: float, end: float, pins: str = "fixed") 
 def match_stiffness(design: Design, stiffness: float) -> float:
     """Compute the bedding modulus [N/m2] at which a pin enters Exudyn's segments as deep as it enters our contact.
 
-    On a circle of radius rho, p deep in the bed, acts a force of 4/3 sqrt(2 rho) p^(3/2) times the modulus. `stiffness`
-    is that of our contact [N/m].
+    A circle of radius rho that is pressed into the bed by the depth p experiences a force of 4/3 sqrt(2 rho) p^(3/2)
+    times the modulus. `stiffness` is that of our contact [N/m].
     """
     force = Reducer(design).contacts[design.tooth_pair].force
     return force / (4.0 / 3.0 * math.sqrt(2.0 * design.ring.pin_radius) * (force / stiffness) ** 1.5)
 
 
 def _add_teeth(mbs: Any, design: Design, markers: list[Any], segments: int, stiffness: float, friction: float) -> None:
-    """Add the contact of the ring pins with the gear's outline, a polygon; `markers` are gear, then pins."""
+    """Add the contact of the ring pins with the gear's outline to an Exudyn system `mbs`.
+
+    The outline is a polygon of `segments`; `markers` are those of the gear and then of the pins. `stiffness` is the
+    bedding modulus [N/m2].
+    """
     import exudyn as exu  # type: ignore[import-not-found]
     from exudyn import itemInterface as item
 
@@ -148,7 +156,10 @@ def _add_teeth(mbs: Any, design: Design, markers: list[Any], segments: int, stif
 
 
 def run_exudyn(timestep: float, friction: float, end: float, segments: int) -> Motion:
-    """Simulate Exudyn's model with a polygon as the gear's outline, by the generalized-alpha integrator."""
+    """Simulate Exudyn's model with a polygon of `segments` as the gear's outline, by the generalized-alpha integrator.
+
+    Other parameters are those of `run_ours`.
+    """
     import exudyn as exu
     from exudyn import itemInterface as item
 
@@ -346,7 +357,10 @@ def _collect_parts(design: Design, laws: Mapping[str, Any], friction: float, fre
 
 
 def run_compiled(timestep: float, friction: float, end: float, pins: str = "fixed") -> Motion:
-    """Simulate with Exudyn's integrator (RK44) and contacts compiled here: exact teeth, fixed or free pins."""
+    """Simulate with Exudyn's integrator (RK44) and contacts compiled here: exact teeth, fixed or free pins.
+
+    The parameters are those of `run_ours`.
+    """
     import exudyn as exu
     from exudyn import itemInterface as item
 

@@ -104,9 +104,9 @@ def cpu_of(process: int) -> float:
 
 
 def hours(points: float, cpu: float, overhead: float, cores: int) -> float:
-    """Find the wall time [h] of points on a cluster: its workers', or the scheduler's or client's where that is longer.
+    """Extrapolate the wall time [h] of a number of points on a cluster of some cores.
 
-    `cpu` of a point and `overhead` of the busier of client and scheduler in ms a point, as `sweep_table` has them. It
-    is an extrapolation: no two points share anything but the scheduler.
+    `cpu` is the CPU time of a point [ms], `overhead` that of the busier of client and scheduler per point [ms], as in
+    `sweep_table`. The slower of workers and scheduler determines the result.
     """
     return points * max(cpu / cores, overhead) / 3.6e6

@@ -14,6 +14,8 @@ TIMEOUT_MESSAGE = "The request did not arrive completely in time.\n"
 class LimitedConnection(H11Protocol):
     """An HTTP/1.1 connection of uvicorn with a deadline for each request and a limit of the number of connections.
 
+    Public methods override those of `H11Protocol`, which uvicorn and asyncio call.
+
     A new connection is never refused: when there are too many, the one that has waited longest for its request is
     closed. Connections whose request is being answered do not count as waiting.
     """

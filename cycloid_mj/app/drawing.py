@@ -68,10 +68,10 @@ MARKED_PARTS: Mapping[str, str] = {
 def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
     """Return the cross-section of a reducer as outlines [mm], y upward, in JSON values, for the page to move.
 
-    `magnification` is the factor of all clearances; ``play`` is the factor that is drawn, 1 if the magnified parts
-    cannot be. For a design that cannot be built, ``whole`` is false, and the profile has the loops or cuts that it
-    would have. Also returned: the ``phases`` of the discs on the crank [rad], and ``gear_rate``, turns of a disc per
-    crank turn.
+    `magnification` is the requested factor of all clearances. ``play`` is the factor that is drawn; it is 1 if the
+    magnified parts cannot be drawn. ``whole`` is false for a design that cannot be built; its profile is drawn with
+    its loops or cuts. The result also has the ``phases`` of the discs on the crank [rad], and ``gear_rate``, turns of a
+    disc per crank turn.
     """
     drawn = reducer if magnification == 1.0 else _magnify_clearances(reducer, magnification)
     try:

@@ -1,4 +1,4 @@
-"""Jobs of the page: long work in queues of its own kind, which reports its progress and can be stopped.
+"""Jobs of the page: long work in one queue per kind, which reports its progress and can be stopped.
 
 Studies wait for each other, and so do files; neither waits for the other. A small file is written immediately.
 """

@@ -63,7 +63,7 @@ POSES = 61
 def geometry_figures(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     """Return ratio, diameter and mass as JSON values for the header, judged by the requirements of the start form.
 
-    A diameter that is met is not judged here: `life` does so with the covers, with which the drive has to meet it.
+    The diameter is that without covers, so it is judged only if it violates its limit; `life` judges it with covers.
     """
     design, mass = reducer.design, None
     with suppress(CycloidError):  # a part cannot be built: the checks say which

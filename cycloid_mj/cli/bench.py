@@ -159,7 +159,7 @@ def calibrate(
         write(_calibration_outcome(calibration, destination), destination, quiet_delivery)
         calibration = _fit_loss_models(calibration, destination, delivery)
     try:
-        unusable = _find_defects(calibration, delivery.quiet)
+        unusable = _describe_defect(calibration, delivery.quiet)
     except KeyboardInterrupt as stop:
         write(_calibration_outcome(calibration, destination), destination, quiet_delivery)
         raise RunError(
@@ -192,7 +192,7 @@ def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
 def _fit_loss_models(
     calibration: "Calibration", destination: Destination, delivery: CalibrationDelivery
 ) -> "Calibration":
-    """Fit and compare the loss models of `compare_losses`, and write the calibration after each of them.
+    """Fit the loss models of `compare_losses`; return the calibration with all of them, and write it after each model.
 
     Raises
     ------
@@ -218,11 +218,11 @@ def _fit_loss_models(
         ) from stop
 
 
-def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
-    """Test the calibrated design by its checks, statics and reduction; return a sentence on the first failure.
+def _describe_defect(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
+    """Test the calibrated design as in `_first_defect`; return one sentence on the first failure, or an empty tuple.
 
-    The sentence names each fitted parameter without which the design can be used, with the value of the original design
-    instead. The result is empty if no test fails. With `quiet` no progress is printed.
+    The sentence also lists the fitted parameters that cause the failure. A parameter is a cause if the design passes
+    all tests when this parameter alone has its value in the original design. With `quiet` no progress is printed.
     """
     from cycloid_mj.cli.progress import show_activity
 
@@ -254,7 +254,7 @@ def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
 
 
 def _first_defect(reducer: Reducer, torque: float) -> str | None:
-    """Return the first error of checks, statics under a torque [N m] and reduction to a joint; None if all succeed."""
+    """Return the first error of checks, statics at a torque [N m] and the command `reduce`; None if all succeed."""
     from cycloid_mj.checks import require_sound
     from cycloid_mj.robot import reduce
     from cycloid_mj.statics.sheet import sheet
@@ -277,7 +277,7 @@ def _calibration_outcome(
 ) -> Outcome:
     """Convert a calibration to an `Outcome` with tables, warnings, figure, page, design file and residuals.
 
-    `unusable` has sentences of `_find_defects`; it is None if the design was not tested.
+    `unusable` is the result of `_describe_defect`; it is None if the design was not tested.
     """
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.base.units import DEGREE
@@ -335,9 +335,9 @@ def _calibration_outcome(
 
 
 def _headline(calibration: "Calibration") -> dict[str, str]:
-    """Return the first `MOST_FIGURES` figures as texts by name: play, stiffness, friction, residual, fitted parameters.
+    """Return at most `MOST_FIGURES` values as texts by name: play, stiffness, friction, residual, fitted parameters.
 
-    Those of the loops are for measurement and model.
+    Play, stiffness and friction are stated for the measured loops and for the fitted model.
     """
     from cycloid_mj.base.units import DEGREE
 

@@ -252,14 +252,14 @@ def _compare_logs(names: Sequence[str], q: tuple[float, float] | None, destinati
     motions = {trial: motion for motion, trial in trials}
     verdicts = judge_runs(comparison.trials, {})
     return outcome_of(
-        comparison, verdicts, _draw_figures(comparison, [motions[trial] for trial in comparison.trials]), destination
+        comparison, verdicts, _figure_encoders(comparison, [motions[trial] for trial in comparison.trials]), destination
     )
 
 
 def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
     """Plan the runs of all cases: independent starts, a sweep of contact parameters, and variations of assumed values.
 
-    The flags of the command select them.
+    `options` selects them: the sweep runs with ``--sweep``; ``--quick`` omits the variations and most starts.
 
     Raises
     ------
@@ -305,7 +305,7 @@ def _compare_runs(
         comparison.trials,
         {variation: plan.trials(measures_by_design, cases, variation) for variation in plan.variations},
     )
-    pictures = _draw_figures(comparison, [motions[design] for design in cases]) | _draw_paper_figures(verdicts)
+    pictures = _figure_encoders(comparison, [motions[design] for design in cases]) | _paper_figure_encoders(verdicts)
     return outcome_of(comparison, verdicts, pictures, destination)
 
 
@@ -337,10 +337,10 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
     return motion, Trial(motion.design, measure_run(motion, str(log)))
 
 
-def _draw_figures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
+def _figure_encoders(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
     """Return functions that encode the figures of a comparison, by name; `motions` are the settled motions of its runs.
 
-    The figure of the curvature has the designs of the first load.
+    The figure of the curvature shows the designs of the runs under the first load.
     """
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure
@@ -352,7 +352,7 @@ def _draw_figures(comparison: "Comparison", motions: "Sequence[Series]") -> dict
     return {name: partial(encode_figure, figure) for name, figure in figures.items()}
 
 
-def _draw_paper_figures(verdicts: RunsJudged) -> dict[str, Picture]:
+def _paper_figure_encoders(verdicts: RunsJudged) -> dict[str, Picture]:
     from cycloid_mj.plots.save import encode_figure
 
     return {name: partial(encode_figure, draw()) for name, draw in verdicts.figures.items()}

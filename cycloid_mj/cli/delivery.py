@@ -47,9 +47,9 @@ class Destination:
     stem
         Name of its JSON file, CSV file and page, without the ending.
     folder
-        Of all files; None where it writes none.
+        Folder of all files; None if the command writes none.
     page
-        The HTML page; None where it writes none.
+        Path of the HTML page; None if the command writes none.
     """
 
     stem: str
@@ -163,8 +163,8 @@ def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, fl
 def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, flags: CommonFlags) -> int:
     """Write columns, shape (n,) each, as CSV to `file` or stdout, and return the exit code.
 
-    `title` and `page` are those of the outcome. With ``--all`` or ``--json`` among the `flags`, ranges are printed;
-    with ``--json``, a table for stdout is printed as JSON instead.
+    `title` and `page` are those of the outcome. If `file` is a path, ``--all`` among the `flags` also prints the range
+    of each column. With ``--json`` an object replaces this text; it has the values if `file` is stdout.
     """
     destination, files = Destination(title, None, page), [] if file == STDOUT else [file]
     rows = len(next(iter(columns.values())))

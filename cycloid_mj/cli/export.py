@@ -359,8 +359,7 @@ def _drive_files(
 ) -> Mapping[str, bytes]:
     """Return the files of covers, flanges and the parts that are joined to them: name -> content.
 
-    There are none if `sizes`, those of the casing, are None. The clearances are widened by the offset of
-    ``--offset-um``.
+    `sizes` is the casing; None: the result is empty. The clearances are increased by ``--offset-um``.
     """
     from cycloid_mj.parts.export import drive_files, widen_clearances
 

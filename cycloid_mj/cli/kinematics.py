@@ -82,7 +82,7 @@ def kinematics(
 def _compute_motion(design: Design, q: tuple[float, float], until: float | None, interval: float | None) -> Columns:
     """Compute the motion of a disc's point as columns of shape (n,) in the units of their names.
 
-    They are time, crank angle, position, velocity and acceleration, the latter three in mm.
+    They are time [s], crank angle [rad], position [mm], velocity [mm/s] and acceleration [mm/s2].
 
     Parameters
     ----------

@@ -223,7 +223,11 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
 
 
 def _claim_output(log: str, out: str | None, ending: str, wanted: CommonFlags) -> tuple[Path, Path | None]:
-    """Claim the name of a file converted from a log, and that of the page."""
+    """Claim the path of a file converted from a log, and that of the HTML page; return both.
+
+    The file is `out`, or the log's path with another `ending`. `wanted` are the output flags. The page is None if it is
+    not requested.
+    """
     path = Path(log).with_suffix(ending) if out is None else Path(out)
     require_ending(path, ending)
     claim_outputs(path, force=wanted.force)
@@ -244,9 +248,10 @@ def _names(columns: str | None) -> list[str] | None:
 
 
 def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
-    """Return the 3-D scene of a logged design, with a rate [Hz] of its frames that defaults to that of the log.
+    """Return the 3-D scene of a logged design, with the `rate` [1/s] of its frames; None: the rate of the log.
 
-    Without a valid design it is None, with a note; if a rate is requested, the error is raised.
+    If the log has no valid design, a note is printed and None is returned. If a rate is requested, CycloidError is
+    raised instead.
     """
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene

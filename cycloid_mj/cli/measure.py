@@ -435,7 +435,7 @@ def _deliver_measurement(measurement: "Measurement", destination: Destination, d
     """Write a measurement and the logs of its runs, and print it unless JSON is requested."""
     from cycloid_mj.log import write as write_log
 
-    outcome = _outcome(measurement, _draw_figure(measurement, destination.stem) if _is_drawn(delivery) else {})
+    outcome = _outcome(measurement, _figure_encoders(measurement, destination.stem) if _is_drawn(delivery) else {})
     with defer_signals():
         write(outcome, destination, delivery)
         if destination.folder and not delivery.no_log:
@@ -445,7 +445,7 @@ def _deliver_measurement(measurement: "Measurement", destination: Destination, d
         show_outcome(outcome, delivery.all)
 
 
-def _draw_figure(measurement: "Measurement", stem: str) -> dict[str, Picture]:
+def _figure_encoders(measurement: "Measurement", stem: str) -> dict[str, Picture]:
     from cycloid_mj.plots.measure import measurement_figure
     from cycloid_mj.plots.save import encode_figure
 

@@ -261,10 +261,10 @@ class SizeFlags:
                 raise UsageError(f"--{name.replace('_', '-')} does not support --layout rv: remove it")
 
     def _crank_speed(self, ratio: int) -> float | None:
-        """Return the required crank speed at a ratio [rpm]; None if none is required.
+        """Return the required crank speed [rpm] at a ratio; None if no speed is required and no motor is set.
 
-        With a motor it is the required speed or, without one, the usual speed of the process, at most the speed of the
-        motor under the torque.
+        With a motor and no required speed it is the largest speed at which the motor delivers the torque; with a motor
+        frame, it is at most the usual speed of the process.
 
         Raises
         ------

@@ -112,7 +112,7 @@ def create_folder(name: str, contents: str) -> Path | None:
 
 @contextmanager
 def _open_output(file: str) -> Iterator[TextIO]:
-    """Open a file for text that gets its name when it is complete; a device is written directly.
+    """Open a text file for writing; the file appears under its name when it is complete. A device is written directly.
 
     Raises
     ------

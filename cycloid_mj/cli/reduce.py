@@ -247,7 +247,7 @@ def _outcome(
     steps
         Trials of the study of time steps.
     scene, lossy
-        Time steps of scene.xml and of lossy_scene.xml; None without the latter.
+        Time steps of scene.xml and of lossy_scene.xml; `lossy` is None if there is no lossy_scene.xml.
     drives
         Joints of the drawn drives; None without ``--spread``.
     files

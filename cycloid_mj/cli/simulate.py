@@ -327,7 +327,7 @@ def logs_folder(default_folder: str, out: str | None, names: Sequence[str], forc
 
 
 def _unused_logs(directory: Path, name: str) -> Iterator[Path]:
-    """Yield the names that the usual folder has for a design's runs and that are free, one after the other."""
+    """Yield unused paths for logs of the design `name` in a folder: NAME.mcap, NAME-2.mcap and so on."""
     numbered = (directory / f"{name}-{number}.mcap" for number in count(2))
     logs = chain([directory / f"{name}.mcap"], numbered)
     yield from (log for log in logs if not log.exists() and not review_of(log).exists())

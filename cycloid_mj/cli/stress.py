@@ -247,11 +247,11 @@ def _require_springs(springs: bool, has_selection: bool) -> None:
 Logged = tuple[Design, "Run | None", Path | None]
 """A design, its run, and the log of the run; without run: an RV reducer, whose forces are those of statics."""
 Grids = dict[str, "Grid"]
-"""Part -> its finite-element grid."""
+"""Part -> its finite-element mesh."""
 
 
 class _Job(NamedTuple):
-    """Runs whose parts are studied, the grids of the parts of each run, and the destination of the results."""
+    """Runs whose parts are studied, the meshes of the parts of each run, and the destination of the results."""
 
     runs: list[Logged]
     grids: list[Grids]
@@ -265,12 +265,12 @@ def _read_logs(
     settings: "StudySettings",
     delivery: StressDelivery,
 ) -> _Job:
-    """Read the logs to study, mesh the requested parts, and claim the files of the results; return all three.
+    """Read the logs to study, mesh the requested parts, and claim the files of the results; return all three as `_Job`.
 
     `designs` are the names of the designs of the logs, empty to accept any; `parts` are empty for all parts.
     """
     runs = [_read_log(Path(log), designs[index] if designs else "") for index, log in enumerate(logs)]
-    grids = _plan_cost([design for design, _, _ in runs], parts, settings, delivery.quiet)
+    grids = _mesh_parts([design for design, _, _ in runs], parts, settings, delivery.quiet)
     default_folder = f"{logs[0].removesuffix('.mcap')}-stress"
     destination = _claim(claim_folder(delivery.out or default_folder, "the figures", FILES, delivery.force), delivery)
     return _Job(runs, grids, destination)
@@ -293,7 +293,7 @@ def _simulate(
 
     designs = [for_one_turn(design, load) for design in designs]
     _require_runnable(designs)
-    grids = _plan_cost(designs, parts, settings, delivery.quiet)
+    grids = _mesh_parts(designs, parts, settings, delivery.quiet)
     simulated = [design for design in designs if design.layout == Reducer.LAYOUT]
     files = (*(f"{design.name}.mcap" for design in simulated), *FILES)
     directory = logs_folder(RUNS, delivery.out, files, delivery.force)
@@ -359,10 +359,10 @@ def _require_runnable(designs: Sequence[Design]) -> None:
         require_runnable(design)
 
 
-def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
-    """Mesh the requested parts of every design, and print the time and memory that their study needs unless `quiet`.
+def _mesh_parts(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
+    """Mesh the requested parts of every design; return the finite-element meshes by part, a mapping for each design.
 
-    Returns the grids by part, one mapping for each design.
+    The time and the memory that their study needs are printed unless `quiet`. An empty `parts` selects all parts.
     """
     from cycloid_mj.stress.cost import add_costs, estimate_cost
     from cycloid_mj.stress.study import study_grids

@@ -42,7 +42,7 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
 
     findings = [study.findings for study in studies]
     verdicts = stress_claims(studies)
-    pictures, maps = _draw_figures(studies, figures), _maps(studies)
+    pictures, maps = _figure_encoders(studies, figures), _maps(studies)
     picture_files = [f"{name}.{form}" for name in pictures for form in Outcome.formats]
     return Outcome(
         title="largest von Mises stress of a crank turn",
@@ -97,8 +97,8 @@ def _failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
                     yield f"{item.design} {name}: {stress / MEGAPASCAL:.3g} MPa exceeds the yield strength"
 
 
-def _draw_figures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
-    """Return functions that encode the `figures` of stress studies, requested by kind, by name; empty without any."""
+def _figure_encoders(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dict[str, Picture]:
+    """Draw figures of the kinds `figures`; return by figure name a function that encodes the figure in a format."""
     if not figures:
         return {}
     from cycloid_mj.plots.save import encode_figure

@@ -54,7 +54,7 @@ def ratio_columns(designs: Sequence[str]) -> tuple[str, ...]:
 
 
 def ratios(values: Sequence[float]) -> list[str]:
-    """Return the ratio of each further value to the first; "-" if it is undefined."""
+    """Return the ratio of each further value to the first as text with four digits; "-" if it is undefined."""
     first, *further = values
     return [_number(value / first if first else math.nan) for value in further]
 
@@ -121,10 +121,9 @@ def overloads(designs: Iterable[Design]) -> dict[str, str]:
 
 
 def capacity_of(case: Design) -> float:
-    """Compute the torque at which a contact of a loaded design first yields [N m], by statics under its load.
+    """Compute the torque [N m] at which a contact of a loaded design first yields, by statics under its load.
 
-    NaN without load. A large overload has no equilibrium: then a tenth of it is tried, and NaN returned if that fails,
-    too.
+    If that has no equilibrium, a tenth of the load is used. NaN if this fails, too, or if the design has no load.
     """
     from cycloid_mj.figures import figure
 

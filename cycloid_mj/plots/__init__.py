@@ -19,7 +19,9 @@ __all__ = ["FigureError", "figures", "mechanism", "save"]
 
 
 def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figure]:
-    """Return the figures of a run by name, each with its load and speed; over one crank turn, except for the input.
+    """Return the figures of a run by name, each with its load and speed in the heading.
+
+    ``fig5_input`` covers the entire run, all others one crank turn.
 
     Parameters
     ----------

@@ -28,7 +28,10 @@ Image = npt.NDArray[np.uint8]
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """Samples of a run to animate, in order, and the magnification of the clearances of the disc of `motion`."""
+    """Samples of a run to animate: the run, ordered indices `rows` of samples, and the magnification of clearances.
+
+    The disc shown with its forces is that of `motion`.
+    """
 
     motion: Series
     rows: npt.NDArray[np.intp]

@@ -112,7 +112,11 @@ def _draw_signal(grid: Grid, title: str, signal: Signal) -> Figure:
 
 @with_style
 def _draw_spectra(grid: Grid) -> Figure:
-    """Draw the spectral densities of the vibration by load, with dotted lines at multiples of the mesh frequency."""
+    """Draw the spectral densities of the vibration by load, with dotted lines at multiples of the mesh frequency.
+
+    The upper row is the acceleration of the disc's centre, the lower that of the output; `grid` are the runs, design by
+    design.
+    """
     loads = len(grid[0])
     figure, axes = _empty_figure(
         2, loads, f"Vibration about the closed form, {_speed(grid)}", sharey="row", sharex=True, row=1.9
@@ -139,7 +143,7 @@ def _draw_spectra(grid: Grid) -> Figure:
 
 
 def _mark_mesh(panel: Axes, motion: Series, frequency: Array) -> None:
-    """Mark the mesh frequency and two multiples [Hz]."""
+    """Mark the mesh frequency and its first two multiples in a panel, where within the range of `frequency` [Hz]."""
     mesh = motion.reducer.mesh_periods * abs(motion.design.drive.speed) / (2 * np.pi)
     for multiple in np.arange(1, 4) * mesh:
         if frequency[1] < multiple < frequency[-1]:

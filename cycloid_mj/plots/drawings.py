@@ -45,8 +45,8 @@ def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 def drawing_figure(drawing: PartDrawing) -> Figure:
     """Draw a manufactured part on an A3 page in mm: hatched section with dimensions, front view, notes and title block.
 
-    `drawing` is the drawing in metres. The section has the axis of the part to the right (+z), the front view is seen
-    along it; both have scales of their own.
+    `drawing` is the drawing in metres. In the section, the axis of the part (+z) points to the right. The
+    front view is seen along the axis and has its own scale.
     """
     figure = Figure(figsize=PAGE)
     section, front = figure.add_axes((0.03, 0.28, 0.55, 0.68)), figure.add_axes((0.6, 0.34, 0.37, 0.6))

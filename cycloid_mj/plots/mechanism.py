@@ -59,7 +59,7 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
     figure = NotebookFigure(figsize=(6.5, 6.9), layout="constrained")
     axes = figure.subplots()
     if run is None:
-        columns = _ideal_pose(reducer, CRANK_ANGLE if crank_angle is None else crank_angle)
+        columns = _ideal_columns(reducer, CRANK_ANGLE if crank_angle is None else crank_angle)
     else:
         sample = _nearest_sample(run, crank_angle)
         columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
@@ -83,8 +83,8 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
     return figure
 
 
-def _ideal_pose(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
-    """Compute the columns of a log for the ideal mechanism at a crank angle [rad], shape (1,) each."""
+def _ideal_columns(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
+    """Compute log columns by name, shape (1,) each, of the ideal mechanism at a crank angle [rad], as `poses` needs."""
     design = reducer.design
     gear, crank = reducer.tooth_profile, np.array([crank_angle])
     turn = reducer.member.gear_angle(crank)

@@ -66,10 +66,14 @@ def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) 
 
     Parameters
     ----------
+    motion
+        The run.
     key
-        Name of the signal [rad/s].
+        Name of the speed [rad/s] in `SIGNALS`; its error is ``key_error``.
     rows, x
         The samples, and their abscissa: time [s] or crank angle [deg], shape (n,).
+    layout
+        Further arguments of `Figure.subplots`.
 
     Returns
     -------

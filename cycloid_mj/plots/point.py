@@ -122,7 +122,7 @@ def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
 
 
 def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
-    """Draw x, y and size of the path error [um] over the crank angle [deg], with a sample marked.
+    """Draw components x and y and magnitude of the path error [um] over the crank angle [deg], with a sample marked.
 
     Parameters
     ----------

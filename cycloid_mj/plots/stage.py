@@ -163,7 +163,7 @@ def _title(reducer: Reducer, poses: Drawing) -> str:
 
 
 def _view_words(poses: Drawing, reducer: Reducer) -> tuple[str, ...]:
-    """Return which of several discs is shown with its forces, and the frame of the view."""
+    """Return lines of text: which of several discs is shown with its forces, and the reference frame of the view."""
     disc = (f"disc {poses.gaps.disc + 1},", "others dashed") if reducer.design.gear.discs > 1 else ()
     return (*disc, "seen from the ring") if reducer.design.output.turns_ring else disc
 

@@ -44,9 +44,10 @@ PANEL = 2.9
 
 @with_style
 def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
-    """Draw the largest stress of a part over the crank angle for each design: in bulk, and below the contacts by Hertz.
+    """Draw the largest von Mises stress of a part over the crank angle for each design.
 
-    Dashed: the range of Hsieh 2014 for its designs, if they run without load as in the paper.
+    The upper panel has the stress away from the contacts (bulk), the lower that below them by Hertz. A dashed line is
+    the upper end of the range in Hsieh 2014, for its designs without load as in the paper.
     """
     studies = [
         (index, findings_of_design, findings_of_design[part])
@@ -82,12 +83,14 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
 
 @with_style
 def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
-    """Draw the von Mises stress of every part at its crank angle; the colours end at the part's largest bulk stress.
+    """Draw a map of the von Mises stress of every part, at the crank angle of its `StressMap`.
+
+    The colours end at the part's largest stress away from the contacts (bulk).
 
     Parameters
     ----------
     maps
-        Part -> nodal stress.
+        Stress at the nodes, by part.
     condition
         Design and load, for the title.
     """
@@ -102,7 +105,10 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
 
 @with_style
 def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
-    """Draw the finite-element grid of every part, and a magnified lobe of a planar disc."""
+    """Draw the finite-element mesh of every part, and magnified lobes of planar discs.
+
+    `grids` are the meshes by part, `design` is the name of the design for the heading.
+    """
     magnified_parts = [part for part, grid in grids.items() if part in GEARS and grid.dimension == 2]
     names = [name for part in grids for name in ([part, f"{part}, magnified"] if part in magnified_parts else [part])]
     figure, panels = _create_panels(names, f"{design}: grids of quadratic elements")
@@ -118,9 +124,9 @@ def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
 
 @with_style
 def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
-    """Draw the largest bulk stress of each part over the unknowns of its grids, as deviation from the finest grid [%].
+    """Draw the mesh convergence of each part: deviation of the largest bulk stress from the finest mesh [%].
 
-    The grey band is the allowed change per refinement, `MAX_CHANGE`.
+    The abscissa is the number of unknowns. The grey band is the allowed change per refinement, `MAX_CHANGE`.
     """
     figure = create_figure(3.4)
     axes = figure.subplots()
@@ -152,13 +158,13 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
 
 
 def maxima_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
-    """Return the figures of the maxima of each part, by name."""
+    """Return `maxima_figure` of each part by the name of the figure."""
     parts = [part for part in TITLES if any(part in each for each in findings)]
     return {f"fig{NUMBERS[part]}_stress_{part}": maxima_figure(findings, part) for part in parts}
 
 
 def stress_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
-    """Return the figures that need no grid, by name: maxima of each part, and mesh refinement."""
+    """Return the figures that need no finite-element mesh, by name: maxima of each part, and mesh refinement."""
     return maxima_figures(findings) | {"stress_refinement": refinement_figure(findings)}
 
 
@@ -209,7 +215,7 @@ def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
 
 
 def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
-    """Draw the element edges of a planar grid, or the visible faces of a solid grid; `width` is the line width [pt]."""
+    """Draw the element edges of a planar mesh, or the visible faces of a solid mesh; `width` is the line width [pt]."""
     points, cells = grid.points, grid.cells
     line_style: dict[str, Any] = {"linewidths": width, "rasterized": True}
     if points.shape[1] == 2:
@@ -226,7 +232,7 @@ def _draw_grid(axes: Axes, grid: Grid, width: float) -> None:
 
 
 def _magnify(axes: Axes, grid: Grid) -> None:
-    """Limit the axes to the lobes at +y."""
+    """Limit the axes of a drawn mesh to the lobes at +y."""
     top = grid.points[:, 1].max()
     half_height = 0.09 * top
     axes.set_xlim(-1.3 * half_height / MILLIMETRE, 1.3 * half_height / MILLIMETRE)

@@ -28,13 +28,13 @@ class TaggedPdfFile(PdfFile):
         self._elements: list[list[dict[str, Any]]] = []  # by page and number of the marked content
 
     def newPage(self, width: float, height: float) -> None:
-        """Begin a page; what is drawn outside of an element is an artifact."""
+        """Begin a page, as in Matplotlib's `PdfFile`, and an artifact for everything drawn outside of an element."""
         self._elements.append([])
         super().newPage(width, height)
         self.write(ARTIFACT)
 
     def endPage(self) -> None:
-        """End the page."""
+        """End the page and its artifact."""
         self.write(END)
         self.endStream()
 
@@ -50,13 +50,13 @@ class TaggedPdfFile(PdfFile):
         self.write(END + ARTIFACT)
 
     def writeObject(self, object: Any, contents: Any) -> None:
-        """Write an object; a page also gets its number in the structure tree."""
+        """Write a PDF object, as in Matplotlib's `PdfFile`; a page also gets its number in the structure tree."""
         if isinstance(contents, dict) and contents.get("Type") == Name("Page"):
             contents |= {"StructParents": len(self._elements) - 1, "Tabs": Name("S")}
         super().writeObject(object, contents)
 
     def finalize(self) -> None:
-        """Write the structure tree, a catalog that refers to it, and the end of the file."""
+        """Write structure tree, catalog and end of the file; call it once, after the last page."""
         self.endStream()
         root, document, parents = (self.reserveObject(name) for name in ("structure", "document", "parent tree"))
         sections, numbers = [], []
@@ -96,7 +96,10 @@ class TaggedRenderer(RendererPdf):
         self._element: dict[str, Any] = {}
 
     def open_group(self, s: str, gid: str | None = None) -> None:
-        """Begin a group of Matplotlib's drawing, as an element if it is directly in the figure."""
+        """Begin a group of artists named `s` (overrides Matplotlib's renderer).
+
+        A text or axes directly in the figure becomes a structure element; `gid` is not used.
+        """
         if s == "figure":
             return
         if not self._groups and s in ROLES:
@@ -104,7 +107,10 @@ class TaggedRenderer(RendererPdf):
         self._groups.append(s)
 
     def close_group(self, s: str) -> None:
-        """End a group."""
+        """End the group of artists named `s` (overrides Matplotlib's renderer), and its structure element, if any.
+
+        Axes get an alternative text: the labels drawn in them.
+        """
         if s == "figure":
             return
         self._groups.pop()
@@ -114,7 +120,7 @@ class TaggedRenderer(RendererPdf):
             self.file.end_element()
 
     def draw_text(self, *arguments: Any, **options: Any) -> None:
-        """Draw a text, and note it for the alternative text of its axes."""
+        """Draw a text (overrides Matplotlib's renderer), and add it to the alternative text of its axes."""
         self._labels.append(str(arguments[3]).strip())
         super().draw_text(*arguments, **options)
 
@@ -125,9 +131,9 @@ class FigureCanvasTaggedPdf(FigureCanvasPdf):
     def print_pdf(
         self, filename: Any, *, bbox_inches_restore: Any = None, metadata: Any = None, **_others: Any
     ) -> None:
-        """Write a figure as a PDF file, or as a page of a `TaggedPdfFile`.
+        """Write the figure to a file name or stream as PDF, or append it as a page if `filename` is a `TaggedPdfFile`.
 
-        Other arguments of `Figure.savefig` have been applied to the figure before this call.
+        `Figure.savefig` calls this method; it has applied its other arguments to the figure before.
         """
         appended = isinstance(filename, TaggedPdfFile)
         file = filename if appended else TaggedPdfFile(filename, metadata=metadata)

@@ -54,7 +54,7 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
 
 @with_style
 def budget_figure(tolerances: Tolerances) -> Figure:
-    """Draw the error budget: the Sobol indices of each tolerance for a figure's variance as bars, the largest on top.
+    """Draw the error budget: the share of each tolerance in the variance of a quantity (Sobol indices) as bars.
 
     A wide bar is the total index with its 95 % interval, the narrow bar in it the first-order index (not below 0). The
     axis ends at 1, or beyond the highest end of an interval.

@@ -14,10 +14,7 @@ PANEL_HEIGHT = 2.0
 
 @with_style
 def wear_figure(result: WearLife) -> Figure:
-    """Draw lost motion over the hours, and below it the depth of wear along each surface that wears unevenly.
-
-    `result` is that of the wear computation.
-    """
+    """Draw lost motion over the hours, and below it the depth of wear along each surface that wears unevenly."""
     unevenly_worn = [item for item in result.surfaces if item.surface.place is not None]
     figure = create_figure(PANEL_HEIGHT * (1 + len(unevenly_worn)) + 0.4)
     panels = figure.subplots(1 + len(unevenly_worn), 1, squeeze=False)[:, 0]

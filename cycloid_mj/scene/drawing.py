@@ -212,7 +212,8 @@ def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
 def ring_normals(reducer: Reducer, gear: Array) -> Array:
     """Compute the ideal common normals, from the disc to each pin or lobe, shape (n, mates, 2).
 
-    They pass through the pitch point, c N from the axis along the eccentricity. `gear` is the ideal pose (n, 3).
+    They pass through the pitch point, whose distance from the axis is the eccentricity times the number of ring teeth.
+    `gear` is the ideal pose of the disc: x [m], y [m] and angle [rad], shape (n, 3).
     """
     normal = ring_places(reducer) - reducer.design.ring.teeth * gear[:, np.newaxis, :2]
     return normal / np.linalg.norm(normal, axis=2, keepdims=True)
@@ -262,8 +263,7 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Draw
 def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Array:
     """Compute the signed distance of pin centres from the trochoid of a disc [m], shape (n, mates), positive outside.
 
-    Newton's method for the foot point, from its ideal position, in steps that stay on the lobe: a pin outside its
-    socket is far from the ideal position.
+    The foot point is solved by Newton's method from its ideal position; steps are limited to stay on the lobe.
 
     Parameters
     ----------

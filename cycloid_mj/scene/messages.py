@@ -106,7 +106,7 @@ class Scene:
         return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
 
     def opening(self, time: float) -> Iterator[Message]:
-        """Yield the message that precedes the first frame, at `time` [s]: the meshes of all parts."""
+        """Yield the only message before the first frame, at `time` [s]: the meshes of all parts, topic `PARTS`."""
         message = SceneUpdate()
         files = {name: encode_glb(pieces) for name, pieces in shapes(self.reducer).items()}
         pin_file = files.pop("pin", b"")

@@ -140,7 +140,7 @@ def render_model(
 
 
 def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
-    """Return tail and tip (x, y, z), width [m] and colour of an arrow for each contact force of a sample.
+    """Return an arrow for each contact force of a sample: the arguments tail, tip, width and colour of `_add_arrow`.
 
     The tip is at the contact, on a face of the disc. The largest force of each kind has the length `ARROWS.length`;
     forces of zero have no arrow.

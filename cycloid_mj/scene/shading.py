@@ -25,7 +25,10 @@ class ShadedMesh:
 
 
 def shade(mesh: Mesh) -> ShadedMesh:
-    """Split the vertices of a watertight mesh at creases; compute vertex normals weighted by corner angles."""
+    """Split the vertices of a watertight mesh at creases (`CREASE`); return it with vertex normals.
+
+    The normals are means of the face normals, weighted by corner angles.
+    """
     corners = mesh.vertices[mesh.faces]
     cross_products = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(cross_products, axis=1, keepdims=True)

@@ -66,7 +66,7 @@ def _viewer() -> Any:
 
 
 def _open(open_window: Any, *args: Any) -> Any:
-    """Call a function that opens a window and return its result; raise CycloidError if it fails."""
+    """Call a function that opens a window with `args` and return its result; raise CycloidError if it fails."""
     try:
         return open_window(*args)
     except Exception as problem:

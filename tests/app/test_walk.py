@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from app_walk import SIZES, break_design, download_drive, looks, serving, wait_for_result, walk
+from app_walk import SIZES, break_design, download_drive, serving, visit_tabs, wait_for_result, walk
 from browser import CHROMIUM, MISSING, OVERHANG, Tab, tab
 from pdf_text import pdf_text
 
@@ -73,7 +73,7 @@ def test_a_steel_drive_is_designed_and_closed(tmp_path: Path) -> None:
 
 def test_all_tabs_show_results_and_a_remedy_resolves_an_error(page: Tab) -> None:
     seen: list[str] = []
-    looks(page, seen.append)
+    visit_tabs(page, seen.append)
     assert len(seen) == 6
 
 
