@@ -32,7 +32,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     CycloidError
-        It cannot be written; a file that was there before is as it was.
+        It cannot be written; an existing file is unchanged.
     """
     with atomic_files([path]) as (hidden,):
         yield hidden
@@ -42,17 +42,17 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
     """Yield paths of new hidden files, which replace `paths` all together if the block ends without an error.
 
-    Files that belong together, such as the parts of a model, are never left as a mixture of old and new ones. A
-    symbolic link stays one: what it points to is replaced.
+    Files that belong together, such as the parts of a model, are never left as a mixture of old and new files. Of a
+    symbolic link, the file that it points to is replaced.
 
     Raises
     ------
     UsageError
-        One of them has a log's name.
+        A path has the extension of logs.
     TakenError
-        One of them is there, and the running command reads it or may not replace it.
+        A file exists, and the running command reads it or may not replace it.
     CycloidError
-        One of them cannot be written; all files that were there before are as they were.
+        A file cannot be written; all existing files are unchanged.
     """
     replacements: list[tuple[Path, Path]] = []
     current = Path()
@@ -84,7 +84,7 @@ def write_files(files: Mapping[Path, bytes]) -> None:
     Raises
     ------
     CycloidError
-        One of them cannot be written.
+        A file cannot be written.
     """
     with atomic_files(list(files)) as hidden_paths:
         for hidden, content in zip(hidden_paths, files.values(), strict=True):

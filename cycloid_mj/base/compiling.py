@@ -21,7 +21,8 @@ def njit(
 
     With `cache` the machine code is stored in a `KernelCache`. Without `allocates`, neither the function nor its
     callees may allocate arrays; numba then leaves out reference counting, which costs time. An `inner` function can be
-    called by kernels only and must not raise; its code is stored with that of its callers.
+    called by kernels only and must not raise; its code is stored with that of its callers. `options` are those of
+    numba.
     """
     if inner:
         options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -59,7 +60,7 @@ def cacheable() -> bool:
 
 @contextmanager
 def announce_compilation() -> Iterator[None]:
-    """Log once (level info) that code is being compiled, if it is in this block, and not loaded from the cache.
+    """Log once (level info) if code is compiled in this block, and not loaded from the cache.
 
     Signals that end the program wait until the block is done: raised within LLVM, they would be lost.
     """

@@ -12,7 +12,7 @@ WITHOUT_LOCKS = (errno.ENOTSUP, errno.ENOLCK, errno.ENOSYS, errno.EBADF, errno.E
 def lock_file(path: Path) -> Callable[[], None]:
     """Lock an existing file and return the function that ends the lock.
 
-    On POSIX the lock (``flock``) is on the file itself: it leaves no trace and holds on network file systems. Without
+    On POSIX the lock (``flock``) is on the file itself: it leaves no trace and works on network file systems. Without
     ``fcntl``, as on Windows, where a locked file could be neither read nor replaced, filelock locks an empty file next
     to it, with the ending ``.lock``, and removes it at the end. (Files with content are not for filelock: up to version
     4.0 it truncates them.)
@@ -20,7 +20,7 @@ def lock_file(path: Path) -> Callable[[], None]:
     Raises
     ------
     BlockingIOError
-        Another process holds the lock.
+        Another process has locked the file.
     OSError
         The file cannot be opened.
     """

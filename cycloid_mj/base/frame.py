@@ -108,7 +108,7 @@ def write_csv(frame: Frame, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     CycloidError
-        The file cannot be written; one that was there before is as it was.
+        The file cannot be written; an existing file is unchanged.
     """
     with atomic_file(path) as temporary_path, temporary_path.open("w", encoding="utf-8", newline="") as stream:
         write_rows(frame.columns, stream)
@@ -152,7 +152,7 @@ def write_parquet(
     Raises
     ------
     CycloidError
-        The file cannot be written; an `error` for what DuckDB says, and where it is not installed.
+        The file cannot be written. Errors of DuckDB, or its absence, are of the type `error`.
     """
     duckdb = _duckdb("Parquet", "write CSV", error)
     pairs = {"units": dict(frame.units), **metadata}

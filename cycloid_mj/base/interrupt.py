@@ -72,7 +72,7 @@ def preserve_handlers() -> Iterator[None]:
 def defer_signals() -> Iterator[None]:
     """Defer Ctrl-C, SIGTERM and SIGHUP until the block ends, so that it is not interrupted in the middle of a file.
 
-    The first signal held back is raised again after the block. Outside of the main thread nothing is deferred.
+    The first deferred signal is raised again after the block. Outside of the main thread nothing is deferred.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -102,9 +102,9 @@ def interrupt_on_event(event: threading.Event) -> Iterator[None]:
 
 
 def check_interrupt() -> None:
-    """Raise KeyboardInterrupt if this thread was asked to stop (`interrupt_on_event`); long work calls it periodically.
+    """Raise KeyboardInterrupt if this thread has to stop (`interrupt_on_event`); long work calls it periodically.
 
-    An exception that another thread raises in this one, at any place, can leave a lock taken for good.
+    An exception that another thread raises in this thread, at any line, could leave a lock taken for good.
     """
     event = _to_stop.get()
     if event is not None and event.is_set():

@@ -142,7 +142,7 @@ def claim_outputs(*paths: Path, force: bool) -> None:
     Raises
     ------
     TakenError
-        A file is one that the command reads, or of another kind than its name says, or there without `force`.
+        The command reads a file, or it is of another kind than its name says, or it exists and `force` is False.
     """
     command = _command.get()
     for path in paths:

@@ -20,7 +20,7 @@ def get_provider(name: str) -> Any:
     Raises
     ------
     LookupError
-        Nothing is.
+        No object is registered under this name.
     """
     module, _, attribute = _providers[name].partition(":")
     return getattr(import_module(module), attribute)

@@ -139,7 +139,7 @@ def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int)
 
 
 def _add_slip_element(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, index: int) -> None:
-    """Add slip element number `index` of the hinge: a body with friction, and a spring between body and wind-up.
+    """Add slip element number `index` of the hinge: a body with friction that a spring couples to crank and hinge.
 
     `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer.
     """

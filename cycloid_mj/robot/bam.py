@@ -32,11 +32,11 @@ WITHOUT_STRIBECK = {
 
 
 def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
-    """Fit the friction models M3 and M5 of BAM to a reduced joint; return their parameters and errors as JSON values.
+    """Fit the friction models M3 and M5 of BAM to a reduced joint; return them as JSON values.
 
-    Nonnegative least squares (Lawson and Hanson) over the loads from `MIN_FIT_SHARE` to 1 of the nominal torque,
-    driving and driven, at the rated speed. Parameters are in N m, N m s/rad or 1; the errors are the largest of each
-    model [N m].
+    The keys "m3" and "m5" have their parameters in N m, N m s/rad or 1, "largest_error_nm" their largest errors [N m],
+    and "fitted_nm" the range of loads. Nonnegative least squares (Lawson and Hanson) over the loads from
+    `MIN_FIT_SHARE` to 1 of the nominal torque, with crank or output driving, at the rated speed.
     """
     base_torque, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
     external, motor, friction = _friction_samples(reduced)

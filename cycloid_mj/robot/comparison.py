@@ -219,7 +219,7 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
 
 
 def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
-    """Yield the resonance frequency [Hz] of a reduced joint with a heavy load about the nominal torque.
+    """Yield the resonance frequency [Hz] of a reduced joint with a heavy load under the nominal torque, crank locked.
 
     Its reference is sqrt(k/J) with the slope of the full model's wind-up, which is part of `play`.
     """

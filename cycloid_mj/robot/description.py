@@ -311,7 +311,10 @@ class _Joint:
 
 
 def _list_joints(reduced: ReducedJoint, play: str = OUTPUT) -> tuple[_Joint, ...]:
-    """List the joints of a reduced joint in URDF and SDF: the driven one and, unless it is rigid, the `play`."""
+    """List the joints of a reduced joint in URDF and SDF: the driven joint and, unless rigid, that of the play.
+
+    `play` is the name of the latter.
+    """
     effort, speed = MJCF.motor_peak * reduced.rated_torque, reduced.rated_speed / reduced.ratio
     friction, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
     if reduced.level == "rigid":

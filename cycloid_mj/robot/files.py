@@ -43,7 +43,7 @@ def choose_scenes(
     Returns
     -------
     tuple of StepTrial
-        Those of both scenes; the second is None at the level `rigid`.
+        Trials with the time step of either scene; the second is None at the level `rigid`.
     """
     inertia = reduced.reflected_inertia if inertia is None else inertia
     if reduced.slips:

@@ -191,9 +191,9 @@ class Play:
 
 
 def solve_play(reducer: Reducer, poses: int) -> Play:
-    """Solve play and wind-up of a reducer in static equilibrium at evenly spaced crank angles; raises as `loads`.
+    """Solve play and wind-up of a reducer in static equilibrium with a locked crank, as means over crank angles.
 
-    `poses` is the number of crank angles.
+    `poses` is the number of evenly spaced crank angles. Raises as `loads`.
     """
     rated_torque = reducer.design.rated_torque
     resting_reducer = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
@@ -234,8 +234,8 @@ def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
 def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
     """Compute friction torques on the crank [N m] over output torque and crank speed, at the points of `GRID`.
 
-    Positive torques are those against which the crank drives, negative ones drive the crank. `on_step` is called after
-    each point. Raises RunError where the crank cannot turn against a load.
+    The crank drives in one table of the map, the output in the other. `on_step` is called after each point. Raises
+    RunError where the crank cannot turn against a load.
     """
     speed, rated_torque = reducer.design.drive.speed, reducer.design.rated_torque
     rows_by_sign: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
@@ -261,8 +261,8 @@ def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> Fric
 def _compute_no_load_torque(reducer: Reducer) -> float:
     """Compute the friction torque on the crank without a load [N m].
 
-    It is that at the first of the torques `GRID.no_load` with a static balance, extrapolated linearly to zero (not
-    below) if that is not the smallest. It is 0 if friction jams the parts at all of them.
+    The first torque of `GRID.no_load` with a static balance is used; unless it is the smallest, the friction torque is
+    extrapolated linearly to zero torque, but not below 0. It is 0 if friction jams the parts at all of them.
     """
     rated_torque = reducer.design.rated_torque
     for torque in GRID.no_load:
@@ -337,9 +337,9 @@ def _compute_damping(reducer: Reducer) -> float:
 
 
 def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
-    """Yield the identified figures of a joint with units and numerical errors, for tables and JSON.
+    """Yield the identified quantities of a joint with units and numerical errors, for tables and JSON.
 
-    `fine` and `coarse` are the plays at two numbers of crank angles; their difference is the numerical error.
+    `fine` and `coarse` are play and wind-up at two numbers of crank angles; their difference is the numerical error.
     """
     condition = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
     friction, rated_torque, speed = joint.friction, joint.rated_torque, joint.rated_speed

@@ -60,9 +60,9 @@ class ImpactLoad:
 def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     """Solve the impact of a joint under an alternating load by LSODA, as a reference for MuJoCo; results are cached.
 
-    The equation is J x'' = T cos(2 pi f t) - spring(x) - c x', with the inertia J of the output and all that turns with
-    it [kg m2], of which `inertia` is the external part. The damping c acts at the level `full` beyond the stops only,
-    as in `ReducedJoint.step`, at `backlash` within the play as well, as in MJCF.
+    The equation is J x'' = T cos(2 pi f t) - spring(x) - c x', with the rated torque T, the angle x of the output and
+    the inertia J of all that turns with it [kg m2], of which `inertia` is the external part. The damping c acts at the
+    level `full` beyond the stops only, as in `ReducedJoint.step`, at `backlash` within the play as well, as in MJCF.
 
     Raises
     ------
@@ -152,7 +152,8 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
 def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
     """Return a fast function from the deviation L [rad] of a reduced joint to its springs' torque [N m].
 
-    It is that at the crank angle 0, and interpolates linearly between the breakpoints of the piecewise linear torque.
+    L is the output's angle less the ideal angle. The function is that at the crank angle 0, and interpolates linearly
+    between the breakpoints of the piecewise linear torque.
     """
     breakpoints = reduced.bends(0.0)
     span = float(np.ptp(breakpoints))

@@ -105,13 +105,7 @@ class Population(Tabular):
         )
 
     def tables(self) -> tuple[Table, Table]:
-        """Tabulate the distribution of each parameter, and the correlations of the parameters.
-
-        Returns
-        -------
-        tuple of Table
-            Both tables.
-        """
+        """Tabulate the distribution of each parameter, and the correlations of the parameters."""
         title = f"{self.design}: joints of {self.samples} drives, seed {self.seed}"
         rows = tuple(
             (key, unit, *(f"{item:.5g}" for item in (self.nominal[key], *self._summary(key).values())))

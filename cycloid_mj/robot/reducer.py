@@ -174,7 +174,7 @@ class ReducedJoint(Presented):
         return sum(spring.stiffness for spring in self.springs if spring.start <= wind_up)
 
     def wind_up(self, torque: float) -> float:
-        """Compute the deviation of the output beyond the stop under a torque of this size [rad]."""
+        """Compute the deviation of the output beyond the stop [rad], >= 0, under a torque [N m] of either sign."""
         start, torque_at_start, slope = 0.0, 0.0, 0.0
         for spring in self.springs:
             if torque_at_start + slope * (spring.start - start) > abs(torque):
@@ -186,7 +186,8 @@ class ReducedJoint(Presented):
     def torque(self, deviation: float, stops: tuple[float, float] | None = None) -> float:
         """Compute the torque of the springs [N m], towards the stops, at a deviation L of the output [rad].
 
-        `stops` are the deviations at the ends of the play [rad], by default their means over the crank angle.
+        L is the output's angle less the ideal angle at the crank's angle. `stops` are the deviations at the ends of the
+        play [rad], by default their means over the crank angle.
         """
         low, high = stops or self.stops
         wind_up = max(deviation - high, low - deviation)
@@ -227,8 +228,8 @@ class ReducedJoint(Presented):
     def bends(self, angle: float) -> Array:
         """Return the deviations L [rad], shape (n,), at which the slope of the torque changes at a crank angle [rad].
 
-        They increase: the stops, and the wind-ups at which further springs start. At the level `full`, the transmission
-        error moves them.
+        L is the argument of `torque`. The deviations increase: the stops, and the wind-ups at which further springs
+        start. At the level `full`, the transmission error moves them.
         """
         if self.level == "full":
             (_, lower), (_, upper) = self._stop_deviations(angle)

@@ -252,6 +252,8 @@ def trials_table(trials: tuple[StepTrial, ...]) -> Table:
 def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Simulate the output under a suddenly applied nominal torque with a locked crank, and analyse its vibration.
 
+    `inertia` is that on the output, without the reducer's own [kg m2].
+
     Returns
     -------
     tuple

@@ -113,7 +113,10 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
 
 
 def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Array:
-    """Compute the transmission error [rad] over one turn of the crank, shape (m,); `turn` counts the turns from 0."""
+    """Compute the transmission error [rad] over one turn of the crank, shape (m,); `turn` counts the turns from 0.
+
+    `load` is a share of the nominal torque, `direction` that of the crank, 1 or -1.
+    """
     design = reducer.design
     driven = reducer.but(drive={"speed": direction * abs(design.drive.speed)})
     count = reducer.mesh_periods * RIPPLE.poses_per_period
@@ -124,7 +127,7 @@ def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Arr
 
 
 def compute_amplitudes(values: Array) -> tuple[Waves, Waves]:
-    """Compute the complex amplitudes of a periodic error by FFT, from all samples and from every second one.
+    """Compute the complex amplitudes of a periodic error by FFT, from all samples and from every second sample.
 
     The harmonic is the real part of A exp(i order theta). `values` has shape (n,); both results have the same shape,
     and 0 for the mean.

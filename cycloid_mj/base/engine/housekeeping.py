@@ -23,7 +23,7 @@ def serve_parent() -> None:
 
 
 def _exit_with_parent(parent_pid: int) -> None:
-    """Wait until the parent process, by its id, ends, then end this one; on Windows only a sentinel shows that."""
+    """Wait until the parent process, by its id, ends, then end this process; on Windows only a sentinel shows that."""
     sentinel = getattr(multiprocessing.parent_process(), "sentinel", None)
     while os.getppid() == parent_pid:
         if sentinel is None:
