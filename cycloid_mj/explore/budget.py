@@ -159,8 +159,8 @@ def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], row
 def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:
     """Compute the terms of the variance estimators by sample, with the control variate of `_fit_control_variate`.
 
-    `deviations` are the standardised deviations in the sets A and B, a list over the tolerances, shape (n, numbers)
-    each.
+    `figure` are the values of the quantity in all sample sets, `deviations` the standardised deviations in the sets A
+    and B, a list over the tolerances, shape (n, numbers) each.
     """
     centre, linear, variances = _fit_control_variate(figure, deviations)
     values_a, values_b, values_mixed = figure.first - centre, figure.second - centre, figure.mixed - centre
@@ -171,10 +171,10 @@ def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> 
 
 
 def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
-    """Fit a linear model of the figure by cross-validation: coefficients for each fold come from the other folds.
+    """Fit a linear model of a quantity by cross-validation: coefficients for each fold come from the other folds.
 
-    `deviations` are the standardised deviations in the sets A and B, a list over the tolerances, shape (n, numbers)
-    each.
+    `figure` are the values of the quantity in all sample sets, `deviations` the standardised deviations in the sets A
+    and B, a list over the tolerances, shape (n, numbers) each.
 
     Returns
     -------

@@ -122,7 +122,7 @@ def compare(
     Returns
     -------
     Comparison
-        Figures of each design under each load: `frame`, `tables`, and figures of the runs by `plot`.
+        Measured quantities of each design under each load: `frame`, `tables`, and diagrams of the runs by `plot`.
 
     Raises
     ------

@@ -78,9 +78,9 @@ def _run_measurement(name: str, reducer: Reducer, options: MeasureSettings) -> M
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Simulate a design over its drive cycle, and collect the findings of the log as columns.
+    """Simulate a design over its drive cycle, and convert the findings of the log to columns.
 
-    Under a load the pins have no inertia, unless `real_pins` is set: this allows longer time steps.
+    Under a load the pins have no inertia, unless `options.real_pins` is set: this allows longer time steps.
 
     Raises
     ------
@@ -119,8 +119,8 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
 def _flatten_findings(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
     """Yield all numbers and switches in nested findings as columns; nested keys are joined by underscores.
 
-    The entries of a list that have a ``pair`` get it as prefix, in place of the keys above. Texts, other lists and None
-    are left out.
+    Entries of a list with a key ``pair`` have its value as prefix instead of the outer keys. Texts, other lists and
+    None are left out.
 
     Yields
     ------

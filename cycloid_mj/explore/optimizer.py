@@ -262,7 +262,7 @@ class _PointEvaluator:
         return [self._rows.by_index[index] for index in range(self._count) if index in self._rows.by_index]
 
     def evaluate_points(self, points: Sequence[Point]) -> list[PointResult]:
-        """Evaluate points, record their results, and return these in order; recorded points are read again.
+        """Evaluate points, record their results, and return these in order; recorded points are not evaluated again.
 
         Raises
         ------

@@ -306,7 +306,7 @@ def _draw_in_unit_cube(method: Method, count: int, dimensions: int, seed: int) -
 def _scale_to_axis(axis: Axis, coordinates: Array) -> list[Value]:
     """Convert coordinates from 0 to 1, shape (n,), to values of an axis: of its range, or of its list of values.
 
-    The values of a list, and the whole numbers of a range, have parts of equal length.
+    The values of a list, and the integers of a range, belong to intervals of equal length.
     """
     if axis.values or axis.count:
         values = axis_values(axis)

@@ -113,7 +113,7 @@ class Problem:
         return math.prod(len(choice.values) for choice in self.choices)
 
     def allows(self, values: Sequence[Value]) -> bool:
-        """Return whether the values of a point lie within the ranges and choices; those of the start design may not."""
+        """Return whether the values of a point lie within the ranges and choices; the start design may lie outside."""
         return all(
             variable.low <= float(value) <= variable.high
             if isinstance(variable, SearchRange)

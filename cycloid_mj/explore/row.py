@@ -68,7 +68,7 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
     errors = []
     for name in task.measures:
         try:
-            results[name] = _measure_sound(name, Reducer(design), task.options)
+            results[name] = _compute_measure(name, Reducer(design), task.options)
         except Exception as error:
             line = error_line(error)
             text = line if isinstance(error, CycloidError) else f"{type(error).__name__}: {line}"
@@ -86,7 +86,7 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
     )
 
 
-def _measure_sound(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
+def _compute_measure(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     """Compute a measure of a design; raise CycloidError if it cannot be built, except for the measure `checks`.
 
     Python warnings are suppressed, because the result lists them.

@@ -265,7 +265,7 @@ class Tolerances(Tabular):
         return tuple(tables)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the study to JSON values."""
+        """Convert the study to JSON values, without the values of single samples."""
         return {
             "design": self.design,
             "condition": self.condition,
@@ -359,7 +359,10 @@ def tolerance(
 
 
 def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress, engine: Engine) -> Tolerances:
-    """Balance the samples of a study, and run the worst `verify` of them in full dynamics; raise as `tolerance`."""
+    """Solve the static equilibrium of all samples of a study; simulate the worst `verify` of them in full dynamics.
+
+    Raises as `tolerance`.
+    """
     figures_by_batch: dict[int, dict[str, Array]] = {}
     checks: dict[int, DynamicsCheck] = {}
     try:
@@ -499,7 +502,7 @@ class _Study:
         return tuple(dict.fromkeys((*SAMPLED, *(limit.key for limit in self.limits))))
 
     def result(self, figures_by_batch: Mapping[int, Mapping[str, Array]]) -> Tolerances:
-        """Assemble the result of the study from the leading batches that are solved; the first batch must be.
+        """Assemble the result of the study from the leading batches that are solved, at least the first batch.
 
         `figures_by_batch` has the figures by index of the batch and by key, shape (samples,) each.
         """
@@ -550,11 +553,11 @@ class _Study:
     def _budget(
         self, figures_by_batch: Mapping[int, Mapping[str, Array]], unjammed_values: Array
     ) -> tuple[tuple[Share, ...], str]:
-        """Compute the error budget of the study's figure; return its shares, and a sentence if there are none.
+        """Compute the error budget of the study's figure; return its shares, and a sentence if there are no shares.
 
-        There are none if the figure is constant, the study is too small or was stopped, or too many samples jam. A
-        single tolerance has the share 1. `figures_by_batch` are the figures by index of the batch and key;
-        `unjammed_values` are those of the figure for the samples that do not jam, shape (n,).
+        This is so if the figure is constant, the study is too small or was stopped, or too many samples jam. A single
+        tolerance has the share 1. `figures_by_batch` are the figures by index of the batch and key; `unjammed_values`
+        are those of the figure for the samples that do not jam, shape (n,).
         """
         key = self.budget_key
         if unjammed_values.size > 1 and np.ptp(unjammed_values) <= CONSTANT_RTOL * np.abs(unjammed_values).max():

@@ -80,10 +80,7 @@ def springs_and_reference(
 ) -> tuple[KernelSprings, DisplacedSprings]:
     """Return the springs of a design without friction at a crank angle [rad], and reference springs on exact gaps.
 
-    Returns
-    -------
-    tuple
-        The springs of the statics, and the reference springs.
+    The former are those of `statics.springs_of`; both have the same stiffness.
     """
     design_springs = springs_of(reducer, [crank_angle], friction=False)
     contacts, angle = design_springs.contacts, float(design_springs.crank[0])

@@ -73,7 +73,7 @@ def design_with_errors(kind: str, *changes: str) -> Design:
 
 
 def gap_rows(kind: str) -> list[ValidationRow]:
-    """Compare the gaps of parts displaced by `POSE`, for a kind of ring, with exact curves."""
+    """Compare the gaps of parts displaced by `POSE` with exact curves, for a `kind` of ring such as `rig.FIXED`."""
     design = design_with_errors(
         kind, *WIDE_CLEARANCES, "modification.rotation_arcsec=0.0"
     )  # corners have no second derivative
@@ -157,7 +157,7 @@ def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
 def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow]:
     """Compare the static equilibrium of springs at crank angles [rad] with an independent solution on exact gaps.
 
-    `kind` is the kind of ring. The rows are tooth forces, cam force and turn of the output.
+    `kind` is the kind of ring, such as `rig.FREE`. The rows are tooth forces, cam force and rotation of the output.
     """
     design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
@@ -186,7 +186,7 @@ def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow
 
 
 def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
-    """Compare the power of the cams, with friction, with the power of the load and of all sliding contacts.
+    """Compare the power of the cams on the discs with that of the load and of friction at teeth and output pins.
 
     `name` is that of the case, whose `changes` are settings as for ``--set``.
     """
@@ -248,10 +248,10 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
 
 
 def stop_rows(kind: str) -> list[ValidationRow]:
-    """Compare the stops of rigid parts (linear programme) with very stiff parts under a small torque both ways.
+    """Compare the stops of rigid parts (linear programme) with the rotation of very stiff parts by small torques.
 
-    `kind` is the kind of ring. Moving pins are replaced by fixed pins with the clearances added, which is equivalent
-    for rigid parts.
+    `kind` is `rig.FIXED` or `rig.FREE`. Free pins are replaced by fixed pins with the clearances added, which is
+    equivalent for rigid parts.
     """
     design = design_with_errors(kind, *WIDE_CLEARANCES)
     variant = design

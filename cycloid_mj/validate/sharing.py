@@ -115,8 +115,8 @@ def ideal_forces(reducer: Reducer, crank: float) -> Array:
 def patch_forces(reducer: Reducer, crank: float) -> Array:
     """Compute the forces of an ideal internal gear whose nearby contact lines share springs [N], shape (N, 2).
 
-    `crank` is the crank angle [rad]. With the weights w of `_patch_weights` and arms l, a line carries F = T w l/sum w
-    l^2.
+    `crank` is the crank angle [rad]. With the load torque T, the weights w of `_patch_weights` and arms l, the force of
+    a line is T w l/sum w l^2.
     """
     gear = reducer.tooth_profile
     indices, normals, B = _ideal_contacts(reducer, crank)

@@ -93,7 +93,7 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
 def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
     """Compare a run with massless free pins, at its own time step, with a run with real free pins.
 
-    `real_pins` are the figures of the latter, or its error, which is raised.
+    `real_pins` are the figures of the latter, or its error, which is raised. With `quick` the run is a third as long.
     """
     if isinstance(real_pins, RunError):
         raise real_pins
@@ -199,7 +199,7 @@ def _has_moving_pins(kind: str) -> bool:
 def _compare_figures(
     kind: str, case: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
-    """Return one row per figure of a run, compared with a reference run; a figure with an infinite bound has no bound.
+    """Compare the figures of a run with those of a reference run, a row each; an infinite bound is no bound.
 
     `kind`, the kind of ring, `case` and `source` name run and reference in the rows.
     """

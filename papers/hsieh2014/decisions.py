@@ -36,9 +36,10 @@ def _case(ranking: Ranking) -> tuple[str, str, str, float]:
 
 
 def _describe_decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -> str:
-    """Describe how each varied parameter changes a ranking.
+    """Describe how each varied parameter changes a ranking, and which of them is decisive.
 
-    A parameter is decisive if less than a third of the designs' difference (log ratio) remains.
+    `answers` are values with their rankings by parameter. A parameter is decisive if less than a third of the designs'
+    difference (log ratio) remains.
     """
     parts = [f"ratio {base.ratio:.2f}"]
     parts += [

@@ -84,7 +84,7 @@ def least_and_most(errors: Iterable[tuple[float, float]]) -> tuple[float, float]
     return min(printed), max(right)
 
 
-def rubbing(sign: int) -> float:
+def tangency_error(sign: int) -> float:
     """Compute how far the outline by Eq. 2 is from being tangent to the pin [1]: largest cosine of tangent and radius.
 
     An outline touches a pin where its tangent is perpendicular to the pin's radius. `sign` is that of `equations.eq2`.
@@ -192,7 +192,7 @@ PERPENDICULAR = "at the contact, the outline is perpendicular to the pin's radiu
 ONCE = "Eq. 16, differentiated"
 SWING = "a mass that swings on the eccentric, its acceleration from constant energy"
 ERRATA = (
-    Erratum("2", "α + ζ", "α − ζ", PERPENDICULAR, lambda: (rubbing(1), rubbing(-1))),
+    Erratum("2", "α + ζ", "α − ζ", PERPENDICULAR, lambda: (tangency_error(1), tangency_error(-1))),
     Erratum("6, 10", "R with third component 1", "0", "velocity of a turning point, by differentiation", _eq6, True),
     Erratum(
         "12, 17",

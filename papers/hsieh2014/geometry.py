@@ -63,14 +63,14 @@ def equal(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
                 shared,
             ),
         ),
-        claims=(_poisson(),),
+        claims=(_judge_poisson_ratio(),),
         findings={"differences": {key: list(each) for key, each in different.items()}},
         notes=("Friction, clearance, stiffness law, damping, drive and step are the same for both designs.",),
     )
 
 
-def _poisson() -> Claim:
-    """Judge the steel: the paper prints E and G, which determine Poisson's ratio of an isotropic material."""
+def _judge_poisson_ratio() -> Claim:
+    """Judge whether our steel has Poisson's ratio by the E and G that the paper prints for it."""
     steel, stated = designs()[0].material, POISSON.stated.value
     assert stated is not None
     shear = steel.youngs_modulus / (2.0 * (1.0 + steel.poisson))

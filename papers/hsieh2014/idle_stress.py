@@ -124,7 +124,7 @@ def idle_stress(
     starts, rated
         Runs at no load, with the peaks of their forces, and one under the rated load.
     settings
-        How much is computed.
+        Grids and crank angles.
     soft
         The first start with the contact law IMPACT.
     report
@@ -192,7 +192,7 @@ def with_output(run: Run, pins: OutputPins) -> Run:
 
 
 def _under_load(rated: Run, part: str, grid: "Grid") -> "tuple[PartStress, StartSpread]":
-    """Solve a part at some crank angles under the rated load; also return its largest stress at each [MPa]."""
+    """Compute the stress of a part at some crank angles under the rated load, and its largest value at each [MPa]."""
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.loads import part_loads
     from cycloid_mj.stress.study import notches_of

@@ -236,7 +236,7 @@ def picture_figure(pictures: Mapping[str, Any]) -> Figure:
 
 
 def _pin(axes: Axes, displacement: Array, turned: float, socket: float) -> None:
-    """Draw a pin of unit radius in a socket, displaced by `displacement` and rotated by `turned` [deg]."""
+    """Draw a pin of radius 1 in a socket of radius `socket`, displaced by `displacement`, rotated by `turned` [deg]."""
     axes.add_patch(Circle((0.0, 0.0), socket, fill=False, color=GREY, linewidth=0.9))
     x, y = displacement.tolist()
     axes.add_patch(Circle((x, y), 1.0, facecolor="#DCE9F3", edgecolor=BLACK, linewidth=0.8))

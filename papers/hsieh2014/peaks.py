@@ -142,7 +142,10 @@ CURVE = PeakCurveSettings()
 
 
 def maxima(force: npt.ArrayLike) -> tuple[float, ...]:
-    """Return the maxima of a curve over the bins of a crank turn [deg], without orders above `CURVE.harmonics`."""
+    """Return the crank angles [deg] of the maxima of a curve over the bins of a turn, smoothed, shape (BINS,).
+
+    Orders above `CURVE.harmonics` are filtered out; maxima of low prominence do not count.
+    """
     orders = np.fft.rfft(np.asarray(force, float))
     orders[CURVE.harmonics + 1 :] = 0.0
     smooth = np.fft.irfft(orders, BINS)

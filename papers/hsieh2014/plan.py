@@ -201,7 +201,7 @@ def chord_errors(plan: Plan) -> tuple[float, ...]:
 
 
 def contact_ranges(plan: Plan) -> tuple[Range, ...]:
-    """List the searched ranges of the treatment of contact, for the heights of stress (`hypothesis`)."""
+    """List the searched ranges of chord error and contact law, for the claims on the maximum stress (`hypothesis`)."""
     least, most = 1e6 * min(chord_errors(plan)), 1e6 * max(chord_errors(plan))
     laws = "line, IMPACT, IMPACT of steel"
     return (

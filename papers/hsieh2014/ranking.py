@@ -90,7 +90,7 @@ class Ranking:
 
     @property
     def verdict(self) -> Verdict:
-        """Return the verdict on the paper's statement."""
+        """Verdict on the paper's statement, by the rules that the docstring of the class states."""
         if self.load_nm == 0.0:
             ordering = compare_order(self.pin_starts, self.nonpin_starts) if self.starts >= STARTS else 0
             return ("not determined", "confirmed", "contradicted")[ordering]

@@ -65,7 +65,7 @@ def is_ours(design: Design) -> bool:
 
 
 def stress_references(design: Design) -> "dict[str, Reference]":
-    """Return the paper's figure and upper bound of the stress for each part of its own designs."""
+    """Return number of the paper's figure and its upper bound of the stress by part; empty for other designs."""
     from cycloid_mj.base.units import MEGAPASCAL
     from cycloid_mj.stress.findings import Reference
 
@@ -79,7 +79,7 @@ def stress_references(design: Design) -> "dict[str, Reference]":
 
 
 def torques(design: Design) -> "list[Published]":
-    """Return the paper's torques for this kind of ring; none for other teeth or another input torque."""
+    """Return the torques [N m] of the paper for this kind of ring; empty for other teeth or another input torque."""
     from cycloid_mj.measure.published import Published
 
     preset = PRESETS[design.ring.kind]

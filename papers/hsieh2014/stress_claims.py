@@ -55,9 +55,9 @@ def stress_claims(
 
 
 def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, searched: Searched) -> Claim:
-    """Judge the maximum of a part's curve, with our contacts and with every searched treatment of contact.
+    """Judge whether a part's largest stress is the paper's, with our contacts and with every searched contact law.
 
-    Forces depend continuously on stiffness and chord error: a height between two computed heights can be reached.
+    Forces depend continuously on stiffness and chord error: a stress between two computed maxima can be reached.
     """
     theirs, ours = HEIGHTS[part, design], idle_stress.starts[part]
     low, high = LEAST * theirs, MOST * theirs
@@ -186,7 +186,7 @@ def _of_parts(sizes: Sequence[StartSpread | float]) -> str:
 
 
 def _descending(sizes: Sequence[StartSpread]) -> verdicts.Part:
-    """Judge whether the stress decreases from part to part."""
+    """Judge whether the stress decreases from part to part; return verdict and p value."""
     return verdicts.jointly(
         [
             (verdicts.order_verdict(verdicts.rank_order(*pair), {})[0], verdicts.chance(*pair))

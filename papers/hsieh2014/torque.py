@@ -128,7 +128,11 @@ def _steps(progress: Progress, name: str) -> Steps:
 
 
 def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Iterator[Claim]:
-    """Judge each output torque: by its number, otherwise by whether something left open reproduces it."""
+    """Yield a claim on each output torque of the paper.
+
+    It agrees within 1 % of the ideal torque. Otherwise it depends, if friction within the searched ranges reproduces
+    it.
+    """
     none = "nothing within the ranges searched gives it"
     for name, kinds in TORQUES.items():
         claim = measurements[name]
@@ -188,7 +192,10 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
 
 
 def precision(rated: Sequence[Run]) -> Claim:
-    """Judge the output's transmission error under the rated load: pin, nonpin, and nonpin with pin's play."""
+    """Judge whether the nonpin design has the smaller transmission error of the output under the rated load.
+
+    `rated` are the runs of pin, nonpin, and nonpin with the pin design's play.
+    """
     strays = {run.provenance["design"]: _transmission_error(settle_run(run)) for run in rated}
     (pin, nonpin, alike), errors = zip(*strays.values(), strict=True)
     sizes = ", ".join(f"{name} {size:.2g}" for name, (size, _) in strays.items())
@@ -218,7 +225,7 @@ def _transmission_error(motion: Series) -> tuple[float, float]:
 
 
 def capacity() -> Claim:
-    """Judge the torque at first yield of the teeth, by statics: pin, nonpin, and nonpin with pin's play."""
+    """Judge whether the teeth of the nonpin design reach first yield at a larger torque, by statics."""
     pin, nonpin, alike = (_first_yield(design) for design in (*designs(), equal_play_design()))
     return CAPACITY.judge(
         ours=Value(f"first yield at {nonpin:.3g} N m without pins, {pin:.3g} with them", nonpin / pin, BY_DESIGN),

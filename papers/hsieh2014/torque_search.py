@@ -127,7 +127,7 @@ def _solutions(design: Design, grid: Mapping[Case, float], target: float) -> tup
 
 
 def _rates_without(design: Design) -> dict[str, float]:
-    """Return the rate without the friction of one part, by the name of the part."""
+    """Compute the output torque over that without losses [1] if one part has no friction, by the name of the part."""
     parts: Sequence[tuple[str, Case]] = (
         ("friction of the teeth", (AS_DESIGNED, 0.0)),
         ("friction of the cam", (WITHOUT_CAM, None)),

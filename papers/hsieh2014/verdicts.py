@@ -76,9 +76,10 @@ def order_cause(verdict: Verdict, deciding: Sequence[str], else_by: str) -> str:
 
 
 def as_searched(claim: Claim, unsearched: Sequence[str]) -> Claim:
-    """Return a claim without load, which may disagree only if everything that the paper leaves open was searched.
+    """Return the claim, not determined where it disagreed but the paper's open parameters were not all searched.
 
-    A value that follows from the geometry, such as the ratio, needs no search. Claims under load have their own search.
+    A value that follows from the geometry, such as the ratio, needs no search. Claims under load have their own search:
+    both are returned unchanged.
     """
     if claim.verdict != Verdict.DISAGREES or claim.kind == "value" or claim.condition.load or not unsearched:
         return claim

@@ -107,7 +107,7 @@ def test_without_the_tangential_term_eq_19_fails_in_the_ramp():
 def test_an_error_of_one_milliradian_in_alpha_fails_eq_2(monkeypatch):
     true = equations.conjugate_alpha
     monkeypatch.setattr(equations, "conjugate_alpha", lambda gear, B: true(gear, B) + 1e-3)
-    assert errata.rubbing(-1) > 10 * RIGHT
+    assert errata.tangency_error(-1) > 10 * RIGHT
 
 
 def test_eq_21_is_a_statement_about_the_variation():
