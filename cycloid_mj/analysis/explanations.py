@@ -14,13 +14,18 @@ RETURNED = (
 
 def explain(findings: Findings) -> list[str]:
     """Return up to eight sentences on the results of a run: motion first, then torque, losses and contacts."""
-    return [*_motion(findings), *_torques(findings), *_losses(findings), _contacts(findings)]
+    return [
+        *_motion_sentences(findings),
+        *_torque_sentences(findings),
+        *_loss_sentences(findings),
+        _contact_sentence(findings),
+    ]
 
 
-def _motion(findings: Findings) -> Iterator[str]:
+def _motion_sentences(findings: Findings) -> Iterator[str]:
     """Yield sentences on the output's speed, the transmission error, the wind-up and the path of the disc.
 
-    The speed is left out if its ideal value is 0 (crank at rest), the wind-up without a load.
+    The speed is omitted if its ideal value is 0 (crank at rest), the wind-up without a load.
     """
     speed, error, crank = findings.output_speed, findings.transmission_error, findings.crank
     if speed.theory_rad_s:
@@ -40,7 +45,7 @@ def _motion(findings: Findings) -> Iterator[str]:
     yield f"path: the point q of the disc deviates by at most {path.max_error_um:.3g} um from the ideal curve (Eq. 16)"
 
 
-def _torques(findings: Findings) -> Iterator[str]:
+def _torque_sentences(findings: Findings) -> Iterator[str]:
     """Yield sentences on the mean crank torque and, under a load, the efficiency if it is defined."""
     power = findings.power
     crank_sentence = f"{findings.driven_shaft} torque: {abs(power.crank_torque_nm):.4g} N m"
@@ -55,7 +60,7 @@ def _torques(findings: Findings) -> Iterator[str]:
         yield f"{crank_sentence}, friction only; efficiency is undefined without a load"
 
 
-def _losses(findings: Findings) -> Iterator[str]:
+def _loss_sentences(findings: Findings) -> Iterator[str]:
     """Yield a sentence on the losses, unless there are none."""
     losses = {loss.pair.replace("_", "-"): loss.friction_w + loss.normal_w for loss in findings.losses}
     total = math.fsum(losses.values())
@@ -64,7 +69,7 @@ def _losses(findings: Findings) -> Iterator[str]:
         yield f"losses: {total:.3g} W, of which {min(1.0, largest / total):.0%} at {pair}"
 
 
-def _contacts(findings: Findings) -> str:
+def _contact_sentence(findings: Findings) -> str:
     """Return a sentence on number, force and deflection of the contacts.
 
     It also covers pin 1 if ring pins move, and the crank bearings of an RV reducer if their forces were logged.

@@ -255,7 +255,7 @@ def _efficiency(power: Power, motion: Series) -> float | None:
 def _losses(motion: Series) -> tuple[Loss, ...]:
     """Return the mean loss by friction and by normal forces [W] of each kind of mating pair, over full periods.
 
-    Kinds whose losses are 0 in every sample are left out.
+    Kinds whose losses are 0 in every sample are omitted.
     """
     run = motion.run
     by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)

@@ -184,7 +184,7 @@ class Series:
 def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:
     """Compare the motion of a run with the closed form, sample by sample.
 
-    Samples from the first value on that is not finite, or too large, are left out.
+    Samples from the first value on that is not finite, or too large, are omitted.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     q
         Point of the disc in its frame [m], shape (2,); by default the centre of hole 1 (or crank bore 1), on +y.
     settle
-        Time after the ramp that is left out [s]; see `window.in_hold`.
+        Time after the ramp that is omitted [s]; see `window.in_hold`.
 
     Raises
     ------
@@ -313,8 +313,8 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
 def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
     """Return the run up to its first sample with a value that is not finite or too large.
 
-    A failed run may end in such samples. All columns are checked, not only those needed, `column_names`; the note of
-    the shortened run says where it was cut.
+    A failed run may end in such samples. All columns are checked, not only the required columns `column_names`; the
+    note of the shortened run states the time of the first omitted sample.
 
     Raises
     ------

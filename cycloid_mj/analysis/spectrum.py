@@ -96,13 +96,13 @@ def periodic_orders(
 ) -> Orders:
     """Compute the amplitudes of periodic values by order, by a discrete Fourier transform over all full cycles.
 
-    An order is a number of cycles per crank turn. The mean (order 0) is left out, as is the order at two samples per
+    An order is a number of cycles per crank turn. The mean (order 0) is omitted, as is the order at two samples per
     cycle.
 
     Parameters
     ----------
     crank_angle
-        Crank angles [rad] at even steps, increasing, a whole number of steps in a cycle, shape (n,).
+        Crank angles [rad] at even steps, increasing, an integer number of steps in a cycle, shape (n,).
     values
         Values at these angles in any unit, shape (n,).
     cycles_per_turn
@@ -113,7 +113,7 @@ def periodic_orders(
     Raises
     ------
     UsageError
-        The steps are not even, or do not fit in a cycle, or there is no whole cycle.
+        The steps are not even, or do not fit in a cycle, or there is no full cycle.
     """
     period, increment = 2.0 * np.pi / cycles_per_turn, float(crank_angle[-1] - crank_angle[0]) / (len(crank_angle) - 1)
     cycles = int((len(crank_angle) * increment) / period + SPECTRUM.step_rtol)
@@ -155,7 +155,7 @@ def tapered_orders(
     max_order
         Largest order to return [1]; at most ``SPECTRUM.band`` of the samples in a turn.
     cycles_per_turn
-        The window has a whole number of cycles of this order [1]; by default full turns.
+        The window has an integer number of cycles of this order [1]; by default full turns.
 
     Returns
     -------
@@ -296,7 +296,7 @@ def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
     -------
     tuple of Array
         Frequencies, shape (m,), and densities in squares of the values' unit per Hz, shape (m,) or (m, k). Frequencies
-        above ``SPECTRUM.band`` of the rate are left out.
+        above ``SPECTRUM.band`` of the rate are omitted.
     """
     from scipy.signal import welch
 

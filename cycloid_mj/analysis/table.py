@@ -41,7 +41,7 @@ def table(findings: Findings) -> list[FigureRow]:
 
 
 def groups(findings: Findings) -> list[RowGroup]:
-    """Return the rows of `table` in groups; groups without rows are left out."""
+    """Return the rows of `table` in groups; groups without rows are omitted."""
     rows_by_group = (
         _motion_rows("output", findings.output_speed, findings.output_transmission_error),
         _disc_rows(findings),

@@ -84,10 +84,11 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
-    """Return the samples of the longest first part with full crank turns, or else full mesh periods, or else all.
+    """Return the slice of the first samples that span as many full crank turns as possible.
 
-    `crank_angle` (n,) [rad] is monotone, `mesh_period` [rad] the crank angle from tooth to tooth. Sums over the slice
-    contain no ripple of turn or mesh, except for the fraction of a sample at its end.
+    Without a full turn it spans full mesh periods, and without a full period all samples. `crank_angle` (n,) [rad] is
+    monotone, `mesh_period` [rad] the crank angle from tooth to tooth. Sums over the slice contain no ripple of turn or
+    mesh, except for the fraction of a sample at its end.
     """
     swept_angle = np.abs(crank_angle - crank_angle[0])
     span = swept_angle[-1] * swept_angle.size / max(swept_angle.size - 1, 1)
@@ -99,7 +100,7 @@ def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
 
 
 def turn_by_turn(crank_angle: Array) -> list[slice]:
-    """Return the samples of each full crank turn from the first sample on, a slice for each.
+    """Return a slice of the samples of each full crank turn, in sequence from the first sample.
 
     `crank_angle` (n,) [rad] is monotone. Without a full turn, the only slice has all samples.
     """

@@ -102,7 +102,7 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
         Exactly one trial of each design under each load, in any order. Solver and settings are the same for all; only
         the duration may depend on the load.
     sensitivity
-        Sensitivities of their dynamic figures, if computed.
+        Sensitivities of their dynamic quantities, if computed.
 
     Returns
     -------
@@ -209,7 +209,7 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
 def _run_json(trial: Trial) -> dict[str, Any]:
     """Convert a trial to JSON values: the measures of its first start, and without load the spreads over all starts.
 
-    A spread is left out if no start has the figure.
+    A spread is omitted if no start has a value of the quantity.
     """
     spreads = [
         {"quantity": quantity, "unit": unit, **spread.as_json()}

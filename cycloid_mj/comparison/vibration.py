@@ -100,7 +100,7 @@ def spectrum(motion: Series) -> Spectrum:
 def vibration(motion: Series) -> VibrationLevels:
     """Compute the rms accelerations of disc centre [m/s^2] and output [rad/s^2] less their closed form.
 
-    They are over full crank turns, in total, of each turn, and by octave bands.
+    They are evaluated over all full crank turns together, over each turn, and in octave bands.
     """
     accelerations, turns = acceleration(motion), full_turns(motion)
     return VibrationLevels(
@@ -116,9 +116,9 @@ def _sample_interval(motion: Series) -> float:
 
 
 def _octave_bands(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
-    """Compute the rms accelerations in the octave bands of `OCTAVES` [Hz] that lie entirely within the spectrum.
+    """Compute the rms accelerations of disc centre [m/s^2] and output [rad/s^2] in octave bands.
 
-    They are those of the disc's centre [m/s^2] and of the output [rad/s^2].
+    Of the bands `OCTAVES` [Hz], only those are returned that lie entirely within the spectrum.
     """
     resolution = spectrum.frequency[1] - spectrum.frequency[0]
     bands = []

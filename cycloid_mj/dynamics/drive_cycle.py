@@ -57,7 +57,7 @@ class DriveCycle:
 
 
 def ramp_and_hold(model: Held, reducer: Reducer) -> DriveCycle:
-    """Return the drive cycle of a design: the crank speed ramps up and holds, the load rises to its constant torque.
+    """Return the drive cycle of a design: the crank speed ramps up and stays constant, the load rises to its torque.
 
     The crank starts at the angle 0, at rest, or at full speed if there is no ramp. `model` provides the servo's gains
     and the inertia that it moves.

@@ -139,7 +139,7 @@ class Schedule:
 
 
 def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
-    """Return the number of time steps and samples of a design's run: ramp and hold, near the log rate of the design.
+    """Return the time steps and samples of a design's run over ramp and hold, close to the log rate of the design.
 
     `seconds` is the time step [s] of the model; 0 stands for that of the design. Duration and sample interval are
     rounded to at least one step.
@@ -234,7 +234,7 @@ def simulate(
     design
         A design, or the name of a preset or of a design file.
     compiled
-        Its model, for either solver; by default a new one for MuJoCo.
+        Its model, for either solver; by default a new model for MuJoCo.
     cycle
         Commands of crank and output; by default the ramp and the hold of the design.
     progress
@@ -592,11 +592,11 @@ class _Recorder:
         return tables | {FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
-        """Yield for each check the samples (n,) of `rows` that fail it, and a function that describes one by its index.
+        """Yield for each check a mask (n,) of the samples that fail it, and a function that describes such a failure.
 
-        Checked are values that are not finite, warnings of MuJoCo, friction power, penetration, iterations of the
-        solver, moving pins outside their sockets, and discs more than a quarter of a tooth pitch from their kinematic
-        angle. The problem of a failed sample is described by its index among the `rows`, which have shape (n, values).
+        The function takes the index of a sample in `rows`, shape (n, values). The checks are for values that are not
+        finite, warnings of MuJoCo, friction power, penetration, iterations of the solver, moving pins outside their
+        sockets, and discs more than a quarter of a tooth pitch from their kinematic angle.
         """
         sensor_values = rows[:, self.steps.copied]
         _, penetration, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T

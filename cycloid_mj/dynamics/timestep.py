@@ -217,7 +217,7 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     """Compute the mass [kg] that moves on a contact of each kind of pair.
 
     Half of the ring contacts and of the output contacts of each disc carry load at a time. A free pin, or a sleeve,
-    lies between two contacts. The loaded member yields by its rotation: the lever arm of ring forces is at most c N,
+    lies between two contacts. The loaded member moves by its rotation: the lever arm of ring forces is at most c N,
     with the eccentricity c and the number N of ring teeth.
     """
     design = reducer.design

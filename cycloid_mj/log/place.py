@@ -111,7 +111,7 @@ class LogFile:
     def _open_new(self) -> tuple[Path, BinaryIO]:
         """Create the file of the log and lock it.
 
-        If the log replaces another one, the file has the first free partial name. A hidden log has a hidden name, which
+        If the log replaces another log, the file has the first free partial name. A hidden log has a hidden name, which
         is unique and needs no lock.
 
         Returns

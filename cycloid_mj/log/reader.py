@@ -77,7 +77,7 @@ class _GroupSamples:
         Raises
         ------
         LogError
-            A message is malformed, or one is missing since the previous block.
+            A message is malformed, or a message is missing since the previous block.
         """
         header_size = container.MESSAGE_HEAD.itemsize
         with container.convert_parse_errors(path, f"malformed messages of {group.topic}"):
@@ -206,8 +206,7 @@ def _alternatives(path: Path) -> str:
 def _read_records(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
     """Read all records of an open log into `contents`; return whether the file is complete (not truncated).
 
-    `path` names the file in errors. Of metadata records with the same name the first one counts, of attachments the
-    last.
+    `path` names the file in errors. Of metadata records with the same name the first counts, of attachments the last.
 
     Raises
     ------

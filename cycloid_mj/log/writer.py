@@ -271,7 +271,7 @@ class LogWriter:
             )
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
-        """Write attachments and end metadata, finish the MCAP file and give the log its final name."""
+        """Write attachments and end metadata, finish the MCAP file and rename the log to its final name."""
         end = {"complete": "true" if complete else "false", "note": encodable_text(note), "samples": str(self.samples)}
         try:
             _attach(self._mcap, attachments)

@@ -137,11 +137,12 @@ class BreakAway:
 
 
 def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
-    """Increase the output torque from zero with a free crank until the crank starts, from several independent starts.
+    """Measure the output torque at which a free crank starts to turn, by runs from several independent starts.
 
-    The torque rises as T t. The acceleration of the crank is then proportional to T t - T0; a line fitted to it is zero
-    at the break-away torque T0. Contacts have the stiffness of the rated load. Friction without load follows from
-    weight and inertia of the parts; friction in proportion to the load is part of the back-driving efficiency.
+    In each run the torque rises as T t. The acceleration of the crank is then proportional to T t - T0; a line fitted
+    to it is zero at the break-away torque T0. Contacts have the stiffness of the rated load. Friction without load
+    follows from weight and inertia of the parts; friction in proportion to the load is part of the back-driving
+    efficiency.
     """
     return BreakAway(
         tuple(each_in_threads(lambda start: _find_break_away(Reducer(start), solver), independent_starts(reducer)))

@@ -124,7 +124,8 @@ def backlash(
     Returns
     -------
     Measurement
-        Quantities with their numerical errors and closed forms, curves and tables.
+        Backlash [arcmin] with its extremes, by all clearances and by each alone, with numerical errors and closed
+        forms; curves over the crank angle.
     """
     reducer = Reducer(resolve(design))
     angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles

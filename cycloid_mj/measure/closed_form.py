@@ -59,8 +59,9 @@ def wang_efficiency(reducer: Reducer) -> EfficiencyReference:
     """Compute the efficiency eta_x eta_sx of Wang, Luo and Su 2016, without the factors of their formula for bearings.
 
     eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi), eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_sx = 1 - 4 f K1 Dp/(pi Dw), with
-    the friction mu of the mesh, the diameters Dp of the pin circle, d of a pin and Dw of the circle of output pins, the
-    shortened-width coefficient K1 = c N/E, z lobes, and f, the friction at the surface of the output pins.
+    the friction mu of the mesh, the diameters Dp of the pin circle, d of a pin and Dw of the circle of output pins, z
+    lobes, and the friction f at the surface of the output pins. The shortened-width coefficient K1 is the eccentricity
+    times the number of ring teeth over the radius of the pin circle.
     """
     design = reducer.design
     ring, lobes = design.ring, design.lobes

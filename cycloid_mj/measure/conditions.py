@@ -84,9 +84,9 @@ def load_cases(reducer: Reducer, load: float | None, drag: float | None = None) 
     reducer
         The drive.
     load
-        Torque of the loaded condition [N m]; by default the rated one.
+        Torque of the loaded condition [N m]; by default the rated torque.
     drag
-        Torque of the unloaded condition [N m]; by default `SteadySettings.drag_share` of the rated one.
+        Torque of the unloaded condition [N m]; by default `SteadySettings.drag_share` of the rated torque.
     """
     rated_torque = reducer.design.rated_torque
     return {

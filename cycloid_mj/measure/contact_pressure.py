@@ -97,7 +97,7 @@ def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]
 def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array:
     """Compute the relative curvature [1/m] of the contacts of one kind, shape (n, contacts), or (1,) if it is constant.
 
-    `crank_angle` [rad], shape (n,), is that relative to the ring. That of teeth is the curvature of the ideal mesh.
+    `crank_angle` [rad], shape (n,), is relative to the ring. Teeth have the relative curvature of the ideal mesh.
     """
     if kind == reducer.design.tooth_pair:
         profile = reducer.tooth_profile

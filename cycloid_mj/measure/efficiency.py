@@ -60,7 +60,7 @@ def efficiency(
     design
         A design, or the name of a preset or a file.
     loads
-        Output torques of the map [N m], above 0; by default `MAP.torques` of the rated one.
+        Output torques of the map [N m], above 0; by default `MAP.torques` of the rated torque.
     speeds
         Crank speeds of the map [rad/s], above 0; by default `MAP.speeds` of the design's.
     quick
@@ -74,7 +74,8 @@ def efficiency(
     Returns
     -------
     Measurement
-        Quantities with their numerical errors and closed forms, curves and tables.
+        Efficiencies [%], losses [W] and no-load and back-driving torques [N m], with numerical errors and closed forms;
+        curves over the torque, tables of the map and of the losses.
     """
     reducer = Reducer(resolve(design))
     steady_reducer = steady_design(reducer)
@@ -123,7 +124,7 @@ def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> d
 
 
 def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
-    """Return the efficiency at the rated point, that of the ideal limit, and the energy balance's residual [%]."""
+    """Return the efficiency at the rated point and in the ideal limit, and the residual of the energy balance [%]."""
     efficiency, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
     error, residual = 1e2 * efficiency_map.error, max((point.powers.residual for point in efficiency_map.grid), key=abs)
@@ -181,7 +182,8 @@ def _loss_quantities(rated: OperatingPoint) -> list[Quantity]:
 def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     """Return no-load torque and back-driving torques [N m], and the efficiency of back-driving [%].
 
-    The torques are NaN, with a note, where the reducer is self-locking. That from rest is also NaN below its error.
+    The torques are NaN, with a note, where the reducer is self-locking. The torque from rest is also NaN if it does not
+    exceed its error.
     """
     design = reducer.design
     ratio, start_from_rest = design.reduction, efficiency_map.rest
@@ -264,7 +266,7 @@ def _loss_percentages(point: OperatingPoint) -> dict[str, float]:
 def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
     """Return curves over the output torque: efficiency for each speed, losses at one speed, and crank speed from rest.
 
-    Losses that are 0 are left out; the speed of the losses is the design's, or else the last of the map.
+    Losses that are 0 are omitted; the speed of the losses is the design's, or else the last of the map.
     """
     x, rest_run = "output torque [N m]", efficiency_map.rest.run
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))

@@ -161,7 +161,7 @@ def run_map(
 def _named_tasks(
     reducer: Reducer, periods: int, check_step: bool, is_locked: bool, solver: Solver
 ) -> dict[Hashable, Task]:
-    """Return the runs outside of the map by their key in `_RUNS`.
+    """Return the functions that simulate the runs outside of the map, by their key in `_RUNS`.
 
     Parameters
     ----------

@@ -99,7 +99,7 @@ def loads(
     design
         A design, or the name of a preset or a file; its crank speed is that of the run.
     load
-        Torque on the output [N m], more than 0; by default the rated one.
+        Torque on the output [N m], more than 0; by default the rated torque.
     quick
         Whether to run some mesh periods instead of a full turn.
     progress, solver
@@ -108,7 +108,9 @@ def loads(
     Returns
     -------
     Measurement
-        Quantities with their numerical errors and closed forms, curves and tables.
+        For each kind of contact its forces [N], number of loaded contacts, Hertz pressure [MPa] and margin against
+        first yield; the capacities [N m]; with several discs load shares and bearing reactions. All have numerical
+        errors; ideal load sharing is the closed form of forces. Curves over the crank angle.
 
     Raises
     ------
@@ -341,7 +343,7 @@ def _disc_quantities(run: Run, half_step_run: Run, reducer: Reducer) -> Iterator
 def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     """Yield the shares of the discs in the output torque, and the reactions of the bearings [N, N m], over a run.
 
-    Samples without a torque on the output are left out of the shares.
+    Samples without a torque on the output are omitted of the shares.
     """
     design = reducer.design
     output = design.output

@@ -45,7 +45,8 @@ def lost_motion(
     Returns
     -------
     Measurement
-        Quantities with their numerical errors and closed forms, curves and tables.
+        Lost motion, backlash and hysteresis [arcmin], stiffness [N m/arcmin], compliances of the parts [arcmin/(N m)]
+        and work of the loop [mJ], with numerical errors and static solutions; curves of the loop.
 
     Raises
     ------

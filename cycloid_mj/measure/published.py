@@ -39,7 +39,7 @@ def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
 
 
 def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table, ...]:
-    """Return a table of the output torque [N m] and the published torques with their friction; empty without these."""
+    """Return one table of the output torque [N m] and the published torques with their friction; () without these."""
     if not published:
         return ()
     first_item = published[0]

@@ -109,9 +109,9 @@ def bearing_reactions(run: Run, reducer: Reducer) -> Reactions:
 def reaction(run: Run, reducer: Reducer) -> Reaction:
     """Compute the forces of ring, crank bearing and output bearing on the housing over a run, from its contact forces.
 
-    Those of the ring are logged. The force of a body on its bearing is the sum of its contact forces and its weight
-    less its mass times acceleration. The shaft's centroid circles the axis at the measured crank speed; that of the
-    output is on the axis.
+    The forces of the ring are those logged. The force of crank or output on its bearing is the sum of its contact
+    forces and its weight less its mass times acceleration. The shaft's centroid circles the axis at the measured crank
+    speed; that of the output is on the axis.
     """
     masses = body_masses(reducer)
     gravity = np.array([reducer.design.environment.gravity_x, reducer.design.environment.gravity_y])

@@ -36,7 +36,8 @@ def single_clearance_backlash(reducer: Reducer, crank_angles: npt.ArrayLike) -> 
 
     Returns
     -------
-    Kind of pair -> shape (k,); (1,) at one angle.
+    dict
+        Kind of pair -> backlash [rad], shape (k,); (1,) for a single angle.
     """
     design = reducer.design
     relative_angles = np.atleast_1d(reducer.member.against_ring(np.asarray(crank_angles, float)))

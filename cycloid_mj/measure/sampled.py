@@ -34,7 +34,7 @@ def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) 
     values
         Values at a few crank angles, shape (k,).
     closed_form
-        Closed form near the values; None without one.
+        Closed form near the values; None without it.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedFo
     largest
         Whether the error is that of the largest value.
     closed_form
-        Closed form near the values; None without one.
+        Closed form near the values; None without it.
 
     Returns
     -------

@@ -137,7 +137,7 @@ def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) ->
 def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
     """Return curves of the output rate [%] over the common friction, by support of the pins, with the published rates.
 
-    `rate_by_variant` are the rates [1]. Published rates outside of the range that was run are left out.
+    `rate_by_variant` are the rates [1]. Published rates outside of the range that was run are omitted.
     """
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     result = []
@@ -169,7 +169,7 @@ def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
 def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
     """Return variants with other friction of the rolling bearings, and with plain bearings in their place.
 
-    Empty for pairs that slide in the design.
+    Pairs that slide in the design have none.
     """
     rows, pins = [], pins_of(reducer)
     plain_changes: dict[str, dict[str, Any]] = {

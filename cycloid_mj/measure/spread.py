@@ -91,7 +91,7 @@ class InputEffect:
 def assumed_inputs(reducer: Reducer) -> list[Input]:
     """Return the assumed inputs of a design's efficiency or output rate, each with both ends of its plausible range.
 
-    With the law ``film`` these are boundary friction and roughness in place of the coefficients that the law computes.
+    With the law ``film``, boundary friction and roughness replace the friction coefficients that the law computes.
     """
     design = reducer.design
     mesh_pairs = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
@@ -129,7 +129,7 @@ def _coulomb_inputs(reducer: Reducer, mesh_pairs: Sequence[str]) -> list[Input]:
 
 
 def _film_inputs(reducer: Reducer) -> list[Input]:
-    """Return boundary friction and roughness over their ranges of the law ``film``, and the friction of needles."""
+    """Return the inputs of the law ``film`` with their ranges: boundary friction, roughness and friction of needles."""
     friction = reducer.design.friction
     inputs = []
     for key, value, unit, scale in (

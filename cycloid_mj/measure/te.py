@@ -44,10 +44,10 @@ def te(
     design
         A design, or the name of a preset or a file; its drive sets the speed.
     load
-        Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
+        Torque of the loaded runs [N m]; by default the rated torque, drive.torque times the ratio.
     drag
-        Torque of the unloaded runs [N m], by default `SteadySettings.drag_share` of the rated one; at 0 the disc floats
-        in its clearances.
+        Torque of the unloaded runs [N m], by default `SteadySettings.drag_share` of the rated torque; at 0 the disc
+        floats in its clearances.
     slow
         Slow crank speed [rad/s], by default `TraceSettings.slow_share` of the design's.
     turns
@@ -60,7 +60,9 @@ def te(
     Returns
     -------
     Measurement
-        Quantities with their numerical errors and closed forms, curves and tables.
+        For each load, direction and speed the peak-to-peak and rms errors of disc and output, the shifts between loads
+        and directions, and the rms of the orders of each cause [arcsec], with numerical errors and static solutions;
+        curves over the crank angle and spectra.
     """
     reducer = Reducer(resolve(design))
     require_motion(reducer)
@@ -111,7 +113,8 @@ def _run_traces(
 
     Returns
     -------
-    (condition, factor on the time step) -> errors of disc and output over the crank angle.
+    Mapping
+        (condition, factor on the time step: 1 or 0.5) -> errors of disc and output over the crank angle.
     """
     half_step = halve_time_step(reducer, solver)
     models = {1.0: (reducer, model_for(solver, reducer), turns)}

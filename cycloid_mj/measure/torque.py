@@ -71,7 +71,8 @@ def torque(
     Returns
     -------
     Measurement
-        Quantities with their numerical errors and closed forms, curves and tables.
+        Output torque and its ripple [N m], output rate and efficiency [%], with numerical errors and closed forms;
+        curves of the torque; tables of the losses and of the output rate by friction and by other inputs.
     """
     reducer = Reducer(resolve(design))
     steady_reducer = steady_design(reducer).working_at(reducer.design.rated_torque)

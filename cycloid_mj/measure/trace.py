@@ -110,7 +110,7 @@ def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCy
 def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCondition) -> Trace:
     """Simulate a condition over some crank turns; return the transmission errors over the crank angle.
 
-    The crank turns from the angle 0, or in reverse back to it from a whole number of turns, so that both directions
+    The crank turns from the angle 0, or in reverse back to it from an integer number of turns, so that both directions
     cover the same angles.
     """
     direction = float(np.sign(condition.speed))
@@ -134,7 +134,7 @@ def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCond
 def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float) -> Trace:
     """Resample the errors of disc and output [arcsec] at equal steps of the crank angle, by a cubic spline.
 
-    `turns` is the number of crank turns, `direction` the sign of the crank speed; the end of the window is left out.
+    `turns` is the number of crank turns, `direction` the sign of the crank speed; the end of the window is omitted.
     """
     from scipy.interpolate import CubicSpline
 

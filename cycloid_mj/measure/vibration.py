@@ -60,7 +60,7 @@ def vibration(
     design
         A design, or the name of a preset or a file.
     load
-        Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
+        Torque of the loaded runs [N m]; by default the rated torque, drive.torque times the ratio.
     speeds
         Crank speeds besides the design's [rad/s]; by default `SHARES` of it.
     turns
@@ -73,7 +73,8 @@ def vibration(
     Returns
     -------
     Measurement
-        Quantities with their numerical errors and closed forms, curves and tables.
+        For each load the rms accelerations of disc centre [m/s2] and output [rad/s2], forces on the housing [N] and
+        unbalance, with numerical errors and closed forms; curves over the speed and spectra.
     """
     reducer = Reducer(resolve(design))
     require_motion(reducer)

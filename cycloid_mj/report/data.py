@@ -129,9 +129,9 @@ def _ends(time: Array) -> list[float]:
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
     """Compute the order spectra of output and disc speed [mrad/s] over the crank angle as JSON values.
 
-    They are those of the first `CHARTS.max_spectrum_turns` crank turns at constant speed, up to
-    `CHARTS.max_mesh_orders` times the ``mesh`` order. ``order`` is in cycles per crank turn. Return None if there is no
-    complete crank turn at constant speed.
+    They cover the first `CHARTS.max_spectrum_turns` crank turns at constant speed, up to `CHARTS.max_mesh_orders` times
+    the ``mesh`` order. ``order`` is in cycles per crank turn. The result is None without a complete crank turn at
+    constant speed.
     """
     motion, teeth = item.motion, item.motion.reducer.mesh_periods
     if motion.phase != "hold":

@@ -35,7 +35,7 @@ def joint_page(
     bam: Mapping[str, Any],
     drives: Population | None = None,
 ) -> str:
-    """Return the report of a reduced joint as one HTML page that needs no network.
+    """Return the report of a reduced joint as the text of one HTML page that needs no network.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def joint_page(
     bam
         Parameters of the friction models of BAM, from `fit_bam_models`.
     drives
-        Joints of random drives, if they were drawn.
+        Joints of drives with random inputs, if they were computed.
     """
     panels = list(dict.fromkeys(curve.panel for curve in comparison.curves))
     figures = [_chart_data([curve for curve in comparison.curves if curve.panel == panel]) for panel in panels]

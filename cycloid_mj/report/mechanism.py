@@ -51,9 +51,9 @@ def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
 def _outlines_json(reducer: Reducer) -> dict[str, Any]:
     """Return the outlines of the parts as JSON values: lengths in mm, in the frame of the reducer axis or of the part.
 
-    ``angles`` of the ring's pins or lobes are in rad, clockwise from +y (x = sin, y = cos), and so is the ``phase`` of
-    each further disc (``others``) on the crank, counter-clockwise. ``magnifications`` has the radii of the parts at
-    each magnification of the clearances that is possible (``times``). ``wall`` is the inner radius of the housing.
+    ``angles`` of the ring's pins or lobes [rad] are clockwise from +y (x = sin, y = cos); the ``phase`` [rad] of each
+    further disc (``others``) on the crank is counter-clockwise. ``magnifications`` has the radii of the parts at each
+    possible magnification of the clearances (``times``). ``wall`` is the inner radius of the housing.
     """
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear

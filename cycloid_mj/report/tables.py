@@ -107,7 +107,7 @@ def design_checks(item: Reviewed) -> Checks:
 def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
     """Yield name and text, with units, of each row of a run's setup: design, drive, load, time step, evaluated time.
 
-    The row "accuracy at this time step" is left out if the run does not state it.
+    The row "accuracy at this time step" is omitted if the run does not state it.
     """
     design, run = item.motion.design, item.motion.run
     ring, drive, load = design.ring, design.drive, design.load

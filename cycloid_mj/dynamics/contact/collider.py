@@ -160,7 +160,7 @@ def install(lobes: bool = True) -> Iterator[None]:
     Parameters
     ----------
     lobes
-        Whether an internal gear is present; without one, half of the compilation is skipped.
+        Whether the model has an internal gear; without it, half of the compilation is skipped.
 
     Raises
     ------

@@ -497,8 +497,9 @@ def inner_touches(
 ) -> int:
     """Write the contacts of a circle of radius `inner` [m] in another circle at an address; return their number.
 
-    The inner centre is at (x, y), and (dx, dy) from the outer centre [m]; contacts have gaps below `margin` [m]. The
-    outer circle may be an arc, whose edges are then in contact, too; the sine of a closed circle is 0.
+    The inner centre is at (x, y) [m], displaced by (dx, dy) [m] from the outer centre. `outer` is a closed circle, if
+    its `sine` is 0, or an arc, whose edges may also be in contact. Contacts have gaps below `margin` [m] and are
+    `STRIDE` bytes apart, see `read_touch`; there are at most two.
     """
     # Most circles are open, which needs no exact gap.
     clearance = outer.radius - inner - margin

@@ -53,8 +53,8 @@ class MeshNumbers(NamedTuple):
 def mesh_numbers(mesh: PlanetMesh, planet: int) -> MeshNumbers:
     """Return the data of the mesh of the sun with a planet, by its index, as compiled code reads them.
 
-    `involute` is the involute function of the nominal pressure angle; `error` is the amplitude of the transmission
-    error along the line of action [m].
+    In the result, `involute` is the involute function of the nominal pressure angle, `error` the amplitude of the
+    transmission error along the line of action [m].
     """
     return MeshNumbers(
         mesh.sun_base,
@@ -85,9 +85,9 @@ def unpack_mesh(numbers: Array) -> MeshNumbers:
 
 @njit(inline="always")
 def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
-    """Compute the gaps of both flanks of a planet on the sun [m] at their poses, and the line of action.
+    """Compute the gaps of both flanks of a planet on the sun [m], and their line of action, at the poses of both gears.
 
-    Backlash, transmission error and the change of the centre distance are included.
+    Backlash, transmission error and the change of the centre distance are included. The poses are in a common frame.
     """
     dx, dy = planet.x - sun.x, planet.y - sun.y
     distance, direction = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)

@@ -268,10 +268,10 @@ def _compile_callback() -> Any:
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
     def during_step(model: int, data: int, stage: int) -> None:
-        """Apply the contact laws before the forces, or end a step and take the following ones; an ``mjfSensor``.
+        """Apply the contact laws before the forces, or end a step and take the following steps; an ``mjfSensor``.
 
-        `model` and `data` are addresses, `stage` is MuJoCo's ``mjtStage``. The remaining
-        steps of the current call of `EachStep.advance` are taken.
+        `model` and `data` are addresses, `stage` is MuJoCo's ``mjtStage``. The remaining steps of the current call of
+        `EachStep.advance` are taken.
         """
         if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + layout.nuserdata) != 1:
             return
@@ -302,7 +302,10 @@ def _compile_callback() -> Any:
 
 @compiling.njit(inner=True)
 def _end_step(model: int, data: int, run: StepState) -> None:
-    """Update peak forces after a step, take a sample if one is due, and set the next command."""
+    """Update peak forces after a step, write a sample if it is due, and set the commands of the next step.
+
+    `model` and `data` are addresses; the state `run` is updated.
+    """
     _update_peaks(run)
     run.due -= 1
     if run.due == 0:
@@ -407,8 +410,8 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
 def _phase_cosine(run: StepState, contact: int, pair: int) -> float:
     """Compute the cosine of the angle between the directions of a ring pin or lobe and of the disc's centre.
 
-    Both directions are seen from the reducer's axis. `contact` is the address of their contact, `pair` the index of
-    their mating pair.
+    Both directions are from the reducer's axis. `contact` is the address of their contact, `pair` the index of their
+    mating pair.
     """
     first, second = read_int(contact + run.geom), read_int(contact + run.geom + 4)
     mate = second if read_address(run.teeth + 8 * first) else first

@@ -54,7 +54,7 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
     They are the surface of each geom, the pair of each two surfaces, and the body of each pair. A geom named
     ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1, 0 stands for none; a pair is
-    negative if the first of the two surfaces is the one that feels the logged force, `Pair.on`.
+    negative if the logged force acts on the first of the two surfaces, `Pair.on`.
     """
     surface_names = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
     number_of = {name: count for count, name in enumerate(surface_names, start=1)}
@@ -144,9 +144,10 @@ def _add(address: int, value: float) -> None:
 
 @compiling.njit(inner=True)
 def _penetration(state: StepState, contact: int) -> float:
-    """Compute the penetration of a contact [m]: the geometric one for exact teeth, else that of MuJoCo.
+    """Compute the penetration [m] of the contact at an address; it is negative where the surfaces do not touch.
 
-    MuJoCo's distance at exact teeth is scaled: it makes the stiffness follow the local curvature (``mating``).
+    At exact teeth it is the geometric penetration, because MuJoCo's distance there is scaled by the stiffness factor of
+    the local curvature (``mating``).
     """
     overlap = -read_float(contact)
     first_geom, second_geom = read_int(contact + state.geom), read_int(contact + state.geom + 4)

@@ -68,7 +68,7 @@ def to_frame(pose: Pose, x: float, y: float) -> tuple[float, float]:
 
 @njit(inline="always")
 def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, float]:
-    """Compute sine and cosine of the sum of two angles: one given by its `sine` and `cosine`, and `angle` [rad].
+    """Compute sine and cosine of the sum of two angles: the first as its `sine` and `cosine`, the second `angle` [rad].
 
     For a small `angle`, a series that is exact to rounding replaces the sine and cosine functions.
 
@@ -90,8 +90,8 @@ def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, floa
 def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, float]:
     """Compute a start for the search of the foot point of (x, y) [m] on a trochoid `curve`, in closed form.
 
-    On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and the polar angle is t - atan2(c sin, E - c cos) of that phase.
-    Both invert in closed form; the sign of the phase is that of (N-1) times the polar angle.
+    With the symbols of `Trochoid`, the radius r of T(t) satisfies r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and its polar
+    angle is t - atan2(c sin((N-1) t), E - c cos((N-1) t)).
 
     Returns
     -------
@@ -201,7 +201,8 @@ def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float
 def trochoid_curvature(t: float, curve: Trochoid) -> float:
     """Compute the signed curvature [1/m] of a trochoid `curve` at the parameter `t` [rad], positive where it is convex.
 
-    From l^2 = E^2 + c^2 N^2 - 2 E c N cos B: kappa = (E^2 + c^2 N^3 - E c N (N+1) cos B) / l^3 with B = (N-1) t.
+    It is (E^2 + c^2 N^3 - E c N (N+1) cos B)/l^3 with l^2 = E^2 + c^2 N^2 - 2 E c N cos B, B = (N-1) t, and the symbols
+    of `Trochoid`.
     """
     radius, eccentricity, teeth = curve
     pitch_distance = eccentricity * teeth
@@ -341,7 +342,8 @@ def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, floa
     t
         Trochoid parameter of the foot point on its flank [rad], for the flank's curvature; at a corner, its end.
     distance
-        Distance from the surface less the offset [m]: from the trochoid, where there is no rotation.
+        Distance from the surface, positive outside, less `flank.offset` [m]. Without rotation and waves it is the
+        signed distance from the trochoid.
     normal_x, normal_y
         Outward unit normal.
     at_corner
@@ -395,7 +397,7 @@ def nearest_on_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, boo
     Returns
     -------
     side
-        Side of the arc's middle on which the position is, 1.0 clockwise.
+        Side of the arc's middle on which the position is: 1.0 clockwise, -1.0 counter-clockwise.
     on_arc
         Whether the nearest point is on the arc, not its edge on this side.
     other

@@ -115,7 +115,7 @@ def discover() -> Layout:
 
 @cache
 def discover_steps() -> StepLayout:
-    """Return the byte offsets of what a time step reads and writes, found in two small models.
+    """Return the byte offsets of what a time step reads and writes, determined from two small models.
 
     Raises
     ------

@@ -37,7 +37,7 @@ _precision = threading.Lock()
 
 @cache
 def library() -> ctypes.CDLL:
-    """Load MuJoCo's shared library, the one that its Python bindings use.
+    """Load the shared library of MuJoCo that its Python bindings use.
 
     Raises
     ------

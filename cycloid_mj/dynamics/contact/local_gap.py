@@ -42,7 +42,7 @@ class Start(NamedTuple):
 
 @njit(inline="always")
 def multiple_angle(sine: float, cosine: float, factor: int) -> tuple[float, float]:
-    """Compute sine and cosine of `factor` times an angle, for a whole number `factor`, by repeated doubling.
+    """Compute sine and cosine of `factor` times an angle, for an integer `factor`, by repeated doubling.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def local_distance(
 ) -> tuple[float, float, float, float]:
     """Compute the signed distance of a point (x, y) [m] from a trochoid `curve`, from a start near the foot point.
 
-    Newton steps lead from the start to the foot point, the last one by the osculating circle. A distance that exceeds
+    Newton steps lead from the start to the foot point, the last step by the osculating circle. A distance that exceeds
     `max_distance` [m] may be returned as any larger value, with zeros for normal and curvature.
 
     Returns

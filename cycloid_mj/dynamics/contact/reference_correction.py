@@ -51,7 +51,7 @@ def bind_multiplication() -> None:
 
 @cache
 def compile_control_callback(layout: StepLayout) -> Any:
-    """Compile or load MuJoCo's control callback (``mjcb_control``), which corrects the reference accelerations.
+    """Compile or load the callback ``mjcb_control`` that corrects reference accelerations; return it as a ``cfunc``.
 
     MuJoCo calls it in each step after it has computed the velocities and before it computes the forces. `layout` has
     the offsets of MuJoCo's arrays.

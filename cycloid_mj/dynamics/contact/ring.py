@@ -76,9 +76,8 @@ def is_monotone(ring: Trochoid) -> bool:
 def ideal_root_phase(crank: float, min_phase: float, ring: Trochoid) -> float:
     """Solve for the phase B [rad] of the ideal contact in a root at a clockwise crank angle [rad], by Newton's method.
 
-    It is for designs with ``is_monotone``. `min_phase` is B0, where the root begins: its cosine is c N / E. The crank
-    angle rises with B from -B0 to B0 - 2 pi/N, point-symmetric about B = pi and concave before it, so that Newton's
-    method from the end converges from one side.
+    It is valid for designs with ``is_monotone`` only, and for crank angles from -B0 to B0 - 2 pi/N. `min_phase` is B0,
+    where the root begins: its cosine is c N / E, with the symbols of `Trochoid`.
     """
     radius, eccentricity, teeth = ring
     pitch_distance = eccentricity * teeth
@@ -158,9 +157,9 @@ def root_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> float:
 def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoid, flank: Flank, gear: Pose) -> Minimum:
     """Find the minimum of the gap inside a root between two phases [rad], from a start phase [rad] close to it.
 
-    Newton's method on the slope, with bisection where it leaves the bracket: the gap falls, then rises. `gear` is the
-    pose of the gear in the frame of the root. `Minimum.exists` is False if the gap is smallest at an end of the range,
-    or if the iteration does not converge.
+    The gap must fall at the first phase and rise at the last. `gear` is the pose of the gear in the frame of the root.
+    `Minimum.exists` is False if the gap is smallest at an end of the range, or if the iteration, Newton's method on the
+    slope with bisection, does not converge.
     """
     lower, upper = min_phase, max_phase
     B = min(max_phase, max(min_phase, start))

@@ -69,7 +69,7 @@ def require_passed(part: str, test: Callable[[], str]) -> None:
     part
         Name of the part, and of its record.
     test
-        Returns a description of the failure; empty if there is none.
+        Function that runs the test and returns a description of the failure, "" for none.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def try_collider(address: int) -> str:
 def try_correction(address: int) -> str:
     """Test the correction of sliding contacts (``mjcb_control``) at an address; return the failure, "" for none.
 
-    Feet at rest start to slide along the floor; they must press on it by their weights, as without friction.
+    Spheres at rest start to slide along the floor; they must press on it by their weights, as without friction.
     """
     soft_contact = 'solref="0.002 1" solimp="0.01 0.01 0.001"'
     weights = {mass: mass * TEST.gravity for mass in (1.0, 2.0, 3.0)}

@@ -95,14 +95,14 @@ def colour(part: str) -> Colour:
 
 
 def axial_extent(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
-    """Return where a group of surfaces is along z: in its disc, or in all discs.
+    """Return the axial position and half width of a group of surfaces: those of its disc, or of all discs.
 
-    Teeth of sun and planets are in the plane of the planets.
+    Teeth of sun and planets have those of the planets.
 
     Returns
     -------
     tuple of float
-        Centre and half width [m].
+        Position of the centre along z, and half width [m].
     """
     gear = reducer.design.gear
     if isinstance(reducer, RvReducer) and surfaces.role in (Role.SUN, Role.PLANET):
@@ -134,7 +134,7 @@ def set_inertia(body: Any, properties: MassProperties) -> None:
 
 
 def _add_joints(element: Any, body: Body, reducer: Reducer) -> None:
-    """Add the joints of a body to its `element` of an editable model: slides in x and y if it is planar, and the hinge.
+    """Add the joints of a body to its `element` of an editable model: slide joints along x and y, if any, and a hinge.
 
     The hinge of the driven shaft has the rotor's inertia, those of both shafts have the drag of seals and lubricant.
     """

@@ -66,9 +66,8 @@ _NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dict[str, bytes]:
     """Return every file of a model folder by its path in it; convex decomposition by CoACD takes about 10 s.
 
-    The model differs from that of ``build_mesh``: the crank has a speed servo (``ctrl`` in rad/s, no target to be
-    moved), there are keyframes, and convex pieces behind the teeth collide with other objects (not those of an RV
-    reducer).
+    The model differs from that of ``build_mesh``: the crank has a speed servo, whose ``ctrl`` is the speed [rad/s];
+    there are keyframes; and, except in an RV reducer, convex pieces behind the teeth collide with other objects.
 
     Raises
     ------

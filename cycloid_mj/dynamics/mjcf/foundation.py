@@ -51,9 +51,10 @@ def flank_patch(depth: float, curvature: float) -> float:
 def hole_patch(depth: float, radius: float, play: float) -> float:
     """Compute the effective width [m] of the contact of a round part in a hole at a penetration d = `depth` [m].
 
-    A part of the radius R [m] with the radial `play` [m], displaced by x = play + d, is x cos(theta) - play deep up to
-    the angle theta_0 = acos(play / x). Springs of k per width push with the share cos(theta), with the total force k R
-    [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0]; divided by k d, this is the width.
+    A part of the `radius` R [m] with the radial clearance `play` [m], displaced by x = play + d, penetrates by x
+    cos(theta) - play up to the angle theta_0 = acos(play / x). Springs of k per width push with the share cos(theta),
+    with the total force k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0]; divided by k d, this is the
+    width.
     """
     displacement = play + depth
     half_angle = math.acos(play / displacement)

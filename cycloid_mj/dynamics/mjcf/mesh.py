@@ -187,8 +187,8 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
 def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> None:
     """Add the convex pieces behind the working surfaces of a part, which collide with other objects only.
 
-    The pieces of one sector are repeated around the part, on every disc for those of a disc; `number` is that of the
-    remainder in the names of its meshes.
+    The pieces of one sector are repeated around the part; pieces of a disc are repeated on every disc. `number` is that
+    of the remainder in the names of its meshes.
     """
     sector, phases = remainder.sector, reducer.phases
     bodies = reducer.gears if sector.part == names.GEAR else (sector.part,)

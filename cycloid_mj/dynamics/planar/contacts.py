@@ -185,7 +185,7 @@ def _find_lobe_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of a disc and all lobes after `count` others, and return their new number.
+    """Write the contacts of a disc and all lobes after `count` others, and return the new number of contacts.
 
     `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring, `address` that of `scratch`; other
     arguments as in `find_contacts`.
@@ -214,7 +214,7 @@ def _find_pin_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of a disc and all ring pins after `count` others, and return their new number.
+    """Write the contacts of a disc and all ring pins after `count` others, and return the new number of contacts.
 
     `mating` is the pair of the disc and the first pin, `ring` the pose of the ring; other arguments as in
     `find_contacts`.
@@ -259,7 +259,7 @@ def _find_seat_contacts(
     v: Array,
     half_step: float,
 ) -> int:
-    """Write the contacts of moving pins with their seats after `count` others, and return their new number.
+    """Write the contacts of moving pins with their seats after `count` others; return the new number of contacts.
 
     `pair` is the index of the first pin's pair, `ring` the pose of the ring, `address` that of `scratch`; other
     arguments as in `find_contacts`.
@@ -328,7 +328,7 @@ def disc_pose(q: Array, body: int, angle: float) -> Pose:
 
 @njit
 def _disc_teeth(system: System, disc: int) -> Teeth:
-    """Return the teeth of a disc by its index: those of the system with the disc's own offset."""
+    """Return the teeth of a disc by its index: `System.teeth` with the offset of this disc."""
     common, flank = system.teeth, system.teeth.flank
     ends = flank.tip, flank.tip_radius, flank.valley, flank.valley_radius
     flank_of_disc = Flank(

@@ -67,7 +67,7 @@ class CrankTrain(NamedTuple):
 def find_crank_contacts(
     system: System, train: CrankTrain, contacts: Contacts, count: int, q: Array, v: Array, half_step: float
 ) -> int:
-    """Write the contacts of all cranks after `count` others, and return their new number.
+    """Write the contacts of all cranks after `count` others, and return the new number of contacts.
 
     `train` are the cranks; the other arguments are those of ``contacts.find_contacts``. The pairs of the cranks follow
     those of teeth and seats: a bearing of each disc and crank, then a mesh of each planet.

@@ -124,7 +124,7 @@ def solve_step(
     Returns
     -------
     int
-        Number of Newton iterations; ``NEWTON.max_iterations`` + 1 if contact states still changed in the last one.
+        Number of Newton iterations; ``NEWTON.max_iterations`` + 1 if contact states still changed in the last of them.
     """
     for iterations in range(1, NEWTON.max_iterations + 1):
         change_all, couple_friction = iterations <= NEWTON.block_iterations, iterations <= NEWTON.coupled_iterations
@@ -568,7 +568,7 @@ def _update_states(
 def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: float) -> float:
     """Update speeds [m/s] and forces [N] of a contact at speeds v, and return its normal force, which may be negative.
 
-    An open contact closes when its gap is below 0 at the predicted midpoint; a closed one opens when its force
+    An open contact closes when its gap is below 0 at the predicted midpoint; a closed contact opens when its force
     vanishes. Friction opposes the slip: creep times the slip, limited to the friction coefficient times the normal
     force.
     """
@@ -589,8 +589,8 @@ def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: floa
 def _next_state(contact: Contact, normal_force: float, one_at_a_time: bool, coupled_friction: bool) -> int:
     """Return the state of a contact that follows from its forces and slip: open, sticking, or sliding to either side.
 
-    `normal_force` [N] may be negative; `one_at_a_time` says whether contacts change one at a time, `coupled_friction`
-    whether friction is coupled to the normal force.
+    `normal_force` [N] may be negative. `one_at_a_time` is True if contacts change one at a time, `coupled_friction` if
+    sliding friction follows the current normal force.
     """
     old_state = contact.state
     if (old_state == SLIDES and contact.slip < 0.0) or (old_state == SLIDES_BACK and contact.slip > 0.0):

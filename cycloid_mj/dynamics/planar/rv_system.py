@@ -17,7 +17,7 @@ FIXED_SUN_STIFFNESS = 1e10
 
 
 def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
-    """Return the arrays of an RV reducer except for its cranks; a servo drives the sun or the output, as `held` says.
+    """Return the arrays of an RV reducer except for its cranks; a servo drives the sun (`held` "crank") or the output.
 
     Raises
     ------

@@ -134,7 +134,7 @@ class Stepper:
 
 @cache
 def _compile_steps() -> Any:
-    """Compile or load the stepping function; lobes, pins and cranks have versions of their own."""
+    """Compile or load the function that takes steps, and return it; it has versions for lobes, pins and cranks."""
 
     @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
     def advance(

@@ -171,9 +171,9 @@ def make_system(reducer: Reducer, held: Held = "crank") -> System:
 
 
 def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
-    """Return the attributes of a `System` that describe discs, ring and gravity, by name; they apply to any layout.
+    """Return the attributes of a `System` that describe discs, ring and gravity, by name.
 
-    `output_unknown` is the index of the output's rotation.
+    `output_unknown` is the index of the output's rotation among the unknowns.
     """
     design, mechanism = reducer.design, reducer.mechanism
     discs = range(design.gear.discs)
