@@ -250,7 +250,7 @@ class Calibration(Presented):
         )
 
     def _parameter_table(self) -> Table:
-        """Return a table of the fitted values with their intervals and priors."""
+        """Return a table of the fitted values in their units, with intervals of 95 % and priors, a row each."""
         intervals = f"95 %, with a model error of {MODEL_ERROR:.0%}", "95 %, noise alone"
         header = ("value", "fitted", *intervals, "unit", "determined by the loop", "prior (one sigma)")
         rows: list[tuple[str | float, ...]] = []
@@ -286,7 +286,7 @@ class Calibration(Presented):
         return Table("loops", header, tuple(rows))
 
     def _deviation_table(self) -> Table:
-        """Return a table of the deviation of the fitted model from each section of each loop."""
+        """Return a table of the deviation of the fitted deflection [deg] in each section of each loop, a row each."""
         deviation = "measured less model, mean [deg]", "rms [deg]", "rms of the height"
         rows: list[tuple[str | float, ...]] = []
         for stretch in self.stretches:
@@ -346,7 +346,7 @@ class Calibration(Presented):
 
 
 def _estimate_json(estimate: Estimate) -> dict[str, Any]:
-    """Convert a fitted value with its intervals and its prior to JSON values."""
+    """Convert a fitted value in its unit, its intervals of 95 %, and its prior, to JSON values."""
     prior = {"value": estimate.drawn, "deviation": estimate.deviation, "source": estimate.source}
     return {
         **{key: getattr(estimate, key) for key in ("value", "unit", "identified", "meaning")},
@@ -603,7 +603,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
 
 
 def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
-    """Convert the fit of a model, `item`, to JSON values."""
+    """Convert residuals (shares of the loops' heights), information criteria and values of a fit to JSON values."""
     criteria = {"bic": item.bayesian, "aic": item.akaike}
     return {
         "key": item.key,

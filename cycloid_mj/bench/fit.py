@@ -336,7 +336,7 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
 
 
 def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
-    """Sum n log(mean square residual) over the loops [1]: twice the negative log-likelihood, except for a constant.
+    """Compute twice the negative log-likelihood of the loops, except for a constant: sum of n log(mean square) [1].
 
     `residuals` are those of each loop, `independent` is the number n of independent residuals of each loop.
     """

@@ -127,7 +127,7 @@ def _interpolate(abscissa: Array, values: Array, level: float | Array) -> Array:
 
 
 def read_loop(path: Path | str) -> MeasuredLoop:
-    """Read a loop from a CSV file with the columns torque_output_Nm and deflection_deg.
+    """Read a hysteresis loop from a CSV file with the columns torque_output_Nm and deflection_deg.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def read_loop(path: Path | str) -> MeasuredLoop:
     Returns
     -------
     MeasuredLoop
-        Torque and deflection of the output in chronological order.
+        Torque [N m] and deflection [rad] of the output in chronological order, with reversals and branches.
 
     Raises
     ------
@@ -202,7 +202,7 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
 
 
 def _parse_number(text: str, location: str) -> float:
-    """Parse a finite number in a file, in its unit there.
+    """Convert the text of a cell of a file to a finite number, in the unit of the file.
 
     Raises
     ------
@@ -298,7 +298,10 @@ def require_torque(loop: MeasuredLoop, rated_torque: float) -> None:
 
 
 def _require_degrees(height: float, origin: str) -> None:
-    """Raise UsageError for a loop whose height [deg] is implausible in degrees; the message begins with `origin`."""
+    """Raise UsageError if the range of deflection of a loop, `height` [deg], is implausible for values in degrees.
+
+    The message begins with `origin`.
+    """
     if not SETTINGS.min_height_deg <= height <= SETTINGS.max_height_deg:
         likely_unit = (
             "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"

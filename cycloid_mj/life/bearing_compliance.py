@@ -32,7 +32,7 @@ class CamCase:
     life: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the case to JSON values; an unlimited life is None."""
+        """Convert stiffness [N/m], load [N] and life [h] to JSON values; an unlimited life is None."""
         return {
             "name": self.name,
             "cam_n_m": self.stiffness,

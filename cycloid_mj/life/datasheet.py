@@ -135,7 +135,7 @@ class Datasheet(Presented):
         return sizes.get("drive_diameter_mm", 2e3 * self.design.housing.outer_radius)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the sheet to JSON values."""
+        """Convert rated torque [N m], life [h], quantities with their conditions, curves and notes to JSON values."""
         items = [item for group in self.groups.values() for item in group]
         return {
             "design": self.design.name,
@@ -417,7 +417,10 @@ def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the rows of tilting moment, radial and axial load limits of the output flange, and of its stiffness."""
+    """Return the rows of the output flange: limits of tilting moment, radial and axial load, and tilting stiffness.
+
+    Load limits are those in addition to the nominal torque, except that of the axial load, which acts alone.
+    """
     seat, torque = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
     loose_stiffness = seat.tilting_stiffness(BALL_BEARINGS.usual_clearance) * ARCMINUTE
     bearings, is_angular = f"2 x {seat.bearing.designation}", seat.bearing.contact_angle > 0.0
@@ -505,7 +508,7 @@ def _with_interval(row: Quantity, interval: Quantity | Spread) -> Quantity:
 
 
 def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return rows of mass, inertia and main dimensions of the mechanism, and of the drive if it has covers."""
+    """Return rows of mass [kg], inertia [kg cm2] and dimensions [mm] of the mechanism, and of a drive with covers."""
     design = reducer.design
     gear, housing = design.gear, design.housing
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
@@ -536,9 +539,10 @@ def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def input_inertia(reducer: Reducer) -> float:
-    """Compute the inertia at the input [kg m2]: crank, discs on their orbit, and the slow parts over the ratio squared.
+    """Compute the moment of inertia of the mechanism at the input [kg m2].
 
-    The spin of pins in a fixed ring is left out, about 1e-4 of the total.
+    It is the sum of the crank, the discs on their orbit, and the slow parts divided by the square of the ratio. The
+    rotation of pins in a fixed ring is left out, about 1e-4 of the total.
     """
     design, masses = reducer.design, moving_masses(reducer)
     shaft, discs = masses[SHAFT], [masses[disc.part] for disc in reducer.mechanism.discs]

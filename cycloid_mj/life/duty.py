@@ -39,7 +39,7 @@ class Duty:
 
     @property
     def words(self) -> str:
-        """The duty cycle in words."""
+        """Torque [N m], speed [rpm] and share of the time of each point in words."""
         if len(self.points) == 1:
             point = self.points[0]
             return f"{point.torque:.4g} N m at {point.speed / RPM:.6g} rpm"

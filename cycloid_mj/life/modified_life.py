@@ -75,7 +75,7 @@ def life_curve(exponent: float) -> LifeCurve:
 
 
 def reference_viscosity(speed: float, pitch: float) -> float:
-    """Compute the viscosity nu_1 [mm2/s] that separates the surfaces of a bearing (ISO 281:2007, Eqs 28 and 29).
+    """Compute the reference kinematic viscosity nu_1 [mm2/s] of a bearing (ISO 281:2007, Eqs 28 and 29).
 
     Parameters
     ----------
@@ -102,9 +102,9 @@ def life_factor(kappa: float, cleanliness: float, limit: float, load: float, cur
     Parameters
     ----------
     kappa
-        Viscosity ratio nu/nu_1.
+        Viscosity ratio nu/nu_1 [1], with nu_1 of `reference_viscosity`.
     cleanliness
-        Contamination factor e_C, from 0 to 1.
+        Contamination factor e_C [1], from 0 to 1.
     limit, load
         Fatigue load limit C_u and equivalent load P [N].
     curve

@@ -189,7 +189,10 @@ def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dic
 
 
 def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
-    """Extrapolate the torque [N m] at which an item, rated at another torque, just reaches its limit or a life [h]."""
+    """Extrapolate the torque [N m] at which an item just reaches its limit, or the required `life` [h].
+
+    The item was rated at `torque` [N m].
+    """
     margin = item.margin(life)
     if item.safety is None:
         power = 2.0 * (SET_POWER if item.key.endswith("_set") else AGMA_2001.power)

@@ -200,7 +200,7 @@ def _endurance_limit(reducer: Reducer, tensile: float, thickness: float) -> floa
 
 
 def _limit_source(reducer: Reducer, part: str) -> str:
-    """Return in words where the endurance limit of a part comes from."""
+    """Return the source of the endurance limit of a part in words."""
     design = reducer.design
     service, material = design.service, design.material_of(part)
     if service.endurance_limit:

@@ -102,8 +102,8 @@ class Conductance:
 def line_contact_conductance(force: Array, length: float, radius: float, partners: Sequence[Material]) -> Array:
     """Compute the heat conductance of Hertzian line contacts [W/K], in the shape of `force` [N]; 0 where there is none.
 
-    Each side is a cylinder of `radius` [m] heated over the contact's width 2 b: pi k L/ln(4 R/b), both in series.
-    `length` is that of the line [m], `partners` are both materials.
+    Each side is a cylinder with the `radius` R [m] and the conductivity k that is heated over the contact's width 2 b:
+    pi k L/ln(4 R/b). Both sides are in series. `length` L [m] is that of the line, `partners` are both materials.
     """
     compliance = sum((1.0 - item.poisson**2) / item.youngs_modulus for item in partners)
     half_width = np.sqrt(4.0 * np.maximum(force, 0.0) * radius * compliance / (math.pi * length))

@@ -120,7 +120,7 @@ class WearingDrive:
         return deflections | {gap: contacts[gap].force / contacts[gap].stiffness for gap in others if gap in gaps}
 
     def dose_rates(self, worn_reducer: Reducer) -> dict[str, Array]:
-        """Compute the rate of pressure times sliding distance of each surface, by key [Pa m/s], shape (cells,).
+        """Compute the rate of pressure times sliding distance [Pa m/s] of the cells of each surface, by key, (cells,).
 
         `worn_reducer` has the gaps of the worn parts; rates are means over the points of the duty.
 

@@ -149,7 +149,10 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
 
 
 def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
-    """Yield the wearing surfaces of the output: holes and pins, or bores and cores of plain rollers."""
+    """Yield the wearing surfaces of the output: holes and pins, or bores and cores of plain rollers.
+
+    There are none with needle rollers.
+    """
     design, output = reducer.design, reducer.design.output
     length, count = design.line_length("output"), output.pins * design.gear.discs
     angle = np.append(table_angles(TABLE), math.pi)

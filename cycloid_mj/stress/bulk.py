@@ -48,10 +48,10 @@ class Distances:
     vertices: int
 
     def from_patches(self, angle_index: int, nodes: Integers) -> Array:
-        """Compute the distance of some nodes from the nearest narrow patch at an angle [m], shape of `nodes`.
+        """Compute the distance [m] of nodes from the nearest narrow contact patch at a crank angle, shape of `nodes`.
 
-        `angle_index` and `nodes` are indices. The distance is inf without patches, and 0 for nodes next to sharp
-        corners, which never belong to the bulk.
+        `angle_index` and `nodes` are indices. The distance is inf without patches. It is 0 for nodes next to sharp
+        corners, whose stress is never bulk stress.
         """
         centres = self.patches[self.ends[angle_index] : self.ends[angle_index + 1]]
         squared_distance = cdist(centres, self.points[nodes, :2], "sqeuclidean").min(axis=0, initial=np.inf)
@@ -97,10 +97,7 @@ def search_distances(distances: Distances, start: float) -> Array:
 
 
 def largest_beyond(node_distances: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
-    """Compute the largest von Mises stress beyond each of s distances from patches at one crank angle, and its node.
-
-    For speed, nodes with the largest stress are searched first, in bands, and others only for distances beyond which no
-    node of these bands is left.
+    """Compute the largest von Mises stress beyond each of s distances from contact patches, at a crank angle.
 
     Parameters
     ----------

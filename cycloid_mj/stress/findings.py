@@ -96,7 +96,7 @@ class Peak:
     safety: float
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the peak to JSON values in MPa, degrees and mm."""
+        """Convert stress [MPa], crank angle [deg], position [mm], contact and safety factor to JSON values."""
         return {
             "stress_mpa": _finite(self.stress / MEGAPASCAL),
             "angle_deg": float(np.degrees(self.angle)),
@@ -140,7 +140,7 @@ class Refinement:
         return self.change < MAX_CHANGE
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the comparison of both grids to JSON values in MPa and degrees."""
+        """Convert numbers of unknowns, bulk stresses [MPa] by crank angle [deg], and their change to JSON values."""
         return {
             "unknowns": list(self.unknowns),
             "angle_deg": np.degrees(self.angle).tolist(),
@@ -255,7 +255,7 @@ class PartFindings:
         return 2.0 * np.abs(waves @ (self.bulk - self.bulk.mean())) / self.bulk.size
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the findings to JSON values, in MPa, mm and degrees; values that are not finite become None."""
+        """Convert stresses [MPa], positions [mm] and angles [deg] to JSON values; values not finite become None."""
         return {
             "part": self.part,
             "unknowns": self.unknowns,
@@ -349,7 +349,7 @@ class StressFindings:
         return any(each.part == part for each in self.parts)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the findings to JSON values, in N m and MPa."""
+        """Convert design, load [N m], yield strength [MPa] and the findings of each part to JSON values."""
         references = {part: reference.as_json() for part, reference in self.references.items()}
         return {
             "design": self.design,

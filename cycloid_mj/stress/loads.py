@@ -103,7 +103,10 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
 
 
 def loads_in_turn(sampled: Turn, part: str) -> PartLoads:
-    """Compute contact forces, weight and inertia of a part in its own frame over a turn, as `part_loads`."""
+    """Compute contact forces, weight and inertia of a part in its own frame over a turn, as `part_loads`.
+
+    `sampled` is the turn, a run's or that of a static equilibrium.
+    """
     touching = list_contacts(sampled, part)
     return PartLoads(
         part=part,

@@ -121,7 +121,10 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
     fillet = reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
-        """Return the largest stress at the station of an index; `factors` are those in bending and torsion."""
+        """Return the largest stress over the turn at the station with an index; `factors` are notch factors.
+
+        The first is that in bending, the second that in torsion. `fillet` [m] is its radius.
+        """
         bending_factor, torsion_factor = factors
         station_bending, station_torsion = bending[:, station], torsion[:, station]
         row = int(

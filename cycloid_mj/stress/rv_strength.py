@@ -48,7 +48,7 @@ class ToothRootStress:
         return self.nominal * self.form_factor * self.correction_factor
 
     def as_json(self, yield_strength: float) -> dict[str, Any]:
-        """Convert the stress to JSON values in N and MPa."""
+        """Convert force [N], factors, stress [MPa], and its safety against a yield strength [Pa], to JSON values."""
         return {
             "part": self.part,
             "force_n": self.force,

@@ -38,7 +38,7 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
 
 
 def _inner_corners(shaft: ShaftDimensions) -> Array:
-    """Return points (n, 3) [m] along the sharp inner edges of a shaft, near which stress is not that of the bulk.
+    """Return points (n, 3) [m] along the sharp inner edges of a shaft, near which its mesh cannot resolve the stress.
 
     The edges are at the faces of the cams, and at both faces and the flats of the counterweight.
     """
