@@ -16,14 +16,14 @@ def has_bare_rollers(reducer: Reducer) -> bool:
 def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
     """Yield both parts that a cam roller presses on, with the pressure there.
 
-    The pressure of the contact ``cam`` is that of a roller on the cam with the modulus of shaft on disc. Hertz's
+    The contact ``cam`` is a roller on the cam, but with the modulus of shaft on disc. Hertz's
     pressure is proportional to sqrt(curvature x modulus). On the cam a roller touches its own material, and in the bore
     the curvature is smaller.
 
     Yields
     ------
     tuple
-        Name of the part, "shaft" or "gear", and its peak pressure relative to that of the contact ``cam`` [1].
+        Name of the part, "shaft" or "gear", and its peak pressure over the pressure of the contact ``cam`` [1].
     """
     design, contact = reducer.design, reducer.contacts["cam"]
     shaft, roller, bore = design.material_of("shaft"), reducer.contacts.roller_radius, design.gear.bore_radius

@@ -86,7 +86,7 @@ def _ring_cutter_rule(reducer: Reducer) -> Rule:
 def _cutter_rule(name: str, radius: float, location: str) -> Rule:
     """Return the rule that a cutter of a radius [m] is long enough to cut through the face width.
 
-    `name` is that of the rule, `location` the cut feature in words, such as "valleys of the lobes".
+    `name` is the name of the rule, `location` the cut feature in words, such as "valleys of the lobes".
     """
     return Rule(
         name,

@@ -154,7 +154,8 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
 def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     """Yield the check that the sum of the clearances from crank to output is small against the teeth.
 
-    If it is not, and the disc has a feasible shape (`has_shape`), another check is that the disc cannot skip a tooth.
+    If the sum is larger, and the disc has a feasible shape (`has_shape`), a second check is that the disc cannot skip a
+    tooth.
     """
     design = reducer.design
     names = design.pair_kinds

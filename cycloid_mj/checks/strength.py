@@ -187,7 +187,7 @@ def _face_width_limit(reducer: Reducer, value: Callable[[RatedLoad], float], all
 
 
 def _check_load_sharing(state: RatedLoad) -> Check:
-    """Check the largest tooth force relative to that of ideal load sharing, under the loads `state`.
+    """Check the largest tooth force over the largest force under ideal load sharing, for the loads `state`.
 
     The remedy reduces all clearances by a common factor, which bisection determines. If no factor is small enough, the
     remedy is a stiffer cam, in words.

@@ -71,7 +71,7 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
 def _undercut_rule(reducer: Reducer) -> Rule:
     """Return the rule that the profile has no undercut: pin and clearance are smaller than the path's convex radii.
 
-    The path is that of a pin centre in the disc, a trochoid. An internal gear exists under the same condition (see
+    The path of a pin centre in the disc is a trochoid. An internal gear exists under the same condition (see
     ``geometry.envelope``). The condition also keeps the outline simple: for N >= 4 ring teeth the smallest convex
     radius of the path is below the smallest distance of its tangents from the disc's centre, so that the polar angle
     grows along the entire profile.
@@ -206,8 +206,8 @@ def circles_on_circle(half_pitch_share: float) -> float:
 def _find_decreasing_root(function: Callable[[float], float], high: float) -> float:
     """Find the root of a decreasing function in (0, `high`) by bisection, to rounding; 0 if there is none.
 
-    The lower end of the last interval is returned, where the function is positive; it is `high` to rounding if the
-    function is positive everywhere. A root below 1e-12 of `high` counts as none.
+    The lower end of the last interval is returned, where the function is positive; if the function is positive
+    everywhere, the result is `high` to rounding. A root below 1e-12 of `high` counts as none.
     """
     low, floor = 0.0, 1e-12 * high
     while max(low, floor) < (midpoint := (low + high) / 2) < high:

@@ -104,8 +104,8 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
 def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
     """Return a question for an error message that suggests up to `MAX_SUGGESTIONS` similar keys, or "".
 
-    Similar keys contain `key`; if none does, they resemble it. They are those of figures with one of the `needs`, and
-    of the reducer unless it is None.
+    Similar keys contain `key`; if none does, they resemble it. Only figures with one of the `needs` are considered, and
+    only those that apply to the reducer unless it is None.
     """
     available = [
         name

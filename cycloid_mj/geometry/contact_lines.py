@@ -73,8 +73,8 @@ def peak_pressure(lines: ContactLines, force: float, length: float, modulus: flo
 def _contact_lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLines]:
     """Return the contact lines of a gear and its ring at one crank angle [rad], counter-clockwise.
 
-    `kind` is that of the ring. The list has one entry for ring pins; for an internal gear it has the lines on arcs,
-    then those on Sigma.
+    `kind` is the kind of the ring. For ring pins the list has a single entry; for an internal gear it has the lines on
+    arcs, then the lines on the flanks Sigma between them.
     """
     arcs = envelope.arc_contacts(gear, crank_angle)
     if kind == "pin":

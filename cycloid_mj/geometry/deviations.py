@@ -126,7 +126,7 @@ def profile_error(waves: Array, t: Array) -> Array:
 def _errors_by_disc(design: Design, name: str, standard_deviation: float, count: int) -> Array:
     """Return the errors of a kind [m] of `count` equal parts on every disc, shape (D, count): listed, or drawn.
 
-    `name` is the list in ``design.errors``; `standard_deviation` [m] is that of drawn errors.
+    `name` is the list in ``design.errors``; `standard_deviation` [m] applies to drawn errors.
     """
     listed = getattr(design.errors, name)
     if listed:
@@ -137,7 +137,7 @@ def _errors_by_disc(design: Design, name: str, standard_deviation: float, count:
 def _errors_of_parts(design: Design, name: str, standard_deviation: float, count: int) -> Array:
     """Return the errors of a kind [m] of `count` equal parts, shape (count,): listed in ``design.errors``, or drawn.
 
-    `name` is the list; `standard_deviation` [m] is that of drawn errors.
+    `name` is the list; `standard_deviation` [m] applies to drawn errors.
     """
     values = getattr(design.errors, name)
     return np.array(values) if values else _draw_errors(design, name, standard_deviation, count)

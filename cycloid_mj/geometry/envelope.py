@@ -153,8 +153,8 @@ def tightest_radius(gear: CycloidGear) -> float:
     Notes
     -----
     With y = l^2/K, K = E^2 - c^2 N^2 and the pitch distance l, the radius is stationary at the only root above 1 of
-    (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3 (N-1)(N+2) y + (N-1)(N-2). It is the smallest there, or where Sigma ends if
-    that comes first, at y = (E + c N)/(E - c N). Symbols as in `CycloidGear`.
+    (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3 (N-1)(N+2) y + (N-1)(N-2). It is smallest at this root, or at the end of
+    Sigma, y = (E + c N)/(E - c N), if this is smaller than the root. Symbols as in `CycloidGear`.
     """
     N, c, E, _ = gear.symbols
     cubic = [(N + 1) * (N + 2), -3 * (N + 1) * (N - 2), -3 * (N - 1) * (N + 2), (N - 1) * (N - 2)]

@@ -42,7 +42,8 @@ def _expansion(design: Design, part: str) -> float:
 def warm_clearances(design: Design) -> dict[str, float]:
     """Compute the clearance [m] of each kind of pair at the temperatures of ``[thermal]``; negative if it is lost.
 
-    An RV reducer has mesh and socket only.
+    Keys are the kind of the teeth, ``pin_socket`` if the ring has sockets, ``cam`` and ``output``; the latter two are
+    missing for an RV reducer.
 
     Notes
     -----
@@ -179,7 +180,8 @@ def warm_material(design: Design, part: str) -> Material:
 def _shifted_hole_errors(design: Design, expansion: float) -> Mapping[str, tuple[float, ...]]:
     """Return the position errors of the holes with all holes moved outwards [m], as "hole_x" and "hole_y".
 
-    `expansion` [m] is that of the circle of holes relative to that of the output pins; if it is 0, the result is empty.
+    `expansion` [m] is the growth of the radius of the circle of holes relative to the circle of output pins; if it is
+    0, the result is empty.
     """
     if expansion == 0.0:
         return {}

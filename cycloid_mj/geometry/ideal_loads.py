@@ -222,7 +222,7 @@ def line_contact_stiffness(
     force, length, modulus, depth
         As in `line_contact_constant`: force [N], length L [m], modulus E* [Pa], depth D [m].
     relative_curvature
-        Relative curvature kappa [1/m], any shape, which is that of the result.
+        Relative curvature kappa [1/m], any shape; the result has the same shape.
     """
     constant = line_contact_constant(force, length, modulus, depth)
     return math.pi * modulus * length / (constant + np.log(np.asarray(relative_curvature, float)))

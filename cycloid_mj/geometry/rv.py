@@ -89,8 +89,8 @@ def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
 def meshing_planet_teeth(sun_teeth: int, planet_teeth: int, count: int) -> tuple[int, ...]:
     """Return two tooth numbers of planets that mesh, just below and just above `planet_teeth`, the nearest first.
 
-    `sun_teeth` is the number of teeth of the sun, `count` that of identical planets. If both are at the same distance,
-    the larger number comes first.
+    `sun_teeth` is the number of teeth of the sun, `count` the number of identical planets. If both are at the same
+    distance, the larger number comes first.
     """
     changes = [
         next(change for change in range(1, count + 1) if (sun_teeth + planet_teeth + sign * change) % count == 0) * sign
@@ -137,9 +137,8 @@ def dead_points(cranks: int, discs: int) -> bool:
 def mesh_stiffness(sun_teeth: int, planet_teeth: int, pressure_angle: float, face_width: float) -> float:
     """Compute the mean mesh stiffness of spur gears of steel along the line of action [N/m].
 
-    ISO 6336-1:2006, method B: c' = 0.8/q' with equation (82) for q' without profile shift, and
-    c_gamma = c' (0.75 epsilon_alpha + 0.25), equation (89). The contact ratio is that of full-depth teeth (addendum =
-    module).
+    ISO 6336-1:2006, method B: c' = 0.8/q' with equation (82) for q' without profile shift, and c_gamma = c' (0.75
+    epsilon_alpha + 0.25), equation (89). The contact ratio assumes full-depth teeth (addendum = module).
 
     Parameters
     ----------

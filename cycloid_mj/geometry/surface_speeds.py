@@ -51,7 +51,7 @@ def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> Sur
     gear
         The mesh.
     B
-        Phases of the pins [rad], any shape, which is that of the result: angle of the pin from the eccentricity,
+        Phases of the pins [rad], any shape; the result has the same shape: angle of the pin from the eccentricity,
         clockwise as in `profile`.
     crank_speed
         Speed of the crank relative to the ring [rad/s].

@@ -57,8 +57,8 @@ def contact_ratio(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float
 def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -> ToothRoot:
     """Compute the critical section of a tooth of `gear`, loaded at the outer point of single contact with its mate.
 
-    `centre_distance` is that of the axes [m]. The rack is profile A of ISO 53. Thinning for backlash is included as a
-    smaller profile shift.
+    `centre_distance` is the distance of the axes [m]. The rack is profile A of ISO 53. Thinning for backlash is
+    included as a smaller profile shift.
     """
     teeth, angle = gear.teeth, gear.pressure_angle
     shift = gear.shift - gear.thinning / (2.0 * gear.module * math.tan(angle))

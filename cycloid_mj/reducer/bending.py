@@ -36,8 +36,8 @@ def pin_flexibility(reducer: "Reducer") -> Array:
 def beam_flexibility(material: Material, radius: float, arms: Array, length: float | None = None) -> Array:
     """Compute the flexibility matrix (n, n) [m/N] of a round cantilever at distances `arms` (n,) [m] from its root.
 
-    `radius` is that of the beam [m]. With a `length` [m] its far end is built in, too (force method): the reactions
-    there keep deflection and rotation 0.
+    `radius` is the radius of the beam [m]. With a `length` [m] its far end is built in, too (force method): the
+    reactions there keep deflection and rotation 0.
     """
     bending, shearing = round_beam(material, radius)
 

@@ -241,7 +241,7 @@ def phases(design: Design) -> tuple[float, ...]:
 def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
     """Return whether all discs are identical parts, which differ only by how they are rotated on their holes.
 
-    `discs` and `output_pins` are numbers, `lobes` is the number of lobes of a disc. The teeth of disc d of D are ahead
+    `discs`, `output_pins` and `lobes` (of a disc) are their numbers. The teeth of disc d of D are ahead
     of its holes by d/D of a pitch. A rotation by j hole pitches moves them by j lobes/pins pitches; modulo 1 these are
     the multiples of 1/m, with m = pins/gcd(pins, lobes). So the discs are identical if m is a multiple of D.
     """
@@ -277,7 +277,7 @@ def build_mechanism(design: Design) -> Mechanism:
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     """Yield the bodies at crank angle 0 with their joints: fixed member, crank, discs, output and moving pins.
 
-    `errors` are those of the positions of ring pins. If the ring is the output, its pins move relative to it.
+    `errors` displace the ring pins. If the ring is the output, its pins move relative to it.
     """
     axis, gear = np.zeros(2), tooth_profile(design)
     output_body, fixed_body = member_of(design).turning_and_held
@@ -310,7 +310,8 @@ def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterato
 def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
     """Return the surfaces of the ring that mate with the teeth (pins or lobes), and the matings of moving pins.
 
-    Moving pins mate with their seats: sockets of pins, or cores of sleeves. `errors` are those of the pins.
+    Moving pins mate with their seats: sockets of pins, or cores of sleeves. `errors` change positions and radii of the
+    pins.
 
     Returns
     -------

@@ -103,13 +103,16 @@ class Contact:
 
     @property
     def force(self) -> float:
-        """Working force of the pair [N], at which its stiffness is the secant; of the cam, the total force.
+        """Working force of the pair [N], at which its stiffness is the secant; for a cam the total force.
 
-        The pair's own ``working_force`` comes first, then ``contact.working_force`` for all pairs: on a rolling cam it
-        acts on the most loaded roller; on a plain cam, N/4 times as much acts, as by ideal sharing with this force on
-        the most loaded tooth. By default the force follows from `Contacts.working_load` T by ideal sharing, equal on
-        all discs: 4 T/(N c (N-1)) on the most loaded tooth of N with the eccentricity c, 4 T/(n R) on the most loaded
-        of n output pins on the radius R, and on the cam the mean over a turn of the force that balances both.
+        The first of these values that the design sets is used:
+
+        - ``working_force`` of the kind of pair;
+        - ``contact.working_force`` for all pairs. A rolling cam has this force on its most loaded roller. A plain cam
+          has N/4 times this force, as under ideal sharing with this force on the most loaded of N teeth;
+        - by default the force under ideal sharing of the torque T of a disc, `Contacts.working_load` over the discs:
+          4 T/(N c (N-1)) on the most loaded of N teeth, with the eccentricity c; 4 T/(n R) on the most loaded of n
+          output pins on the radius R; on a cam, the mean over a turn of the force that balances both.
         """
         design = self._reducer.design
         stated_force: float = getattr(design.working_force, self.kind)
@@ -186,11 +189,14 @@ class Contact:
     def stiffness(self) -> float:
         """Stiffness of the pair [N/m]: that of the design file, or the secant at the working force.
 
-        For teeth it is the stiffness of a pin on a flat; for sockets, sleeves and holes it follows from the relative
-        curvature. In a rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck;
-        Harris, Rolling Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat. The
-        stiffness of a plain cam is `ideal_loads.conformal_stiffness`. With the law IMPACT, the stiffness of all pairs
-        is the secant of its spring.
+        The secant depends on the kind of pair:
+
+        - teeth: a pin on a flat; sockets, sleeves and holes: by their relative curvature;
+        - rolling cam: the roller in the middle of the loaded half carries 4.08/Z of the load of Z rollers (Stribeck;
+          Harris, Rolling Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat;
+        - plain cam: `ideal_loads.conformal_stiffness`.
+
+        With the law IMPACT, all pairs have the secant stiffness of its spring.
         """
         return self._kept(Contact.stiffness, self._compute_stiffness)
 
@@ -217,9 +223,9 @@ class Contact:
     def relative_curvature(self) -> float:
         """Relative curvature [1/m] of all contacts of this kind; not defined for teeth, where it varies.
 
-        For a pin or a cam it is that of the pin or cam in its bore. For a cam with rollers it is that of a roller on
-        the cam, both convex, where the pressure is higher than in the bore; the radius of the cam's raceway is taken as
-        that of the bore.
+        A pin or a plain cam is in its bore. For a cam with rollers, the curvature is that of a roller on the cam, both
+        convex, where the pressure is higher than in the bore; the raceway of the cam is assumed to have the radius of
+        the bore.
         """
         design = self._reducer.design
         if self.kind == "cam" and self._has_rollers:
@@ -411,7 +417,7 @@ class Contacts:
         A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam, with the crank speed
         w and the eccentricity c. A load torque T on N ring teeth presses the teeth sideways against the cam by T/(c
         (N-1)). So W corresponds to a torque W c (N-1) for each disc, or W c N if the ring is the output. The mass m is
-        that of a plain disc of the mean radius E - rho: pin-circle radius minus pin radius.
+        approximated by a round disc of the radius E - rho: pin-circle radius minus pin radius.
         """
         design = self._reducer.design
         gear, ring, output = design.gear, design.ring, design.output
@@ -457,7 +463,7 @@ class Contacts:
 
     @property
     def mesh_stiffness(self) -> float:
-        """Stiffness between disc and housing [N/m]: that of a pin on a flat and that of its seat in series.
+        """Stiffness between disc and housing [N/m]: a pin on a flat in series with its seat.
 
         A pin transmits its force through two contacts, whose clearances and compliances add up.
         """

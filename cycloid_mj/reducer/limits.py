@@ -77,8 +77,9 @@ def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
 def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
     """Convert a pose of the unknowns of ``gaps`` (u,) [m] to displacements [m] and rotations [rad] of the parts.
 
-    The pose is relative to the ring; the rotations of `Fit` include that of a ring that is the output. `mesh_gaps` are
-    the gaps at this crank angle, `min_gap` [m] is the smallest gap in this pose, for `Fit.min_gap`.
+    The pose is relative to the ring; if the ring is the output, the rotations of `Fit` include the rotation of the
+    ring. `mesh_gaps` are the gaps at this crank angle, `min_gap` [m] is the smallest gap in this pose, for
+    `Fit.min_gap`.
     """
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
@@ -205,7 +206,7 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) ->
 
 
 def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Return the limits slope . z + gap >= 0 on the unknowns z (u,) [m] of ``gaps``: those of contacts, then of cams.
+    """Return the limits slope . z + gap >= 0 on the unknowns z (u,) [m] of ``gaps``, by contacts, then by cams.
 
     The clearance of a cam, displaced by `cams` (D, 2) [m], is a polygon of `sides` sides. `mesh_gaps` are the gaps of
     teeth and output pins.
@@ -229,7 +230,7 @@ def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Arra
     """Return the displacements of moving pins that separate them from the discs in a pose, shape (mates, 2) [m].
 
     A pin that overlaps a disc moves along the normal of the deepest overlap, half-way between touching the disc and
-    touching its seat. The displacement of other pins is 0, as is that of all pins if they cannot move.
+    touching its seat. Other pins have the displacement 0, as have all pins that cannot move.
 
     Parameters
     ----------

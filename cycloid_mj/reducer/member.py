@@ -90,9 +90,9 @@ class Member:
     def share(self) -> float:
         """Torque on the carrier per torque on the output, without losses: 1, or (N-1)/N if the ring rotates.
 
-        At a locked crank it is also the rotation of the output over that of the carrier seen from the ring. Torques and
-        rotations in statics are positive if they brake a crank that rotates counter-clockwise: counter-clockwise on the
-        carrier, clockwise on the ring; see `sense`.
+        At a locked crank, it is also the rotation of the output per rotation of the carrier seen from the ring. Torques
+        and rotations in statics are positive if they brake a crank that rotates counter-clockwise: counter-clockwise on
+        the carrier, clockwise on the ring; see `sense`.
         """
         return self.lobes / self.teeth if self.turns_ring else 1.0
 
@@ -130,7 +130,7 @@ def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> 
     """Convert the columns of a run to the frame of the ring (`view_from_ring`); unchanged if the ring is fixed.
 
     Angles, positions, speeds and forces are rotated back with the ring; pins are logged in its frame already. The
-    torque of the load becomes that on the fixed carrier, which balances crank and ring.
+    torque of the load is replaced by the torque on the fixed carrier, which balances crank and ring.
 
     Parameters
     ----------

@@ -110,7 +110,7 @@ class Reducer:
     def at_rated_load(self) -> Self:
         """Reducer `working_at` its own load, or at the nominal torque if it has no load.
 
-        With a preloaded ring, it is the larger of both torques.
+        With a preloaded ring, the larger of both torques is used.
         """
         load, rated = abs(self.design.load.torque), self.design.rated_torque
         return self.working_at(max(load, rated) if self.design.ring.preload else load or rated)
@@ -119,8 +119,8 @@ class Reducer:
     def for_slices(self) -> Self:
         """Reducer for the simulation with mesh contact, with stiffnesses for its nominal torque, or its load if larger.
 
-        The stiffness does not follow a smaller load, because a contact of slices is softer at a small depth anyhow. Its
-        creep speed is that of the design, or `SLICES_CREEP`.
+        The stiffness does not follow a smaller load, because a contact of slices is softer at a small depth anyhow. The
+        creep speed is taken from the design, or `SLICES_CREEP`.
         """
         stiffened_reducer = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
         return stiffened_reducer.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
@@ -290,7 +290,7 @@ Drive = TypeVar("Drive", bound=Reducer)
 def once(function: Callable[Concatenate[Drive, Given], Value]) -> Callable[Concatenate[Drive, Given], Value]:
     """Decorate a function of a reducer so that its results are cached, for each value of further arguments.
 
-    The cache is that of the reducer: the function runs only once for equal designs. Results are shared and must not be
+    The reducer has the cache, so that the function runs only once for equal designs. Results are shared and must not be
     changed.
     """
 

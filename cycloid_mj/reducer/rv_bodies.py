@@ -151,7 +151,7 @@ def crank_joint(crank: str) -> str:
 def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
     """Yield the bodies: fixed member, sun, discs, loaded member, cranks, moving pins.
 
-    `errors` are those of the positions of ring pins.
+    `errors` displace the ring pins.
     """
     design, axis = reducer.design, np.zeros(2)
     loaded, fixed = reducer.member.turning_and_held

@@ -31,7 +31,8 @@ def wall_radius(design: Design) -> float:
 def arc_half_angle(design: Design, radius: float) -> float:
     """Compute half the angle [rad] over which a circle of `radius` [m] about a pin centre lies within the ring's wall.
 
-    It is counted from the direction away from the reducer's axis; 0 if the entire circle is inside the wall's radius.
+    The angle is counted from the direction away from the reducer's axis; 0 if the entire circle is inside the wall's
+    radius.
     """
     centre, wall = design.ring.pin_circle_radius, wall_radius(design)
     cosine = (wall**2 - centre**2 - radius**2) / (2.0 * centre * radius)

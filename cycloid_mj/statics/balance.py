@@ -170,7 +170,7 @@ def _solve_ring_output(
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
     losses over the speed; it depends on the contact forces, and a secant iteration determines it. `warm_start` and
-    `start` are those of `solve_at_friction`. The rotation of the output includes the twist of the structure.
+    `start` are arguments of `solve_at_friction`. The rotation of the output includes the twist of the structure.
     """
     settings = RING_TORQUE
     speed, torque_ratio = (
@@ -222,7 +222,7 @@ def _solve_carrier_output(
 ) -> Loads:
     """Solve for equilibrium under a torque on the carrier [N m], in the frame of the ring and without torsion.
 
-    `warm_start` and `start` are those of `solve_at_friction`.
+    `warm_start` and `start` are arguments of `solve_at_friction`; the torque is a number, or has shape (m,).
     """
     contacts, radius = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)

@@ -170,7 +170,8 @@ class FilmSurfaces:
         Returns
         -------
         tuple
-            The friction, and whether it is that of the seat, so that the pin rolls, shape (m, teeth).
+            The smaller friction of each contact, and whether it acts in the seat, so that the pin rolls, shape (m,
+            teeth).
         """
         flank, seat = self.flank_friction(force), self.seat_friction(force)
         if seat is None:
@@ -189,7 +190,7 @@ class FilmSurfaces:
     def output_friction(self, force: Array) -> MixedFriction | None:
         """Compute the friction of holes on output pins, for plain rollers as a coefficient at the rim; None on needles.
 
-        `force` is the normal force of each contact [N], of any shape, which is that of the result.
+        `force` is the normal force of each contact [N], of any shape; the result has the same shape.
         """
         design = self.reducer.design
         output = design.output
@@ -304,7 +305,7 @@ class FilmContacts:
 def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> FilmSurfaces:
     """Build the surfaces of the mesh at phases of the pins [rad], with the relative curvature of the teeth there [1/m].
 
-    `phases` are angles from the direction of the eccentric, of any shape, which is that of `curvature`.
+    `phases` are angles from the direction of the eccentric, of any shape; `curvature` has the same shape.
     """
     gear, speed = reducer.tooth_profile, mesh_speed(reducer)
     has_seats = bool(reducer.design.seat_pair)
@@ -402,9 +403,9 @@ def cam_mean_diameter(reducer: Reducer) -> float:
 def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[float, float]:
     """Return the drag torques of crank and output that do not depend on the load.
 
-    Without the law ``film`` they are those of the design, `drag`. With it they are the torques of the seals by ISO/TR
-    14179-2, unless the design sets `drag`, and Palmgren's M0 of the rolling cams as a torque on the crank. `inputs` are
-    factors on the inputs of the law.
+    Without the law ``film``, the drag torques are values of the design, `drag`. With this law they are the torques of
+    the seals by ISO/TR 14179-2, unless the design sets `drag`, and Palmgren's M0 of the rolling cams as a torque on the
+    crank. `inputs` are factors on the inputs of the law.
 
     Returns
     -------

@@ -147,7 +147,8 @@ RAISED_FRICTION = 1.1
 def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
     """Compute the relative growth of the contact forces over the relative growth of all friction coefficients [1].
 
-    Forces are weighted by their losses; `torque` [N m] is that on the contacts, `contact_loads` is the equilibrium.
+    Forces are weighted by their losses; `torque` [N m] is the torque on the contacts, with the drag of seals, and
+    `contact_loads` is the equilibrium under it.
     """
     assert contact_loads.friction is not None
     raised_springs = springs.with_friction(contact_loads.friction.scaled(RAISED_FRICTION))

@@ -11,7 +11,8 @@ from cycloid_mj.reducer.gaps import Gaps
 def compute_friction_per_force(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
     """Compute the generalised Coulomb friction of n contacts per normal force [1], on u unknowns, shape (..., n, u).
 
-    It is -mu sign(s) ds/dz, with the sliding speed s of the ideal parts: friction opposes their sliding.
+    Friction opposes the sliding of the ideal parts: its generalised force is -mu sign(s) ds/dz, with the sliding speed
+    s.
 
     Parameters
     ----------

@@ -26,8 +26,8 @@ Eight drives with clearances of 2 to 250 um at 3 and 10 % of the nominal torque,
 def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
     """Compute the rms inertia torque of a load that follows a transmission error, relative to the load [1].
 
-    `rotation` is that of the output from its ideal angle [rad] at evenly spaced crank angles of a turn, shape (n,),
-    whose second derivative is computed by FFT; `load` is the torque on the output [N m].
+    `rotation` is the rotation of the output from its ideal angle [rad] at evenly spaced crank angles of a turn, shape
+    (n,), whose second derivative is computed by FFT; `load` is the torque on the output [N m].
     """
     orders = np.fft.rfftfreq(rotation.size, 1.0 / rotation.size)
     second_derivative = np.fft.irfft(-(orders**2) * np.fft.rfft(rotation), rotation.size)

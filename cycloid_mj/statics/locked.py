@@ -132,8 +132,8 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
 def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
     """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest at no torque.
 
-    `curve` is that of the contacts without friction, extrapolated linearly; `elements` are the slip elements. Between
-    reversals of the path, the rotation is interpolated on a branch of `locked_branches`.
+    `curve` is the rotation by the contacts without friction, which is extrapolated linearly; `elements` are the slip
+    elements. Between reversals of the path, the rotation is interpolated on a branch of `locked_branches`.
     """
     path = np.concatenate([[0.0], torque])
     reversals = 1 + np.flatnonzero(np.diff(np.sign(np.diff(path))))
@@ -153,8 +153,8 @@ def locked_branches(
     """Compute the hysteresis branches between reversal torques [N m], of which the first is the torque at rest.
 
     The torque T(x) of contacts, slip elements and load-dependent friction is piecewise linear and increasing in the
-    rotation x, with vertices at the points of the curve and at the slip limits; it is inverted on each branch. At a
-    reversal, each element keeps its force (Masing's rules follow).
+    rotation x, with vertices at the points of the curve and at the slip limits. The inverse of this function is a
+    branch. At a reversal, each element keeps its force (Masing's rules follow).
 
     Parameters
     ----------
@@ -250,7 +250,8 @@ def _by_increasing_torque(branch: tuple[Array, Array]) -> tuple[Array, Array]:
 def _extend_curve(curve: LockedCurve, end_torque: float) -> tuple[Array, Array]:
     """Extend a curve of torque and rotation linearly to +-`end_torque` [N m].
 
-    Points whose rotation does not exceed that of all points before them are left out, so that both increase.
+    Points whose rotation does not exceed the rotations of all points before them are left out, so that both quantities
+    increase.
 
     Returns
     -------

@@ -125,7 +125,7 @@ def torque_at_pressure(
 def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
     """Return whether the contact of a kind with the largest pressure is loaded and a narrow strip (Hertz theory).
 
-    `springs` and `contact_loads` are those of `peak_pressure`, `kind` is ``pin_gear``, ``tooth``, ``output`` or
+    `springs` and `contact_loads` are arguments of `peak_pressure`, `kind` is ``pin_gear``, ``tooth``, ``output`` or
     ``cam``.
     """
     contact = reducer.contacts[kind]

@@ -451,8 +451,8 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     """Return the gaps of all contacts at some displacements, and factors of the change of the pins' gradients.
 
     The gap of a pin is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in ``statics.kernel``, for the
-    displacements q along the normal and p along the flank; p_phi is the part of p by the rotation phi of the disc. Its
-    gradient is that of q, plus the first factor times that of p, minus the second factor times that of phi.
+    displacements q along the normal and p along the flank; p_phi is the part of p by the rotation phi of the disc. The
+    gradient of the gap is grad q + first factor * grad p - second factor * grad phi.
 
     Parameters
     ----------

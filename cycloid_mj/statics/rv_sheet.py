@@ -58,8 +58,8 @@ SETTINGS = RvSheetSettings()
 def carrier_turn_angles(reducer: RvReducer, count: int = SETTINGS.force_angles) -> Array:
     """Return crank angles against the ring [rad], shape (count,), that cover a turn of the carrier evenly.
 
-    They are in the order in which the drive passes them, and multiples of the golden ratio of the turn, which cover any
-    of its parts evenly too.
+    The angles are in the order in which the drive passes them. They are multiples of the golden ratio of the turn,
+    which cover any part of the turn evenly, too.
     """
     shares = np.sort(np.mod(0.5 * (np.sqrt(5.0) - 1.0) * np.arange(count), 1.0))
     return np.asarray(-_carrier_sense(reducer) * reducer.crank_turn * shares)
@@ -88,8 +88,8 @@ def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_an
 def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the balance of the running drive with friction at `count` crank angles over a turn of the carrier.
 
-    `torque` on the output [N m], not 0, brakes the drive. If it is negative, the drive runs in reverse and is braked,
-    too. Raises as `solve_rv_loads`.
+    `torque` on the output [N m], not 0, brakes the drive. If the torque is negative, the drive runs in reverse and is
+    braked, too. Raises as `solve_rv_loads`.
     """
     springs, on_carrier = springs_over_turn(reducer, count), torque_on_carrier(reducer, torque)
     return solve_rv_loads(springs, on_carrier, compute_rv_friction(reducer, springs.crank, np.sign(on_carrier)))
@@ -119,7 +119,7 @@ def ideal_rv(reducer: RvReducer, torque: float) -> IdealRvLoads:
 def closed_rotation(reducer: RvReducer) -> Array:
     """Compute the output's rotation by manufacturing errors in closed form [rad], over a turn of the carrier.
 
-    It is without clearance and load, at a fixed sun; the shape is (`RvSheetSettings.closed_angles`,).
+    Clearance and load are not included, and the sun is fixed. The shape is (`RvSheetSettings.closed_angles`,).
     """
     crank = np.linspace(0.0, reducer.crank_turn, SETTINGS.closed_angles, endpoint=False)
     rotation = closed_form_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
@@ -129,7 +129,7 @@ def closed_rotation(reducer: RvReducer) -> Array:
 def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     """Yield backlash [arcmin], lost motion [arcmin] and stiffness [N m/arcmin] of an RV reducer at a fixed sun.
 
-    They are without friction and weight; `load` is the torque on the output [N m].
+    Friction and weight are not included; `load` is the torque on the output [N m].
     """
 
     def rotation(share: float) -> Array:

@@ -264,7 +264,7 @@ def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSou
 
 
 def _with_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
-    """Return the reducer with a load on the output [N m] in its design; by default that of `load_of`.
+    """Return the reducer with a load on the output [N m] in its design; by default the result of `load_of`.
 
     Returns
     -------
@@ -302,9 +302,9 @@ def known_difference(quantity: Quantity) -> float | None:
 def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield backlash [arcmin], lost motion [arcmin], stiffness [N m/arcmin] and compliances [arcmin/(N m)].
 
-    They are at a locked crank, without friction and weight: means over a turn. The backlash is extrapolated from two
-    small torques in each direction to no torque. Lost motion and stiffness are those under a `load` [N m]. If
-    ``structure`` is "springs", torsion of the structure has compliances of its own.
+    They are means over crank angles of a turn, at which the crank is locked, without friction and weight. The backlash
+    is extrapolated from two small torques in each direction to no torque. Lost motion and stiffness are relative to the
+    `load` on the output [N m]. If ``structure`` is "springs", torsion of the structure has compliances of its own.
     """
     static_reducer = at_rest(reducer)
     crank_angles = turn_evenly(reducer)
@@ -389,7 +389,7 @@ def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str)
 def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
     """Yield peak-to-peak and rms values [arcsec] of the rotations of disc and output [rad], by part.
 
-    `case` and `direction` are those of `_compute_rotations`, and part of the keys.
+    `case` and `direction` are arguments of `_compute_rotations`, and part of the keys.
     """
     for shaft, rotation in rotations.items():
         end = f"{case}_{direction}_speed"

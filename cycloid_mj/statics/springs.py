@@ -113,8 +113,8 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     crank
         Crank angles [rad], shape (m,); by default evenly over a turn.
     friction
-        Whether contacts have friction; without it, the speed of the crank may be 0. With the law ``film`` it is the
-        friction under the working forces, which `balance.loads` replaces by that under the actual forces.
+        Whether contacts have friction; without it, the speed of the crank may be 0. With the law ``film``, this is the
+        friction under the working forces; `balance.loads` replaces it by the friction under the actual forces.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
     """Compute the stiffness of contact lines with the ring [N/m], with sockets or sleeves in series.
 
-    `curvature` is the relative curvature of each line [1/m], any shape, which is that of the result. A line on a half
+    `curvature` is the relative curvature of each line [1/m], any shape; the result has the same shape. A line on a half
     of the ring is half as long, and has half of the stiffness.
     """
     law = reducer.contacts.teeth.curvature_law
@@ -214,7 +214,7 @@ def _cross_compliances(reducer: Reducer) -> Array:
 def body_force(reducer: Reducer, crank_angle: Array, phase: float = 0.0) -> Array:
     """Compute weight and centrifugal force of a disc in the frame of the ring [N], shape (m, 2).
 
-    The mass is that of `Reducer.disc_section`, without bearings.
+    The mass is density times face width times `Reducer.disc_section`, without bearings.
 
     Parameters
     ----------

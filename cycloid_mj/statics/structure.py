@@ -49,9 +49,10 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
 def twisting_compliance(reducer: Reducer) -> dict[str, float]:
     """Compute the rotation of the output at a locked crank by the torsion of each part, per output torque [rad/(N m)].
 
-    Keys are those of `TWISTING`. The torsion of the crank appears at the output divided by the ratio N - 1, like its
-    torque; that of the ring, under the torque N/(N - 1), multiplied by N/(N - 1). If the ring is the output, each is
-    multiplied by the square of `Member.share`. Contact forces do not change, as all contacts rotate together.
+    Keys are `TWISTING`. The crank has the torque of the output over the ratio N - 1, and its torsion appears at the
+    output divided by N - 1. The ring has N/(N - 1) times the torque of the output, and its torsion appears multiplied
+    by N/(N - 1). If the ring is the output, each is multiplied by the square of `Member.share`. Contact forces do not
+    change, as all contacts rotate together.
     """
     design = reducer.design
     stiffness, teeth, share_squared = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2

@@ -83,7 +83,7 @@ class Windup:
 
 
 def split_in_series(reducer: Reducer, output_rate: float, disc_rate: float, centre_lead: float) -> dict[str, float]:
-    """Split a compliance [rad/(N m)] into those of output, cam and mesh in series, by keys of `SERIES`.
+    """Split the compliance of the output [rad/(N m)] into shares of output pins, cam and mesh, keyed by `SERIES`.
 
     Torsion of the structure counts with the contacts of the output. If the ring is the output, the disc rotates against
     a fixed carrier.

@@ -235,8 +235,8 @@ def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveOffset:
     """Compute the offset of the two curves of a contact at displaced parts, with rotations to the second order.
 
-    The offset is that of the two points that touch in the ideal mesh: q along the normal and p along the tangent of the
-    ideal contact [m]. For a tooth, both are components in the frame that rotates with the disc.
+    It is the offset between the two points that touch in the ideal mesh: q along the normal and p along the tangent of
+    the ideal contact [m]. For a tooth, both are components in the frame that rotates with the disc.
 
     Parameters
     ----------
@@ -332,7 +332,7 @@ def _curve_distance(
     q, p
         Offset along the normal and along the tangent [m].
     rotates
-        Whether the contact is that of a profile, and not of a round hole.
+        Whether the contact is on a tooth profile, and not in a round hole.
     use_foot_point
         Whether the foot point of a profile is always computed.
 

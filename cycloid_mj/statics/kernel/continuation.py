@@ -187,7 +187,7 @@ def solve_scaled(
 def _friction_and_clearance(order: float, parameter: float) -> tuple[float, float]:
     """Return the factors on friction and clearance [1] at a `parameter` of the path; they exceed 1 beyond its end.
 
-    `order` is that of `search.PARAMETER_ORDERS`.
+    `order` is one of the numbers in `search.PARAMETER_ORDERS`.
     """
     if order == 0.0:
         return parameter, parameter
@@ -306,9 +306,8 @@ def _update_tangent(
 ) -> float:
     """Write the unit tangent of the path at a `point` to `path.tangent`; return the sign of the determinant there.
 
-    The determinant is that of the augmented system, and the sign 0 if it is singular; then the tangent is unchanged.
-    `sign` is that at the beginning of the path: it directs the tangent. `k` is the index of the crank angle, `load`
-    (u,) [N] the generalised load.
+    If the augmented system is singular, the sign is 0 and the tangent unchanged. `sign` is the sign at the beginning of
+    the path, which directs the tangent. `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
     """
     unknown_count = load.size
     augmented_residual(springs, k, load, point, path, system)
@@ -337,8 +336,8 @@ def _predict_and_correct(
 ) -> bool:
     """Compute `path.next_point` at a `length` [1] from `path.point`, and its tangent; return whether it advances.
 
-    If it does not, the tangent is unchanged. `sign` is that of `_update_tangent`, `tolerance` that of the residual norm
-    [N]; `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
+    If it does not, the tangent is unchanged. `sign` is an argument of `_update_tangent`, `tolerance` the residual norm
+    of a solution [N]; `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
     """
     copy(path.tangent, path.previous_tangent)
     if not _correct(springs, k, load, length, tolerance, path, system):

@@ -167,7 +167,7 @@ def follow_path(
     -------
     tuple of Residual and int
         Residual, and number of rows that are filled in. The residual force is 0 after the last load; if a step has no
-        equilibrium, it is that of this step relative to the largest load of the path.
+        equilibrium, it is the residual of this step over the largest load of the path.
     """
     elements, unknowns = rubbing.stick.size, path.shape[1]
     old, new = _allocate_state(elements, unknowns), _allocate_state(elements, unknowns)
@@ -248,8 +248,8 @@ def assemble_after(
     """Assemble residual and tangent of the second of two steps from rest: to `middle` (u,), then to `z` (u,) [m].
 
     The `load` (u,) [N] acts at z. Neither displacement needs to be an equilibrium. The friction limits follow from the
-    normal forces at z, as in `follow_path`. With `fixed_limits` they are those at `middle`; then the residual is the
-    negative gradient of the energy, and the tangent is symmetric.
+    normal forces at z, as in `follow_path`. With `fixed_limits` they follow from the normal forces at `middle`; then
+    the residual is the negative gradient of the energy, and the tangent is symmetric.
     """
     unknown_count, elements = z.size, rubbing.stick.size
     rest, old, new = (_allocate_state(elements, unknown_count) for _ in range(3))
@@ -314,7 +314,8 @@ def _allocate_state(elements: int, unknown_count: int) -> _ElastoplasticState:
 def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _ElastoplasticState) -> None:
     """Overwrite ``state.slip`` (s, u) [1]: derivatives of the sliding distance of each element by the displacements.
 
-    They are those of `rubbing`, except for the cams, whose sliding direction depends on the displacement of their disc.
+    Derivatives of contacts and seals are copied from `rubbing`; the sliding direction of a cam depends on the
+    displacement of its disc.
     """
     for i in range(len(state.slip)):
         copy(rubbing.slip[i], state.slip[i])
@@ -469,7 +470,8 @@ def _assemble_step(
     """Assemble residual and tangent of a step in `increment`, at the displacements of `new`.
 
     `old` is the state before the step. The forces of springs, friction and material are written to `new`. With
-    `fixed_limits` (those of `increment`) there is an energy, and the tangent is symmetric.
+    `fixed_limits`, the friction limits are taken from `increment`, so that there is an energy, and the tangent is
+    symmetric.
 
     Returns
     -------
@@ -552,7 +554,7 @@ def _add_cam(
     """Add the contact of a disc and its cam, with its friction, to a step; return their energy [J].
 
     `disc` is the index of the disc. The other arguments are those of `_assemble_step`: `old` and `new` are the states
-    before and after the step, and `fixed_limits` is whether the friction limits are those of `increment`.
+    before and after the step, and `fixed_limits` is whether the friction limits are taken from `increment`.
     """
     x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
     cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
@@ -584,8 +586,8 @@ def _add_contact(
     """Add contact `i` of a `stiffness` [N/m] and a deflection `depth` [m], with its friction, to a step.
 
     The material retains a share of the force by a spring along the normal that slips at a limit. The forces are written
-    to `new`. The other arguments are those of `_assemble_step`; `increment.gradient` (u,) must be that of the depth.
-    Returns the energy of the contact [J].
+    to `new`. The other arguments are those of `_assemble_step`; `increment.gradient` (u,) must be the gradient of the
+    depth. Returns the energy of the contact [J].
     """
     spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
     new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0

@@ -91,7 +91,7 @@ def newton(
     tolerance
         Residual norm of a solution [N].
     damping
-        Stiffness that is added to the tangent, over that of the cam and per residual norm [1/N].
+        Stiffness that is added to the tangent, over the stiffness of the cam and per residual norm [1/N].
     warm_start
         Whether contacts that carried a force count as closed in the first step (warm-started active set).
     use_backtracking
@@ -143,7 +143,7 @@ def newton(
 def _compute_step(use_backtracking: bool, cam_stiffness: float, damping: float, system: System) -> bool:
     """Compute the Newton step (u,) [m] in ``system.step``; return whether it exists (the tangent is not singular).
 
-    With `use_backtracking` it is a descent step by the modified Hessian, whose eigenvalues are at least a small share
+    With `use_backtracking`, the step descends by the modified Hessian, whose eigenvalues are at least a small share
     of `cam_stiffness` [N/m]. If not, `damping` [N/m] is added to the diagonal of the tangent. The tangent is
     overwritten.
     """

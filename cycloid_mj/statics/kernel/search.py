@@ -155,7 +155,7 @@ def balance_briefly(
 def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
     """Replace row `k` of the displacements `z` (angles, u) by their extrapolation from the rows before it.
 
-    It is linear, or of the second order if `quadratic` and there are three rows before it.
+    The extrapolation is linear, or of the second order if `quadratic` and there are three rows before it.
     """
     for j in range(z.shape[1]):
         z[k, j] = 2.0 * z[k - 1, j] - z[k - 2, j] if k > 1 else z[k - 1, j]
@@ -303,8 +303,9 @@ def _grow_clearances(
 def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float:
     """Compute the force that deflects the stiffest spring by `clearance_count` largest clearances [N].
 
-    It sets the stiffness of the soft springs at the beginning of a continuation schedule, at crank angle `k`. It is so
-    small that it deflects no contact beyond the reach of the curves, however much stiffer a cam is.
+    It sets the stiffness of the soft springs at the beginning of a continuation schedule, at crank angle `k`. The force
+    is limited such that no contact deflects beyond the range in which its curves are valid, even if a cam is much
+    stiffer.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):

@@ -129,8 +129,8 @@ class _Cam(NamedTuple):
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
     """Compute energy, residual forces and stiffness of the springs without friction.
 
-    They are evaluated at the crank angle of index `k`, under a generalised load (u,) [N], at displacements `z` (u,)
-    [m].
+    The springs are evaluated at the crank angle of index `k`, under a generalised load (u,) [N], at displacements `z`
+    (u,) [m].
     """
     system = allocate_system(springs)
     return State(_assemble_springs(springs, k, load, z, system), system.residual, system.tangent)
@@ -412,8 +412,8 @@ def _write_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> 
 def _displacement_bound(z: Array, list_origin: Array, index: int, arm: float) -> float:
     """Return an upper bound of the displacement of a disc's contacts since the neighbour list was built [m].
 
-    `z` and `list_origin` are the displacements (u,) [m] now and when it was built, `index` is that of the disc's first
-    unknown, and `arm` is the largest lever over the radius of the circle of output pins [1].
+    `z` and `list_origin` are the displacements (u,) [m] now and when the list was built, `index` is the index of the
+    disc's first unknown, and `arm` is the largest lever over the radius of the circle of output pins [1].
     """
     rotation = abs(z[index + 2] - list_origin[index + 2]) + abs(z[z.size - 1] - list_origin[z.size - 1])
     return abs(z[index] - list_origin[index]) + abs(z[index + 1] - list_origin[index + 1]) + arm * rotation
@@ -487,7 +487,7 @@ def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_l
 def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, system: System) -> None:
     """Add the solved forces on a pin, from `system.pin`, with their tangent stiffness and friction, to the system.
 
-    `k` is the index of the crank angle, `pin` that of the pin; `friction` is a factor on the friction coefficients.
+    `k` and `pin` are the indices of crank angle and pin; `friction` is a factor on the friction coefficients.
     """
     discs, first_contact, output_dof = (
         springs.cam_position.shape[1],
