@@ -94,7 +94,7 @@ def back_driving_torque(reducer: Reducer) -> float:
 def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `no_load_torque` with the law ``film`` and its interval [N m]; errors as `powers`.
 
-    The interval results from a number `samples` of samples of the film law's inputs.
+    `samples` is the number of samples of the film law's inputs, from which the interval results.
     """
     speed = abs(reducer.design.drive.speed)
     lost, outcomes = lost_powers(reducer, TOUCH * reducer.design.rated_torque, samples)

@@ -288,7 +288,10 @@ def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Arra
 
 
 def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_waves: Array) -> Effects:
-    """Compute the derivatives of the gaps of ideal parts by manufacturing errors, from displacements of the discs.
+    """Compute the derivatives of the gaps and cam positions of ideal parts by manufacturing errors.
+
+    A pin that is displaced opens its gap like a disc that is displaced in the opposite direction, so the derivatives
+    follow from the gradients of the springs.
 
     Parameters
     ----------
