@@ -198,6 +198,7 @@ def _check_load_sharing(state: RatedLoad) -> Check:
     value_text, limit = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
 
     def with_smaller_clearances(share: float) -> Reducer:
+        """Return the reducer with a `share` of its clearances."""
         return reducer.but(clearance={name: share * getattr(design.clearance, name) for name in names})
 
     share = (
@@ -245,6 +246,7 @@ def _check_pressure_angle(state: RatedLoad) -> Check:
     current_eccentricity, max_eccentricity = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
 
     def with_larger_eccentricity(share: float) -> Reducer:
+        """Return the reducer with an eccentricity from the largest (`share` 0) to the present value (1)."""
         eccentricity = max_eccentricity + share * (current_eccentricity - max_eccentricity)
         return reducer.but(
             gear={"eccentricity": eccentricity}, output={"hole_radius": design.output.pin_radius + eccentricity}
@@ -282,6 +284,7 @@ def _find_threshold(is_met: Callable[[float], bool]) -> float:
     """
 
     def is_met_safely(share: float) -> bool:
+        """Return whether the condition is met; false if it raises `CycloidError`."""
         try:
             return is_met(share)
         except CycloidError:

@@ -62,9 +62,9 @@ def no_load_torque(reducer: Reducer) -> float:
 
 
 def starting_torque(reducer: Reducer) -> float:
-    """Compute the mean torque on the crank from rest without load [N m], as that at a creep speed; errors as `powers`.
+    """Compute the mean torque on the crank from rest without load [N m]; errors as `powers`.
 
-    It includes weight and seals, but no centrifugal forces.
+    It is the torque at a creep speed, with weight and seals, but without centrifugal forces.
     """
     return no_load_torque(_at_creep_speed(reducer))
 

@@ -102,7 +102,8 @@ class Sigma:
     def radius(self) -> Array:
         """Concave radius of curvature [m].
 
-        2 [(N+1) l^4 + (N-1) K^2] / (N l [(N+2) l^2 - (N-2) K]) - rho, which is the arc rate over the turning rate.
+        It is 2 [(N+1) l^4 + (N-1) K^2] / (N l [(N+2) l^2 - (N-2) K]) - rho, which is the arc rate over the turning
+        rate.
         """
         return self.arc_rate / -self.turning_rate
 
@@ -131,7 +132,10 @@ class Sigma:
 
     @property
     def _from_valley(self) -> Array:
-        """(4/N) [(E + c N) Ell(B/2 + pi/2 | m) + moment arm] less rho times the turn of the normal [m]."""
+        """Arc length up to a constant [m].
+
+        It is (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + moment arm] + rho times `normal_angle`.
+        """
         N, _, _, rho = self.gear.symbols
         scale, m = profile.trochoid_ellipse(self.gear)
         elliptic = scale * profile.incomplete_elliptic(self.B / 2 + np.pi / 2, m)

@@ -250,6 +250,7 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
     bed = modulus * length
 
     def excess_force(depth: float) -> float:
+        """Compute the force of the bed at a deflection `depth` [m] minus the load [N]."""
         x = play + depth
         half_angle = math.acos(play / x)
         sine, cosine = math.sin(half_angle), math.cos(half_angle)

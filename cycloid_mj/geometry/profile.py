@@ -126,7 +126,7 @@ def phase(gear: CycloidGear, t: npt.ArrayLike) -> Array:
 
 
 def trochoid(gear: CycloidGear, t: npt.ArrayLike) -> Array:
-    """Path of a pin centre in the gear frame, T(t) = E u(t) - c u(N t), shape (..., 2) [m]."""
+    """Path of a pin centre in the gear frame (..., 2) [m]: T(t) = E u(t) - c u(N t), symbols as in `CycloidGear`."""
     N, c, E, _ = gear.symbols
     t = np.asarray(t, float)
     return E * unit(t) - c * unit(N * t)
@@ -175,9 +175,10 @@ def pressure_angle(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def moment_arm(gear: CycloidGear, B: npt.ArrayLike) -> Array:
-    """Arm c (N-1) E sin B / l [m] about the gear centre of the common normal at phase B.
+    """Arm c (N-1) E sin B / l [m] about the gear centre of the common normal at phase B [rad].
 
-    Positive where the pin's push on the gear turns it counter-clockwise.
+    It is positive where the pin's push turns the gear counter-clockwise. l is the `pitch_distance`, other symbols are
+    as in `CycloidGear`.
     """
     N, c, E, _ = gear.symbols
     return c * (N - 1) * E * np.sin(B) / pitch_distance(gear, B)
@@ -233,7 +234,10 @@ def arc_length(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None)
 
 
 def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
-    """Scale E + c N [m] and parameter m of l = (E + c N) sqrt(1 - m cos^2(B/2)), the arc element of an ellipse."""
+    """Return the scale [m] and the parameter m of the arc element of the trochoid as that of an ellipse.
+
+    It is l = (E + c N) sqrt(1 - m cos^2(B/2)) at the phase B, with the scale E + c N; symbols as in `CycloidGear`.
+    """
     N, c, E, _ = gear.symbols
     scale = E + c * N
     return scale, 4 * E * c * N / scale**2
@@ -285,7 +289,10 @@ def length(gear: CycloidGear, offset: float | None = None) -> float:
 
 
 def area(gear: CycloidGear, offset: float | None = None) -> float:
-    """Area inside the outline [m^2], no bore or holes: pi (E^2 + N c^2) - offset L + pi offset^2, L the trochoid's."""
+    """Area inside the outline [m^2], without bore or holes.
+
+    It is pi (E^2 + N c^2) - offset L + pi offset^2, with the length L of the trochoid and the symbols of `CycloidGear`.
+    """
     N, c, E, _ = gear.symbols
     rho = _offset(gear, offset)
     return math.pi * (E**2 + N * c**2) - rho * length(gear, 0.0) + math.pi * rho**2

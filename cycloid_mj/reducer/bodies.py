@@ -145,7 +145,7 @@ class Mating:
 
     @property
     def pairs(self) -> Iterator[Pair]:
-        """The single pairs."""
+        """The pairs of a surface with its mate, in the order of the surfaces."""
         lonely = len(self.on.names) == 1
         for owner, (name, mate) in enumerate(zip(self.names, self.by.names, strict=True)):
             yield Pair(name, self.kind, self.on.names[0 if lonely else owner], mate, owner, self.disc)
@@ -329,12 +329,14 @@ def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Ma
     half_angle = socket_half_angle(design) if ring.has_sockets else math.pi
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
+        """Return surfaces of the housing on the pin circle, of a `radius` and a `play` [m], named after `stem`."""
         surface_names = names.all_numbered(stem, ring.mates)
         return surfaces_on_circle(
             surface_names, names.HOUSING, role, ring.pin_circle_radius, radius, position_errors, angles, play
         )
 
     def on_pins(stem: str, role: Role, radius: float | Array) -> Surfaces:
+        """Return surfaces about the axes of the pin bodies, of a `radius` [m], named after `stem`."""
         surface_names = names.all_numbered(stem, ring.mates)
         return surfaces_on_circle(
             surface_names, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles

@@ -260,6 +260,7 @@ class Contact:
         return np.asarray(self._hertz(force, curvature).half_width < CONTACT.hertz_reach * self._thinner_radius)
 
     def _hertz(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> ideal_loads.HertzContact:
+        """Compute Hertz's line contact for forces [N] and relative curvatures [1/m]; conformal is flat."""
         curvature = np.maximum(curvature, np.finfo(float).tiny)
         return ideal_loads.hertz_line_contact(
             force, self._reducer.design.line_length(self.kind), curvature, self.modulus

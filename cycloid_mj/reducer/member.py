@@ -39,7 +39,7 @@ class Member:
     lobes: int
 
     def gear_angle(self, crank: npt.ArrayLike) -> Array:
-        """Return the angle of disc and carrier [rad] at crank angles [rad]: -theta/(N-1), or 0 for a fixed carrier.
+        """Return the angle of disc and carrier [rad] at crank angles [rad]: -crank/lobes, or 0 for a fixed carrier.
 
         Speeds map to speeds.
         """

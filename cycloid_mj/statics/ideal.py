@@ -11,7 +11,7 @@ from cycloid_mj.statics.springs import body_force
 
 
 def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
-    """Compute the largest force of a kind of contact at all crank angles (m,) [rad], by ideal load sharing [N].
+    """Compute the largest force [N] of a kind of contact at crank angles (m,) [rad], by ideal load sharing.
 
     The torque is ``load.torque`` of the design; `kind` is "cam", "output" (pins) or the kind of the teeth.
     """
@@ -24,14 +24,17 @@ def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:
 
 
 def _cam_force(reducer: Reducer, crank: Array, phase: float) -> Array:
-    """Compute the magnitude of the cam's force on the disc at a `phase` [rad] [N], (m,), with weight and inertia."""
+    """Compute the magnitude of the cam's force on a disc (m,) [N] at crank angles (m,) [rad], with weight and inertia.
+
+    `phase` [rad] is the phase of the disc on the crank.
+    """
     ring, pins, turned = _share_load(reducer, crank, phase)
     force = ideal_loads.cam_force(ring, pins, turned + phase, body_force(reducer, crank, phase))
     return np.asarray(np.hypot(*force.T))
 
 
 def _ideal_peak_of_disc(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
-    """Compute the largest force of a kind of contact on the disc at a `phase` of the crank [N]."""
+    """Compute the largest force [N] of a kind of contact on the disc at a `phase` [rad], at crank angles (m,) [rad]."""
     if kind == "cam":
         return float(_cam_force(reducer, crank, phase).max())
     ring, pins, _ = _share_load(reducer, crank, phase)

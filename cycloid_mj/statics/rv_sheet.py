@@ -79,7 +79,7 @@ def torque_on_carrier(reducer: RvReducer, torque: float) -> float:
 def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the balance without friction at `count` crank angles over a turn of the carrier.
 
-    `torque` is that on the output [N m], not 0. Raises as `solve_rv_loads`.
+    `torque` is the torque on the output [N m], not 0. Raises as `solve_rv_loads`.
     """
     return solve_rv_loads(springs_over_turn(reducer, count), torque_on_carrier(reducer, torque))
 
@@ -98,7 +98,7 @@ def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.for
 def running_rotation(reducer: RvReducer, torque: float) -> Array:
     """Compute the output's rotation from its ideal angle [rad] over a turn of the carrier, shape (`error_angles`,).
 
-    The rotation is counter-clockwise; `torque` is that of `balance_running`, with friction.
+    The rotation is counter-clockwise, with friction; `torque` [N m] is an argument of `balance_running`.
     """
     towards_carrier = -1.0 if reducer.design.output.turns_ring else 1.0
     return towards_carrier * reducer.share * balance_running(reducer, torque, SETTINGS.error_angles).carrier_turn
@@ -152,7 +152,10 @@ def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
 
 
 def lost_motion(reducer: RvReducer, load: float) -> float:
-    """Compute the mean rotation of the output between +3 % and -3 % of a load [N m] without friction [rad]."""
+    """Compute the rotation of the output between +3 % and -3 % of a load, without friction [rad].
+
+    `load` is in [N m]; the rotation is the mean over a turn of the carrier.
+    """
     turns = [
         balance_rv(reducer, share * load, SETTINGS.rotation_angles).carrier_turn
         for share in (LOST_MOTION_SHARE, -LOST_MOTION_SHARE)

@@ -90,9 +90,9 @@ class Springs:
 
 
 def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
-    """Return crank angles in order [rad], shape (poses,), that cover the turn and the mesh period evenly.
+    """Return crank angles in order [rad], shape (poses,), that cover a turn and every mesh period evenly.
 
-    They are multiples of the golden ratio of a turn, which cover any period of N in a turn.
+    They are multiples of the golden ratio of the turn, `Reducer.mesh_turn`.
     """
     golden = (math.sqrt(5.0) - 1.0) / 2.0
     return np.asarray(reducer.mesh_turn * np.sort(np.mod(golden * np.arange(poses), 1.0)))
@@ -149,7 +149,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
 
 
 def _with_cam_friction(contacts: kernel.KernelSprings, reducer: Reducer, coefficient: float) -> kernel.KernelSprings:
-    """Return springs with the friction of the cams: a coefficient [1] with the sign of the crank's rotation."""
+    """Return springs with the friction of the cams, whose coefficient [1] has the sign of the crank's rotation."""
     gear = reducer.design.gear
     return contacts._replace(
         cam_rubbing=coefficient * gear.bore_radius / contacts.radius,

@@ -71,7 +71,7 @@ class Windup:
         return 0.5 * sum(rise) / ((high - low) * self.rated)
 
     def series(self, reducer: Reducer) -> dict[str, float]:
-        """Compute the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
+        """Compute the compliances in series of output pins, cam and mesh [rad/(N m)], keyed by `SERIES`."""
         return split_in_series(
             reducer, *(self.compliance(motion) for motion in (self.turn, self.gear_turn, self.centre_lead))
         )
