@@ -201,7 +201,7 @@ def visit_tabs(page: Tab, on_step: Shown) -> None:
 
 
 def main() -> int:
-    """Take the pictures."""
+    """Walk through the app, and write a picture of each step; return 1 if the page reports errors, else 0."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--drive", default="printed", choices=REQUIREMENTS)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "app")

@@ -174,7 +174,7 @@ def render(folder: Path) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the folder; return the exit code."""
+    """Write the folder of the arm, with pictures if `arguments` contain ``--pictures``; return the exit code."""
     if set(arguments) - {"--pictures"}:
         print(__doc__, file=sys.stderr)
         return 2

@@ -205,7 +205,9 @@ class Launched(NamedTuple):
 
 
 def launch(*words: str, **environment: str) -> Launched:
-    """Run a command of ``cycloid-mj`` in a temporary folder, and return its costs.
+    """Run a command of ``cycloid-mj`` in a temporary folder, and return its time [s] and memory [MB], see `Launched`.
+
+    `words` are the arguments of the command, `environment` further variables of its environment.
 
     Raises
     ------

@@ -83,7 +83,7 @@ def area_stiffness(reducer: RvReducer) -> float:
 
 
 def simulate_in_exudyn(reducer: RvReducer) -> Motion:
-    """Simulate the drive in Exudyn: the sun is fixed, and the ring turns."""
+    """Simulate the drive in Exudyn with a fixed sun and a turning ring; return the motion after the torque's rise."""
     model = ExudynModel(reducer)
     sensors = [model.carrier_angle, model.ring_angle, *model.forces]
     settings = model.exudyn.SimulationSettings()
@@ -166,7 +166,11 @@ class ExudynModel:
     def _add_disc(
         self, number: int, mass: float, inertia: float, ring: Any, cranks: list[tuple[Any, Any]], places: Array
     ) -> list[Any]:
-        """Add a disc with its contacts, and return the sensors of the forces of its cranks."""
+        """Add the disc with an index `number` and its contacts; return the sensors of the forces of its cranks.
+
+        `ring` is the body of the ring, `cranks` the node and the body of each crank, and `places` (n, 2) [m] the crank
+        bores in the frame of the disc.
+        """
         reducer, items = self.reducer, self.items
         profile, phase = reducer.tooth_profile, reducer.phases[number]
         centre = gear_centre(profile, np.array([phase]))[0]
@@ -193,6 +197,7 @@ class ExudynModel:
         ]
 
     def _bearing(self, crank: Any, disc: Any) -> Any:
+        """Add a bearing as a spring and damper between the markers of crank and disc; return its force sensor."""
         spring = self.items.ObjectConnectorCartesianSpringDamper(
             markerNumbers=[crank, disc],
             stiffness=[self.reducer.bearing_stiffness] * 3,
@@ -204,6 +209,8 @@ class ExudynModel:
         return self.system.AddSensor(sensor)
 
     def _load(self, carrier: Any) -> None:
+        """Apply `TORQUE` [N m] to the carrier, with a linear rise over `RISE` [s]."""
+
         def torque(_: Any, now: float, full: list[float]) -> list[float]:
             return [0.0, 0.0, full[2] * min(1.0, now / RISE)]
 

@@ -93,7 +93,7 @@ def datasheet(page: str, path: Path = DOCS / "datasheet.png") -> int:
     return 0
 
 
-def doors() -> int:
+def crop_doors() -> int:
     """Cut the README's pictures out of other pictures of the documentation; return the exit code."""
     from PIL import Image
 
@@ -108,5 +108,5 @@ def doors() -> int:
 if __name__ == "__main__":
     what, *given = sys.argv[1:] or ["animation"]
     made = {"report": lambda: report(given), "datasheet": lambda: datasheet(given[0])}
-    made |= {"walk": lambda: walk(Path(given[0])), "doors": doors}
+    made |= {"walk": lambda: walk(Path(given[0])), "doors": crop_doors}
     sys.exit(made[what]() if what in made else animation(*map(Path, given)))

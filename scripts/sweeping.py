@@ -43,7 +43,7 @@ def nothing(_: int) -> PointResult:
 
 
 def works(fast_points: int, slow_points: int) -> dict[str, Work]:
-    """Return the pieces of work to measure by name: `fast_points` of the fast kind, `slow_points` of the others."""
+    """Return the work to measure, by name: "nothing" with `fast_points` items, statics and turn with `slow_points`."""
     pin = PRESETS["pin"]
 
     def points(key: str, measure: str, changes: dict[str, Any], count: int, real_pins: bool = False) -> Work:

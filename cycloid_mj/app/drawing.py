@@ -117,7 +117,10 @@ def _outlines(reducer: Reducer) -> dict[str, Any]:
 
 
 def _unbuildable_outlines(reducer: Reducer) -> dict[str, Any]:
-    """Return SVG paths of a design that cannot be built: a plain ring, and discs with their uncorrected profile."""
+    """Return SVG paths of a design that cannot be built: a plain ring, and discs with their uncorrected profile.
+
+    They are the text ``ring``, and the list ``discs`` with one text per disc.
+    """
     design = reducer.design
     chord_error = design.housing.outer_radius / CHORDS_PER_RADIUS
     ring = [circle(radius, chord_error) for radius in (design.housing.outer_radius, design.ring.pin_circle_radius)]

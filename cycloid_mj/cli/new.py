@@ -192,7 +192,7 @@ class SizeFlags:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Required flags that are absent: all three of them if a design is copied."""
+        """Names of the flags for ratio, diameter and torque that are not set: all three if a design is copied."""
         values = {
             "--ratio": self.ratio or self.ratio_range or None,
             "--diameter-mm": self.diameter_mm,
@@ -339,7 +339,7 @@ def new(
 
 
 def _search(requirement: "Requirement", on_progress: "Callable[[Answer], None]") -> "Answer":
-    """Search for drives of the layout of a requirement."""
+    """Search for drives of the layout of a requirement; `on_progress` receives each intermediate answer."""
     from cycloid_mj.sizing.drives import size_drive
     from cycloid_mj.sizing.rv import RvRequirement, size_rv
 

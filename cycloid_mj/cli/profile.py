@@ -104,7 +104,9 @@ def _ring_columns(reducer: Reducer, points: int | None) -> Columns:
 
 
 def _curvature_columns(reducer: Reducer, crank_angles: int | None) -> Columns:
-    """Return the relative curvature and the Hertz pressure of all contact lines over a mesh period, as columns.
+    """Return relative curvature and Hertz pressure of all contact lines over a mesh period, as columns with units.
+
+    `crank_angles` is the number of crank angles; None: `CRANK_ANGLES`.
 
     Raises
     ------

@@ -130,7 +130,7 @@ def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:
 
 
 def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
-    """Choose the parts that are nearest to yielding."""
+    """Return stress and safety as text, by design and part, of the `MOST_FIGURES` parts with the smallest safety."""
     parts = [(part.safety, f"{item.design} {part.part}", part.governing) for item in findings for part in item.parts]
     parts += [
         (item.strength.yield_strength / stress, f"{item.design} {part}", stress)

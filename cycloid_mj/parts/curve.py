@@ -112,9 +112,10 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
 def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
     """Compute flank parameters (spans + 1,) [rad] of spline knots that spread the interpolation error evenly.
 
-    The knots are between the parameters `low` and `high`. The error of a span of length h is proportional to h^4 r''''.
-    In the moving frame of the curve the fourth derivative by arc length is (-3 kappa kappa', kappa'' - kappa^3).
+    The first is `low`, the last `high`.
     """
+    # The error of a span of length h is proportional to h^4 r''''. In the moving frame of the curve the fourth
+    # derivative by arc length is (-3 kappa kappa', kappa'' - kappa^3).
     t = np.linspace(low, high, FIT.grid)
     s, kappa = flank.arc_length(t), flank.curvature(t)
     slope = np.gradient(kappa, s)

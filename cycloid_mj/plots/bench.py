@@ -52,9 +52,9 @@ def calibration_figure(calibration: Calibration) -> Figure:
 
 @with_style
 def protocol_figure(result: Protocol) -> Figure:
-    """Draw the loops of a test protocol, measured and modelled, deflection over torque, each about its middle.
+    """Draw deflection over torque in the measured and modelled loops of a test protocol.
 
-    `result` is the protocol.
+    Each loop is shifted, so that the middle of its range of deflection is at zero.
     """
     figure = create_figure(3.2)
     axes = figure.subplots(1, 1, squeeze=False)[0, 0]

@@ -65,7 +65,7 @@ def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
 
 
 def _performance_page(sheet: Datasheet) -> Figure:
-    """Draw the first page of a data sheet: main figures, tables of performance, and curves."""
+    """Draw the first page of a data sheet: main quantities, tables of performance, and curves."""
     figure = _empty_page(sheet, 1)
     _draw_tiles(figure, sheet, 0.855)
     top = 0.79
@@ -133,7 +133,7 @@ def _name_size(name: str) -> float:
 
 
 def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
-    """Draw the main figures of a data sheet in a row of boxes at the height `bottom`, relative to the page."""
+    """Draw the main quantities of a data sheet in a row of boxes at the height `bottom`, relative to the page."""
     by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
     gap, count = 0.012, len(KEYS)
     width = (LAYOUT.right - LAYOUT.left - (count - 1) * gap) / count

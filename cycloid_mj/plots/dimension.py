@@ -24,7 +24,7 @@ def draw_dimension(
     Parameters
     ----------
     axes
-        In mm, with their limits set.
+        Axes in mm, whose limits are already set.
     ends
         Coordinates of both ends of the distance [mm].
     level

@@ -48,8 +48,8 @@ def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     """Draw the section of a drive through its axis: assembled, and below with its families of parts apart.
 
-    Each part is rotated about the axis into the plane. Families are numbered in the order `ALONG`; a
-    part whose family is not listed there is left out. `sizes` are those of the covers.
+    Each part is rotated about the axis into the plane. Families are numbered in the order of `ALONG`; parts of
+    other families are left out of both views. `sizes` are those of the casing.
     """
     geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in geometry.items()}

@@ -84,7 +84,7 @@ def budget_figure(tolerances: Tolerances) -> Figure:
 
 @with_style
 def distributions_figure(tolerances: Tolerances) -> Figure:
-    """Draw a histogram of every figure over the samples that do not jam, with lines at its limits."""
+    """Draw a histogram of every computed quantity over the samples that do not jam, with lines at its limits."""
     figure_keys = list(tolerances.figures)
     rows = -(-len(figure_keys) // HISTOGRAM.columns)
     figure = create_figure(HISTOGRAM.row_height * rows + 0.4)
@@ -105,10 +105,10 @@ def distributions_figure(tolerances: Tolerances) -> Figure:
 
 
 def _draw_histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
-    """Draw the histogram of the figure `key`, values of shape (n,), with lines at its limits.
+    """Draw the histogram of the `values` (n,) of the quantity `key`, with lines at its limits.
 
     Values that are not finite are dropped, and `HistogramSettings.outlier_share` at either end is cut off. A constant
-    figure, or one without values, is stated as text.
+    quantity, or a quantity without values, is stated as text.
     """
     axes.set_title(wrap_label(row_of(key).name, HISTOGRAM.name_width), fontsize=8.0)
     axes.set_yticks([])

@@ -161,7 +161,7 @@ def tooth_clearance(reducer: Reducer) -> float:
 
 
 def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
-    """Return the radii with which each clearance is `magnification` times as wide.
+    """Return radii [m] of pins, sockets, sleeves and cam at which each clearance is `magnification` times as wide.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
 
 
 def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
-    """Compute the gaps between a disc and its mates at n times, from log columns of shape (n,) in SI units."""
+    """Compute the gaps from a disc to ring pins or lobes, and output pins, from log columns (n,) in SI units."""
     design = reducer.design
     poses_by_part, crank, phase = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
     tooth_profile, gear = reducer.tooth_profile, poses_by_part[gears(design.gear.discs)[disc]]

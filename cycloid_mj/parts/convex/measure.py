@@ -13,7 +13,7 @@ from cycloid_mj.parts.inertia import region_moments
 
 
 def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, normals: Array) -> Quality:
-    """Measure how far the convex pieces of a prism deviate from its walls, along normals at half its height.
+    """Measure overfill and underfill [m] of the convex pieces of a prism along its wall normals at half its height.
 
     Parameters
     ----------

@@ -80,6 +80,8 @@ def union_heights(
 ) -> Array:
     """Compute the height above the surface [m] at which the union of convex bodies ends along each normal, shape (k,).
 
+    It is -`start` where no body covers the start of the search, and at most `reach`.
+
     Parameters
     ----------
     points, normals
@@ -105,7 +107,7 @@ def union_heights(
 
 
 def surface_quality(surface: ConvexSurface) -> Quality:
-    """Measure how far the slices of a working surface deviate from it, along its normals.
+    """Measure overfill and underfill [m] of the slices of a working surface along its normals.
 
     Raises
     ------
@@ -126,7 +128,7 @@ def surface_quality(surface: ConvexSurface) -> Quality:
 def summarize_quality(heights: Array, parts: int, volume_error: float) -> Quality:
     """Return maximum and RMS of the heights (k,) [m] at which convex pieces end above (+) or below (-) a surface.
 
-    Number of pieces `parts` and `volume_error`, see `Quality`, are returned with them.
+    The result also contains the number of pieces `parts` and their `volume_error`, see `Quality`.
     """
     overfill, underfill = np.maximum(heights, 0.0), np.maximum(-heights, 0.0)
     return Quality(

@@ -108,8 +108,8 @@ def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
 def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
     """Compute the far ends of the slices of the internal gear over one pitch about lobe 1, clockwise, (n, 2) [m].
 
-    The slices are `depth` [m] thick. Their ends are at the phases B [rad] in `nodes`, from the junction to pi, or if
-    these are None at phases whose chords have a `chord_error` [m].
+    The slices are `depth` [m] thick. Their ends are at the phases `nodes` [rad] of `envelope.Sigma`, from its junction
+    with the arc of the lobe to pi. None: at phases whose chords have a `chord_error` [m].
     """
     gear = reducer.tooth_profile
     left_points = _sigma(gear, envelope.sigma_nodes(gear, chord_error) if nodes is None else nodes, depth)

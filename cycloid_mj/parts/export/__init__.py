@@ -261,6 +261,7 @@ class _Encoding:
     arcs: float | None = None
 
     def __post_init__(self) -> None:
+        """Raise UsageError if arcs or polylines do not apply to the format."""
         if self.arcs is not None and (self.polylines or self.file_format != "dxf"):
             raise UsageError(
                 "arcs apply to the format dxf without polylines only: choose dxf without polylines, or omit arcs"

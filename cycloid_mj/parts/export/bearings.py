@@ -189,7 +189,8 @@ def cup_fit(reducer: Reducer, part: str) -> str:
 def bearing_fit(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str:
     """Return the fit, such as ``H7 outside, k5 on the crank``, of a bearing in stock whose outer ring is in a part.
 
-    Needles run on the crank itself; the inner ring of a ball bearing turns with it against the load.
+    Needles run on the crank itself. The inner ring of a ball bearing has a tight fit, because it turns relative to the
+    direction of the load.
     """
     if not stock.has_inner_ring(bearing):
         return f"{cup_fit(reducer, part)} outside, h5 under the needles"

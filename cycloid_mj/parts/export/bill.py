@@ -413,7 +413,7 @@ def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
 
 
 def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
-    """Yield the lines of the bearings of the cams and of the shaft; out of stock, with the dimensions of their seats.
+    """Yield the lines of the bearings of cams and shaft; bearings out of stock have the dimensions of their seats.
 
     `cam_seat` is the radius of the bore of the cam bearing [m]; 0: not chosen yet.
     """
@@ -465,7 +465,7 @@ def _round_line(
     length
         Length [m].
     material
-        Material; None: steel, for a bearing with the share of `filling`.
+        Material; None: steel, and the mass of a bearing is reduced by the factor `filling`.
     cut_length
         Length to which the parts are shortened [m]; 0: not shortened.
     """

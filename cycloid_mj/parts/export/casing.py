@@ -434,7 +434,7 @@ def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:
 
 
 def _cavity(reducer: Reducer, screws: Screws, min_radius: float, wall: float) -> tuple[float, float]:
-    """Compute the radius of the cavity for the crank in the motor cover, and the largest that it can have [m].
+    """Compute the radius [m] of the cavity for the crank in the motor cover, and the largest possible radius [m].
 
     The cover retains the ring pins: the largest cavity leaves them a fifth of their end face. Raises DesignError if the
     crank does not fit.

@@ -94,9 +94,9 @@ def place_casing(reducer: Reducer, sizes: Casing) -> Iterator[CasingPosition]:
 
 
 def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | None = None) -> Part:
-    """Return the shaft as exact outlines, bored for the motor's shaft if the `sizes` of a casing say so.
+    """Return the shaft as exact outlines, with the seats and the bore for the motor's shaft in `sizes`, if not None.
 
-    `chord_error` [m] is that of the outlines that balance, see `lay_out_parts`.
+    The crank is balanced for a `chord_error` [m] of its outlines, see `lay_out_parts`.
     """
     shaft = lay_out_parts(reducer, chord_error)[names.SHAFT]
     if not sizes:
@@ -172,7 +172,7 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
 
 
 def _add_collars(segment: Segment, collars: Sequence[CrankRing]) -> Iterator[Segment]:
-    """Yield a segment of the crank, thicker where collars are within it."""
+    """Yield the pieces of a segment of the crank along z, with a collar in place of each length that has one."""
     low = segment.z0
     for collar in collars:
         if segment.z0 - SAME_LENGTH < collar.low and collar.high < segment.z1 + SAME_LENGTH:

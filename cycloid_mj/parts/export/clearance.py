@@ -39,7 +39,7 @@ class OutlineClearance:
 
 
 def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
-    """Compute the distance (n,) [m] of points (n, 2) [m] from the trochoid of a disc, positive inside, by Newton."""
+    """Compute the distance (n,) [m] of points (n, 2) [m] from the trochoid of a disc, positive inside."""
     from scipy.spatial import cKDTree
 
     grid = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
@@ -97,7 +97,7 @@ def measure_disc(
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }
     flank, *socket = _measure_ring(reducer, outline, ring_loop, disc)
-    return flank, *(_require_asked(reducer, pair, values) for pair, values in points.items()), *socket
+    return flank, *(_checked_clearance(reducer, pair, values) for pair, values in points.items()), *socket
 
 
 def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) -> tuple[OutlineClearance, ...]:
@@ -128,10 +128,10 @@ def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int)
     points: dict[str, Array] = {teeth: _flank_clearance(reducer, rotated_outline)}
     if design.ring.has_sockets:
         points["pin_socket"] = _socket_distances(reducer, ring_loop) - design.ring.pin_radius
-    return tuple(_require_asked(reducer, pair, values) for pair, values in points.items())
+    return tuple(_checked_clearance(reducer, pair, values) for pair, values in points.items())
 
 
-def _require_asked(reducer: Reducer, pair: str, values: Array) -> OutlineClearance:
+def _checked_clearance(reducer: Reducer, pair: str, values: Array) -> OutlineClearance:
     """Return the smallest and the largest clearance of a pair on exported outlines; raise if they are not the design's.
 
     Parameters

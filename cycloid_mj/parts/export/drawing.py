@@ -120,7 +120,7 @@ def _draw_part(
     part, name
         The part and its name.
     count
-        How many of it a drive has.
+        Number of copies of the part in a drive.
     joints
         All joints of the drive, for fits and threads.
     """

@@ -192,7 +192,7 @@ def _list_output_moves(sizes: Casing, placements: tuple[PlacedPart, ...]) -> Ite
 
 
 def _list_crank_moves(reducer: Reducer, placements: tuple[PlacedPart, ...]) -> Iterator[Move]:
-    """Yield the moves that assemble discs and crank: a disc, then the crank; or the crank of several with its discs."""
+    """Yield the moves of a single disc and then of the crank, or of the crank together with its several discs."""
     rings, shaft = _names_of_family(placements, CRANK_RING), names.SHAFT
     second_disc = [Move((SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
     if reducer.design.gear.discs == 1:

@@ -29,7 +29,8 @@ def choose_motor_flange(
     reducer
         The reducer.
     motor
-        Motor; ``auto`` is the smallest frame that fits and is strong enough for torque and speed of the design.
+        Motor; ``auto`` is the smallest NEMA frame that fits and is strong enough for torque and speed of the design, or
+        a bolt circle if there is none.
     outer, seat, max_cavity
         Radii of the cover, of the seat of the shaft bearing, and of the largest cavity for the heads of screws from
         within [m].

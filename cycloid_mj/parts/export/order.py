@@ -111,7 +111,7 @@ def _describe_motor_cover(reducer: Reducer, sizes: Casing) -> str:
 
 
 def _describe_last_step(sizes: Casing) -> str:
-    """Describe the last step: mount the motor, or let a mounted motor turn the drive."""
+    """Describe the last step: mount the motor, or turn the drive with a motor that is mounted already."""
     motor = sizes.motor
     if motor.tapped:
         return "Let the motor, its shaft glued into the bore of the crank, turn it slowly for a turn."
@@ -144,7 +144,7 @@ def _describe_ring_pins(reducer: Reducer) -> str:
 
 
 def _describe_discs(reducer: Reducer, sizes: Casing) -> str:
-    """Describe the step that mounts a single disc, or builds the crank of several with its discs."""
+    """Describe the step that mounts a single disc, or assembles several discs with their crank."""
     design = reducer.design
     if design.gear.discs == 1:
         rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
@@ -171,7 +171,7 @@ def _describe_cam_bearing(reducer: Reducer) -> str:
 
 
 def _describe_crank(reducer: Reducer, sizes: Casing) -> str:
-    """Describe the step that mounts the crank, or the crank of several discs with its discs."""
+    """Describe the step that mounts the crank or, with several discs, the crank together with them."""
     design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
     first_ring, second_ring = (names.numbered_name(CRANK_RING, number) for number in (1, 2))
     ring_notes = [f"{first_ring} on its journal"] * (first_ring in rings) + [f"{second_ring} on its far end"] * (

@@ -37,7 +37,7 @@ def ring_pin_centres(reducer: Reducer, ring_angle: float) -> list[list[float]]:
 def place_ring_pins(reducer: Reducer, ring_angle: float, pieces: tuple[int, float] = (1, 0.0)) -> Iterator[PlacedPart]:
     """Yield the ring pins or sleeves, in a ring rotated by an angle [rad].
 
-    `pieces` are how many pieces in line form a pin, and the length [m] of each.
+    `pieces` are the number of pieces in line that form a pin, and the length [m] of a piece.
     """
     pins_in_line, length = pieces
     heights = length * (np.arange(pins_in_line) - 0.5 * (pins_in_line - 1))

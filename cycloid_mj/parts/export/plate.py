@@ -107,7 +107,7 @@ def plates(
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of manufactured cams, that of the bore of their bearing [m]; 0: that of its outside, as drawn.
+        Radius of the bore of the cam bearing [m], for which the cams are made; 0: cams as large as its outside.
     sizes
         Casing, to include covers and flanges.
     bed
@@ -151,8 +151,9 @@ def _build_plate(
 ) -> PrintPlate:
     """Return a plate with copies of parts, at their positions, with their supports.
 
-    A copy is its part, whether it is turned over, the corners (2, 3) of its bounding box and its shift (3,) [m]. By
-    part `shapes` are the meshes, `supports` those below it and `unsupported_areas` its faces without one.
+    Each copy has the name of its part, whether it is turned over, two corners (2, 3) [m] of its bounding box, and its
+    shift (3,) [m]. The mappings have, for each part, its mesh, the meshes of its supports, and the areas [m2] of faces
+    without support by their height [m].
     """
     positions = tuple(
         PlatePosition(

@@ -67,7 +67,7 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
 def material_part(reducer: Reducer, part: str) -> str:
     """Return the part of the mechanism that sets the material of a part of the drive, such as the shaft for a cam.
 
-    Discs and flange of the output have the material of the housing, whatever the material of its pins.
+    Discs and flange of the output have the material of the housing if that is plastic, else that of the output.
     """
     family = names.family(part)
     if family in (names.CAM, names.SPACER, CRANK_RING, BEARING_SPACER):
@@ -113,7 +113,7 @@ def manufactured_parts(
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of manufactured cams, that of the bore of their bearing [m]; 0: that of its outside, as drawn.
+        Radius of the bore of the cam bearing [m], for which the cams are made; 0: cams as large as its outside.
     sizes
         Sizes of the casing, to include covers and flanges.
 
@@ -170,7 +170,7 @@ def separate_parts(
     reducer
         The reducer; its clearances are in the outlines.
     cam
-        Radius of the cams [m], that of the bore of their bearing; 0: that of its outside, as drawn.
+        Radius of the cams [m]; 0: that of the outside of the cam bearing.
     sizes
         Sizes of the casing, to include its parts and its holes in other parts.
     chord_error
@@ -216,10 +216,7 @@ def separate_parts(
 
 
 def _checked_cam_radius(reducer: Reducer, seat: float) -> float:
-    """Return the radius [m] of a manufactured cam for a bearing of a bore radius; raise DesignError if it cannot fit.
-
-    `seat` is the radius of the bore [m].
-    """
+    """Return the radius [m] of a cam for a bearing of the bore radius `seat` [m]; raise DesignError if none fits."""
     design = reducer.design
     gear, discs = design.gear, design.gear.discs
     flush = gear.eccentricity + design.shaft.radius
@@ -248,7 +245,11 @@ def _resize_cam(reducer: Reducer, segment: Segment, radius: float) -> Segment:
 
 
 def _split_output(reducer: Reducer, output_part: Part) -> dict[str, Part]:
-    """Split the output into parts by name: its discs, with bores, and its pins; empty if it is printed in one piece."""
+    """Split the output into parts by name; return an empty dict if it is printed in one piece.
+
+    They are the disc `names.OUTPUT` with bores for pins, one `OUTPUT_PIN` and, if the pins have two supports, the disc
+    `SECOND_OUTPUT`.
+    """
     if in_one_piece(reducer):
         return {}
     disc, *other_segments = output_part.segments
