@@ -94,7 +94,7 @@ def test_quiet_keeps_stderr_empty_and_warnings_in_the_json(tmp_path: Path, capsy
 
 @pytest.mark.slow
 def test_compare_reports_every_run(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cycloid_mj.cli.compare._draw_figures", lambda comparison, motions: {})
+    monkeypatch.setattr("cycloid_mj.cli.compare._figure_encoders", lambda comparison, motions: {})
     short = ["--ramp-s", "0", "--hold-s", "0.045", "--timestep-us", "5", "--out", str(tmp_path)]
     assert main(["simulate", "--design", "nonpin", *short, "--set", UNUSED]) == 0
     assert main(["simulate", "--design", "pin", *short, "--set", "ring.pins=fixed"]) == 0

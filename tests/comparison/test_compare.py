@@ -66,7 +66,7 @@ def compared(tmp_path_factory):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Draw no figures."""
-    monkeypatch.setattr("cycloid_mj.cli.compare._draw_figures", lambda comparison, motions: {})
+    monkeypatch.setattr("cycloid_mj.cli.compare._figure_encoders", lambda comparison, motions: {})
 
 
 @pytest.fixture
