@@ -359,9 +359,9 @@ def tolerance(
 
 
 def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress, engine: Engine) -> Tolerances:
-    """Solve the static equilibrium of all samples of a study; simulate the worst `verify` of them in full dynamics.
+    """Solve the static equilibrium of all samples of a study; run the worst `verify` of them by `solver`.
 
-    Raises as `tolerance`.
+    The runs are in full dynamics. Raises as `tolerance`.
     """
     figures_by_batch: dict[int, dict[str, Array]] = {}
     checks: dict[int, DynamicsCheck] = {}

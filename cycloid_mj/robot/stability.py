@@ -296,7 +296,10 @@ def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> 
 
 
 def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[StepTrial]:
-    """Yield the trials at `STUDY.steps`; if the shortest is not accurate, also at `STUDY.finer_steps` until one is."""
+    """Yield the trials at `STUDY.steps`; if the shortest is not accurate, also at `STUDY.finer_steps` until one is.
+
+    The arguments are those of `try_time_step`.
+    """
     runs = [try_time_step(reduced, integrator, item, inertia, load) for item in STUDY.steps]
     yield from runs
     if runs[0].accurate:

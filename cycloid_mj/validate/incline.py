@@ -108,10 +108,10 @@ def pair_law() -> ContactParameters:
 
 
 def simulate_descent(contact_parameters: ContactParameters, angle: float, is_cylinder: bool) -> Descent:
-    """Simulate a block, or a cylinder, on an incline of `angle` [rad] from rest, in the depth of static contact.
+    """Simulate a block, or a cylinder if `is_cylinder`, on an incline of `angle` [rad], from rest.
 
-    Returns its mean acceleration over the second half of `INCLINE.duration` [m/s2], and speed and slip at the end
-    [m/s].
+    The contact has its static depth at the start. Returns mean acceleration over the second half of `INCLINE.duration`
+    [m/s2], and speed and slip at the end [m/s].
     """
     model = incline_model(contact_parameters, angle, is_cylinder)
     data = mujoco.MjData(model)
@@ -127,7 +127,7 @@ def simulate_descent(contact_parameters: ContactParameters, angle: float, is_cyl
 
 
 def incline_model(contact_parameters: ContactParameters, angle: float, is_cylinder: bool) -> Any:
-    """Compile the MuJoCo model (`MjModel`) of a block, or a cylinder, on an incline of `angle` [rad].
+    """Compile the MuJoCo model (`MjModel`) of a block, or a cylinder if `is_cylinder`, on an incline of `angle` [rad].
 
     A cylinder can rotate and has the inertia m r^2/2. The model is compiled twice, as the solver parameters of the
     contact depend on its masses.

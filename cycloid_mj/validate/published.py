@@ -89,7 +89,7 @@ WANG = (Wang(141.0, 8.5, 0.8441, 100.0, 13.2, 0.8947, 0.5e-4), Wang(141.0, 7.7, 
 
 
 def hertz_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the Hertz stresses of the variants `KROL` with those printed by Krol et al. 2019, to their last digit."""
+    """Compare the Hertz stresses of the variants `KROL` with those printed by Krol et al. 2019; `quick` is ignored."""
     rows = []
     for variant_number, case in enumerate(KROL, start=1):
         source, unit = f"Krol et al. 2019, variant {variant_number}", "MPa"
@@ -143,7 +143,7 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
     """Compare the statics of the preset ``twodisc`` with its published calculation, which assumes ideal sharing.
 
     The contacts here are equally stiff, without clearance and friction, on rigid cams, at a hundredth of the load, so
-    that the contact points stay those of the ideal parts.
+    that the contact points stay those of the ideal parts. With `quick` there are fewer crank angles.
     """
     no_gravity = {"gravity_x": 0.0, "gravity_y": 0.0}
     pairs = ("pin_gear", "cam", "output")
@@ -197,7 +197,8 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
     """Compare the efficiency by Wang's formula with its printed results and with the simulated reducer.
 
     Rows that compare the formula with the simulation have no bound: it neglects the moment of friction and the
-    clearance. Further rows with bounds compare the simulation with closed forms that include them.
+    clearance. Further rows with bounds compare the simulation with closed forms that include them. `quick` shortens the
+    runs.
     """
     rows = []
     for row_number, case in enumerate(WANG, start=1):

@@ -124,7 +124,7 @@ def run_parts(
     """Run validation parts in parallel processes, the longest first; yield the result of each as it ends.
 
     A part that cannot be run yields one failing row with the reason as its note. Warnings of the parts are issued again
-    in this process. `workers` is the number of processes.
+    in this process. `quick` is passed to the parts; `workers` is the number of processes.
 
     Yields
     ------

@@ -106,7 +106,10 @@ def static_deflection(contact_parameters: ContactParameters, timestep: float) ->
 
 
 def measure_frequency(contact_parameters: ContactParameters, timestep: float) -> float:
-    """Measure the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
+    """Measure the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity.
+
+    The arguments are the law of the contact and the time step [s].
+    """
     model = two_body_model(contact_parameters, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
     data.qpos[0] = 0.5 * TWO.force / contact_parameters.stiffness

@@ -113,7 +113,7 @@ def sentences(loads: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str
 
 
 def as_json(forces: Mapping[Case, PeakForces], wanted: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
-    """Convert the cases to JSON values."""
+    """Convert the cases to JSON values; the arguments are those of `table`."""
     return {
         "status": "hypothesis",
         "cases": [

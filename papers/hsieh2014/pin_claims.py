@@ -24,7 +24,10 @@ def pin_claims(motions: Motions, rated: PinMotion) -> tuple[Claim, ...]:
 
 
 def sway(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 moves within its clearance, except for the deflection of the contact."""
+    """Judge by the `motions` of the starts without load whether pin 1 stays within its clearance; report `rated`, too.
+
+    The clearance is increased by the deflection of the contact.
+    """
     starts, clearance = motions.base, motions.base[0].clearance
     reach, span = _spread(starts, lambda one: one.reach), _spread(starts, lambda one: one.span)
     judged = ruling(
@@ -49,7 +52,10 @@ def _one_way(ahead: Sequence[bool]) -> Verdict:
 
 
 def spin(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 keeps rotating: whether its mean speed has the same sign in most starts."""
+    """Judge by the `motions` of the starts without load whether pin 1 keeps rotating; report `rated`, too.
+
+    It does if its mean speed has the same sign in most starts.
+    """
     means = _spread(motions.base, lambda one: one.mean_spin)
     rocking = _spread(motions.base, lambda one: one.rms_spin)
 
@@ -72,7 +78,7 @@ def spin(motions: Motions, rated: PinMotion) -> Claim:
 
 
 def turns(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 is visibly rotated at the crank angles of Fig. 9(a)."""
+    """Judge by the `motions` of the starts without load whether pin 1 is visibly rotated at the angles of Fig. 9(a)."""
     widest = _spread(motions.base, lambda one: one.seen_turned)
     first = ", ".join(f"{angle:.2g}" for angle in motions.base[0].turned)
     judged = ruling(
@@ -90,7 +96,7 @@ def turns(motions: Motions, rated: PinMotion) -> Claim:
 
 
 def slides(motions: Motions, rated: PinMotion) -> Claim:
-    """Judge whether pin 1 slides on the gear away from crank angle 0, in contrast to rolling."""
+    """Judge by the `motions` of the starts without load whether pin 1 slides on the gear, in contrast to rolling."""
     shares = _spread(motions.base, lambda one: one.rolling)
     percent = f"{100 * shares.low:.2g} to {100 * shares.high:.2g}"
     judged = ruling(

@@ -126,9 +126,9 @@ def torque_test() -> Condition:
 
 
 def at_speed(design: Design, load: float, turns: int, steps: int = SAMPLES.steps) -> Design:
-    """Return a design that starts at full speed and runs for `turns` settled turns, with `steps` per sample.
+    """Return a design that starts at full speed under `load` [N m], and runs for `turns` settled turns.
 
-    Both kinds of ring use the settling time of the slower one.
+    There are `steps` time steps per logged sample. Both kinds of ring use the settling time of the slower.
     """
     sample = 2 * math.pi / abs(design.drive.speed) / (SAMPLES.per_turn * SAMPLES.logged)
     sampling = {"timestep": sample / steps, "log_rate": 1.0 / sample}

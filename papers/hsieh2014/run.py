@@ -40,7 +40,10 @@ Report = Callable[[Stage, str, float], None]
 
 
 def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()) -> list[StageRun]:
-    """Run the stages with these keys, or all of `STEPS`, with a provider of runs; any error is kept in its stage."""
+    """Run the stages with the keys `chosen`, or all of `STEPS`; report each with the remaining time.
+
+    `runs` is the provider of runs. Any error is kept in the result of its stage.
+    """
     steps = [step for step in (*STEPS, AUTHORS) if step.key in (chosen or [each.key for each in STEPS])]
     shares = [step.quick if plan.quick else step.full for step in steps]
     start, stages = monotonic(), []

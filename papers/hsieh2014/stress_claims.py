@@ -57,7 +57,8 @@ def stress_claims(
 def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, searched: Searched) -> Claim:
     """Judge whether a part's largest stress is the paper's, with our contacts and with every searched contact law.
 
-    Forces depend continuously on stiffness and chord error: a stress between two computed maxima can be reached.
+    `idle_stress` has the stress of the design, `evidence` the forces of all runs, `searched` the variations. Forces
+    depend continuously on stiffness and chord error: a stress between two computed maxima can be reached.
     """
     theirs, ours = HEIGHTS[part, design], idle_stress.starts[part]
     low, high = LEAST * theirs, MOST * theirs
@@ -150,7 +151,10 @@ def _range_words(size: StartSpread) -> str:
 
 
 def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim:
-    """Judge the order of the parts by stress, with our contacts and with every searched treatment of contact."""
+    """Judge the order of the parts by stress, with our contacts and with every searched treatment of contact.
+
+    `evidence` has the stress and the forces of all runs, `searched` the variations.
+    """
     each = evidence.stress[design]
 
     def sizes(changed: Variation | None) -> list[StartSpread]:
@@ -196,7 +200,7 @@ def _descending(sizes: Sequence[StartSpread]) -> verdicts.Part:
 
 
 def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
-    """Judge whether a part has a lower stress without pins."""
+    """Judge whether a part has a lower stress without pins, by the `evidence` of all runs; `ranges` were searched."""
     pin, nonpin = (evidence.stress[name] for name in ("pin", "nonpin"))
     ours = (pin.starts[part], nonpin.starts[part])
     varied = {

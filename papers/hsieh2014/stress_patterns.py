@@ -35,7 +35,10 @@ OUTPUT_RANGES = (
 
 
 def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
-    """Judge whether the shaft has the paper's two stress peaks per turn, from the peaks of the cam's force."""
+    """Judge whether the shaft has the paper's two stress peaks per turn, from the peaks of the cam's force.
+
+    `idle_stress` has the stress of the pin design, `evidence` the forces of all runs; `ranges` were searched.
+    """
     curves = [forces["shaft"] for forces in evidence.forces["pin"]]
     each = [largest_of_halves(curve) for curve in curves]
     others = {
@@ -92,7 +95,10 @@ def angles_in_words(pairs: Sequence[tuple[float, float]]) -> str:
 
 
 def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
-    """Judge whether the output's stress is lower than that of the other parts, and similar in every start."""
+    """Judge whether the output's stress is lower than that of the other parts, and similar in every start.
+
+    `evidence` has the stress and the forces of all runs; `ranges` were searched.
+    """
     each, ours = evidence.stress[design], evidence.peaks(design, OUTPUT)
 
     def regular(changed: Variation | None) -> verdicts.Part:
@@ -136,7 +142,10 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
 
 
 def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Claim:
-    """Judge whether pin 1 is loaded only from 350 to 10 deg; also report lobe 1 of the nonpin design."""
+    """Judge whether pin 1 is loaded only from 350 to 10 deg; also report lobe 1 of the nonpin design.
+
+    `evidence` has the forces of all runs, `rated` is the run under the rated load; `ranges` were searched.
+    """
     reach = PIN_1_LOADED[1] + NEAR
 
     def shares(design: str, changed: Variation | None) -> StartSpread:

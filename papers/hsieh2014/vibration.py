@@ -103,7 +103,10 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pap
 
 
 def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
-    """Judge which design fluctuates more without load, by its starts and by what the paper leaves open."""
+    """Judge which design fluctuates more in a quantity without load, by its starts and by what the paper leaves open.
+
+    The rms values are `base` as designed, `sweep` with single changes, and `rated` under the rated load (not judged).
+    """
     key = quantity.key
     turned_by = {
         each.words: pin_over_nonpin(levels, key) for each, levels in sweep.items() if each.parameter in LEFT_OPEN
