@@ -256,7 +256,8 @@ class _Run:
     def restart_locally(self, starts: int) -> None:
         """Restart CMA-ES at the best point with a small standard deviation, as long as that improves the point.
 
-        It ends with the budget of evaluations, too. `starts` is the number of random streams in use, for new seeds.
+        It ends with the budget of evaluations, too. `starts` is the number of random starts before, so that seeds
+        differ.
         """
         repeats = 0
         while self._best is not None and self._used < self._budget and repeats < CMA.max_restarts:

@@ -332,7 +332,7 @@ class ReducedJoint(Presented):
             yield JointAddresses(*output_addresses, *crank_addresses, tuple(tendons))
 
     def _step_with_springs(self, model: Any, data: Any, addresses: JointAddresses) -> None:
-        """Write the dead bands of the springs at the current error, and the crank's load-dependent friction."""
+        """Write the dead bands of the springs, moved by the transmission error, and the load-dependent friction."""
         angle, dof = float(data.qpos[addresses.crank_angle]), addresses.crank_speed
         deviation = float(data.qpos[addresses.output_angle]) + self.coefficient * angle
         low, high = self.stops_at(angle, deviation)

@@ -356,9 +356,9 @@ def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, fl
 def _analyse_vibration(angles: Array, timestep: float) -> tuple[float, float]:
     """Compute the mean angle of a vibration [rad] and its angular frequency [rad/s] from its upward zero crossings.
 
-    `angles` are those after each time step [rad], shape (n,). The frequency is NaN if the vibration has decayed, or has
-    fewer than `STUDY.min_crossings` or fewer than `STUDY.min_steps_per_period`. The mean is that over complete periods;
-    without them, of the second half, or the last angle of a decayed vibration.
+    `angles` are those after each time step [rad], shape (n,). The frequency is NaN if the vibration has decayed, has
+    fewer crossings than `STUDY.min_crossings`, or fewer time steps per period than `STUDY.min_steps_per_period`. The
+    mean is that over complete periods; without them, of the second half, or the last angle of a decayed vibration.
     """
     midpoint = 0.5 * (float(angles.max()) + float(angles.min()))
     if np.ptp(angles) < STUDY.min_vibration * abs(midpoint):

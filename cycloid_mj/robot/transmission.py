@@ -129,8 +129,8 @@ def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Arr
 def compute_amplitudes(values: Array) -> tuple[Waves, Waves]:
     """Compute the complex amplitudes of a periodic error by FFT, from all samples and from every second sample.
 
-    The harmonic is the real part of A exp(i order theta). `values` has shape (n,); both results have the same shape,
-    and 0 for the mean.
+    The harmonic of index n is the real part of A_n exp(2 pi i n s) at the share s of the period. `values` has shape
+    (n,) over a period; both results have the same shape, the unit of the values, and 0 for the mean.
     """
 
     def amplitudes(samples: Array) -> Waves:

@@ -69,8 +69,9 @@ class TrialScene:
     def find_rest(self, torque: float) -> float:
         """Find the deviation L [rad] at which the output rests in MuJoCo under a torque [N m], with a locked crank.
 
-        Brent's method finds the root of the acceleration. Only the springs determine it; no settling is simulated. The
-        torque must not be 0, because the output rests anywhere within the play.
+        L is the output's angle less the ideal angle. Brent's method finds the root of the acceleration. Only the
+        springs determine it; no settling is simulated. The torque must not be 0, because the output rests anywhere
+        within the play.
         """
         from scipy.optimize import brentq
 
