@@ -182,7 +182,7 @@ class Series:
 
 
 def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:
-    """Compare the motion of a run with the closed form, sample by sample.
+    """Compare angles, speeds and the motion of a point q in a run with their closed form, sample by sample.
 
     Samples from the first value on that is not finite, or too large, are omitted.
 

@@ -53,7 +53,9 @@ def settle_run(run: Run, q: npt.ArrayLike | None = None) -> Series:
 
 
 def measure_run(motion: Series, log: str | None = None) -> Measures:
-    """Compute the measures of a run for a comparison; `log` is the path of its log.
+    """Compute the measures of a run for a comparison: findings, fluctuation, vibration and forces.
+
+    `log` is the path of the log, for the findings.
 
     Raises
     ------

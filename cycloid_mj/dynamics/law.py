@@ -101,6 +101,11 @@ def contact_law(
     timestep
         Time step dt [s].
 
+    Returns
+    -------
+    ContactParameters
+        Stiffness, damping C [N s/m], added mass 1/R [kg], friction, creep and effective mass.
+
     Notes
     -----
     The added mass makes MuJoCo's explicit step of the contact that of Fox and Goodwin, with centred damping: 1/R = beta
@@ -197,7 +202,12 @@ def solver_parameters(
         Sum of both bodies' translational ``body_invweight0`` [1/kg], MuJoCo's estimate of A in R = (1-d)/d A, with the
         impedance d.
     impratio
-        That of the model.
+        Ratio of frictional to normal impedance of the model [1].
+
+    Returns
+    -------
+    SolverParameters
+        The attributes condim, friction, solref, solreffriction and solimp.
 
     Raises
     ------

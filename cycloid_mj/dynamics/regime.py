@@ -114,8 +114,8 @@ def lowest_log_rate(reducer: Reducer) -> float:
 def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
     """Return warnings about too few time steps or samples from tooth to tooth, and about creep, at the design's speed.
 
-    `min_steps` is the number of steps from tooth to tooth that the solver of the run needs. There are none for a crank
-    at rest.
+    `min_steps` is the number of steps from tooth to tooth that the solver of the run needs. The result is empty for a
+    crank at rest.
     """
     if not (tooth_rate := tooth_passing_rate(reducer)):
         return ()
@@ -160,7 +160,7 @@ def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
 def creep_warning(reducer: Reducer) -> Iterator[str]:
     """Yield a warning if parts slide too slowly for fully developed friction.
 
-    The loss that is missing must exceed `LIMITS.max_missing_loss` of the output power.
+    The condition is that the missing loss exceeds `LIMITS.max_missing_loss` of the output power.
     """
     missing_share, missing_loss = missing_friction(reducer)
     if missing_loss > LIMITS.max_missing_loss:

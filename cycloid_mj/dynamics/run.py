@@ -342,9 +342,9 @@ def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
 
 
 def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
-    """Return the files that are attached to a log by name: the design file, the MuJoCo model and its meshes.
+    """Return the contents of the files attached to a log, by name: the design file, the MuJoCo model and its meshes.
 
-    Their contents are created on first access. A planar run, with a planar `compiled` model, has the MuJoCo model of
+    They are created on first access. A planar run, with a planar `compiled` model, has the MuJoCo model of
     its design, without meshes.
     """
     assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets

@@ -103,7 +103,7 @@ def rotation_time(reducer: Reducer, angle: float, torque: float) -> float:
 
 @once
 def slowness(reducer: Reducer) -> float:
-    """Compute the settling time of a drive over `SETTLING.min_time` [1], at least 1."""
+    """Compute the settling time of a drive, divided by `SETTLING.min_time` [1]; it is at least 1."""
     return max(
         1.0,
         SETTLING.periods * swing_period(reducer) / SETTLING.min_time,

@@ -39,7 +39,7 @@ def _quantities(reducer: Reducer, measure: str) -> Mapping[str, Quantity]:
 def measure_quantity(reducer: Reducer, measure: str, quantity: str) -> float:
     """Measure a quantity of a design at the default conditions of its measure, in the quantity's unit.
 
-    Errors are those of the measure.
+    It raises the errors of the measure.
 
     Parameters
     ----------

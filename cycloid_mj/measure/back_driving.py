@@ -142,7 +142,8 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     In each run the torque rises as T t. The acceleration of the crank is then proportional to T t - T0; a line fitted
     to it is zero at the break-away torque T0. Contacts have the stiffness of the rated load. Friction without load
     follows from weight and inertia of the parts; friction in proportion to the load is part of the back-driving
-    efficiency.
+    efficiency. The result has torque and error of each start, their mean and spread, and whether the drive is
+    self-locking.
     """
     return BreakAway(
         tuple(each_in_threads(lambda start: _find_break_away(Reducer(start), solver), independent_starts(reducer)))
@@ -150,9 +151,9 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
 
 
 def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
-    """Find the break-away torque from one start; try a larger torque if the crank stays at rest.
+    """Find the break-away torque and its error [N m] from one start; NaN if the crank stays at rest under all torques.
 
-    The torques are `START.growths` of the rated output torque, in turn, until the crank turns.
+    The output torque grows to `START.growths` of the rated output torque, in turn, until the crank turns.
     """
     for growth in START.growths:
         start = _run_growing_torque(reducer, growth * reducer.design.rated_torque, solver)

@@ -150,7 +150,7 @@ def backlash(
 def _run_presses(
     reducer: Reducer, crank_angles: list[float], solver: Solver, progress: Progress
 ) -> tuple[dict[str, list[StopPair]], dict[str, StopPair]]:
-    """Simulate the stops with all clearances ("all") and with each kind alone, at every crank angle [rad].
+    """Simulate the output pressed to its stops with all clearances ("all") and each kind alone, at each crank angle.
 
     Returns
     -------
@@ -197,7 +197,7 @@ def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
 def press_to_stops(
     reducer: Reducer, crank_angle: float, time_factor: float = 1.0, step_divisor: float = 1.0, solver: Solver = "planar"
 ) -> StopPair:
-    """Simulate pressing the output against both stops with the crank locked at an angle [rad]; return the stops.
+    """Simulate the output pressed against both stops, with the crank locked at an angle [rad]; return their angles.
 
     The torque follows the sequence `PRESS.levels`; at each stop the line through the angles at two torques is
     extrapolated to zero torque. The design has no friction and no weight.
@@ -341,7 +341,7 @@ def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str
 def _angle_rows(
     presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
 ) -> list[dict[str, Any]]:
-    """Convert stops [arcmin], backlash and time steps at each crank angle to JSON objects.
+    """Return a JSON object for each crank angle: stops and backlash [arcmin], its closed form, and time steps [s].
 
     `presses_by_kind` are from `_run_presses`. The stops are those of all clearances together; backlash, time steps and
     closed forms are by name of the case.

@@ -27,7 +27,8 @@ class EfficiencyReference:
 def ideal_efficiency(reducer: Reducer, load: float) -> EfficiencyReference:
     """Compute the efficiency under a load torque [N m] by ideal load sharing, a rigid cam and Coulomb friction.
 
-    Contacts are equally stiff and without clearance; they also carry the drag of the output's seals.
+    Contacts are equally stiff and without clearance; they also carry the drag of the output's seals. The result has the
+    efficiency [1] and the name of the method.
     """
     design = reducer.design
     contact_torque = load + design.drag.output
@@ -75,8 +76,9 @@ def wang_efficiency(reducer: Reducer) -> EfficiencyReference:
 
 
 def efficiency_of_output_member(reducer: Reducer, carrier: float) -> float:
-    """Compute the efficiency of a drive from that where the carrier turns, eta; where the ring does, 1-(1-eta)(N-1)/N.
+    """Compute the efficiency [1] of a drive from the efficiency `carrier` [1] that it has with the carrier as output.
 
-    Of the power of a ring that turns, the carrier's torque has the share (N-1)/N; the crank's passes no mesh.
+    It is the same, or, if the ring is the output, 1 - (1 - carrier)(N-1)/N for N ring teeth: the carrier's torque has
+    the share (N-1)/N of the power of the ring; the share of the crank passes no mesh.
     """
     return 1.0 - reducer.share * (1.0 - carrier)

@@ -107,7 +107,7 @@ def efficiency(
 
 
 def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> dict[str, Any]:
-    """Convert losses by pair and by part, effects of the inputs, and the starts from rest to JSON values.
+    """Return losses by pair and by part, effects of the assumed inputs, and starts from rest as JSON values.
 
     Losses by pair are shares of the input power at each point of the map. `published` are the torques of publications.
     """
@@ -234,7 +234,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
 
 
 def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
-    """Return the table of the map: efficiency, its numerical error, and losses by pair, in percent of the input."""
+    """Return one table with a row per operating point: efficiency, its error, and losses by pair [% of the input]."""
     rows: list[tuple[str | float, ...]] = []
     for point in efficiency_map.grid:
         powers = point.powers

@@ -189,7 +189,10 @@ def _named_tasks(
 
 
 def run_forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> OperatingPoint:
-    """Simulate a steady run with an output torque [N m] against the motion, at a constant crank speed [rad/s]."""
+    """Simulate a steady run with an output torque [N m] against the motion, at a constant crank speed [rad/s].
+
+    `periods` is the smallest number of mesh periods of the average.
+    """
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
     with suppress_warnings(tuple(creep_warning(loaded))):
         run = run_steady(loaded, STEADY.settling_time, averaging_periods(loaded, periods, torque), solver)

@@ -143,7 +143,10 @@ class HysteresisLoop:
         return float(np.trapezoid(torque, turn))
 
     def compliance(self, values: Array | None = None) -> float:
-        """Compute the slope of the turn [rad/(N m)], or of `values` (n,), over the straight part (both sides)."""
+        """Compute the slope of the turn [rad/(N m)], or of `values` (n,), between the shares `STRAIGHT` of the torque.
+
+        The slope is that of the middle between loading and unloading, and the mean over both signs of the torque.
+        """
         low, high = STRAIGHT
         rises = [
             side * (self.read_middle(high, side, values) - self.read_middle(low, side, values)) for side in (-1, 1)
@@ -194,7 +197,7 @@ def run_loop(
     step_divisor: float = 1.0,
     solver: Solver = "planar",
 ) -> HysteresisLoop:
-    """Simulate the torque loop at a locked crank angle [rad]; return its last period.
+    """Simulate the torque loop at a locked crank angle [rad]; return torque and motion over its last period.
 
     Parameters
     ----------
@@ -224,7 +227,7 @@ def quasi_static_period(reducer: Reducer, peak_torque: float) -> float:
     """Compute the period [s] of a torque loop that is so slow that inertia does not matter.
 
     The torque T (omega t)^5, with T = `peak_torque` [N m], moves output and discs, of inertia J [kg m2], across their
-    play b [rad] until (omega t)^7 = 42 J b omega^2/T. The period is chosen so that the torque is then only the share
+    backlash b [rad] until (omega t)^7 = 42 J b omega^2/T. By choice of the period, the torque is then only the share
     `LOOP.arrival` of T. It is also at least `LOOP.slowness` periods of the oscillation of J on the stiffness of the
     reducer.
     """

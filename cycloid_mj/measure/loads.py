@@ -180,7 +180,7 @@ def _capacities(
     Returns
     -------
     tuple
-        The torques as quantities [N m], and the torques of each kind of contact as JSON values.
+        The torques as quantities [N m], NaN if no contact determines them, and the torques by kind as JSON values.
     """
     torque = reducer.design.load.torque
     yield_factors, shakedown_factors = (_torque_factors(contacts, reducer, limit) for _, limit in CAPACITIES.values())
@@ -203,7 +203,7 @@ def _capacity_details(
     yield_factors: Mapping[str, float],
     shakedown_factors: Mapping[str, float],
 ) -> dict[str, Any]:
-    """Convert the torques [N m] at which each kind of contact reaches first yield and shakedown to JSON values.
+    """Return the torques [N m] at which each kind of contact reaches first yield and shakedown as JSON values.
 
     `yield_factors` and `shakedown_factors` map kinds to factors on `torque` [N m]; `weakest` is the kind that yields
     first.
@@ -249,12 +249,12 @@ def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error:
     ----------
     key
         One of `CAPACITIES`: first yield or shakedown.
-    kind
-        Kind of contact.
+    reducer, kind
+        The loaded drive, and the kind of contact.
     torque
         Start value [N m].
     force_error
-        Relative error of the contact forces.
+        Relative error of the contact forces [1], which is part of the error of the torque.
     """
     name, allowed = CAPACITIES[key]
     allowed_depth = penetration_limit(reducer)
@@ -343,7 +343,7 @@ def _disc_quantities(run: Run, half_step_run: Run, reducer: Reducer) -> Iterator
 def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     """Yield the shares of the discs in the output torque, and the reactions of the bearings [N, N m], over a run.
 
-    Samples without a torque on the output are omitted of the shares.
+    The shares omit samples without a torque on the output.
     """
     design = reducer.design
     output = design.output

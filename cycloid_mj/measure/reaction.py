@@ -96,7 +96,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
 
 
 def bearing_reactions(run: Run, reducer: Reducer) -> Reactions:
-    """Compute the forces of the discs on shaft, output and ring, each in its plane, and the reactions of the bearings.
+    """Compute the forces of the discs on shaft, output and ring, each in its plane, and the bearing reactions [N].
 
     The forces are those of the contacts on the discs, reversed, over the samples of a run.
     """

@@ -153,7 +153,10 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
 
 
 def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
-    """Return the friction variants of one support of the pins: as designed, each pair alone, all pairs together."""
+    """Return the friction variants of one support of the pins: as designed, each pair alone, all pairs together.
+
+    `quick` omits each pair alone, as does the law ``film``.
+    """
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
     rows = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]

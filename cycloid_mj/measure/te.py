@@ -89,7 +89,10 @@ def te(
 def _list_conditions(
     reducer: Reducer, torques: Mapping[str, float], slow: float | None, quick: bool
 ) -> list[TraceCondition]:
-    """List the conditions of the runs: each torque [N m] in both directions, at speed and, unless `quick`, slowly."""
+    """List the conditions of the runs: each torque [N m] in both directions, at speed and, unless `quick`, slowly.
+
+    `torques` are by load; `slow` is the slow crank speed [rad/s], None for `TraceSettings.slow_share` of the design's.
+    """
     speed = abs(reducer.design.drive.speed)
     speed_by_pace = (
         {"speed": speed} if quick else {"slow": TRACE.slow_share * speed if slow is None else slow, "speed": speed}
@@ -136,7 +139,7 @@ def _run_traces(
 
 
 def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> ErrorCurves:
-    """Compute the errors of disc and output [arcsec] under a condition by statics, over some crank turns."""
+    """Compute the errors of disc and output [arcsec] under a condition by statics, over a number of crank turns."""
     design = reducer.design
     # eight in a mesh period
     points = 8 * design.ring.teeth * turns + 1

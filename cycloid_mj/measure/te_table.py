@@ -68,7 +68,7 @@ def quantities(
 
 
 def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, ...]:
-    """Return the errors over the crank angle, and the amplitude spectra of the `evaluated_conditions`.
+    """Return curves of the errors [arcsec] over the crank angle, and amplitude spectra of the `evaluated_conditions`.
 
     The loaded error is drawn first and in a panel of its own, because the unloaded error is larger.
     """

@@ -89,8 +89,8 @@ class VibrationRun:
 def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, speed: float, turns: int) -> VibrationRun:
     """Simulate a design at a crank speed [rad/s] under a torque [N m] over some turns; return its vibration signals.
 
-    Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated. `load` is the name of the
-    load.
+    Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated. They are accelerations of
+    disc centre and output and forces on the housing, less their closed form or mean. `load` is the name of the load.
     """
     # at most ten samples are taken for each stored one
     stride = max(1, min(10, int(1.0 / (STEADY.log_rate * model.timestep) + 1e-6)))

@@ -45,7 +45,7 @@ def figures(reviewed: Sequence[Reviewed]) -> list[SignalFigure]:
 
 
 def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
-    """Return the data of all charts and mechanisms of a report page as JSON values."""
+    """Return the data of a report page as JSON values: panels of charts (``figures``) and curves by run (``runs``)."""
     return {
         "figures": [
             {"name": figure.name, "panels": [_panel_json(key, HEIGHTS[len(figure.panels)]) for key in figure.panels]}
@@ -56,9 +56,9 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 
 
 def curves(motion: Series) -> dict[str, Array]:
-    """Compute the curves of a run in the units of their panels, shape (n,) each.
+    """Compute the curves of a run by name, in the units of their panels, shape (n,) each.
 
-    Names of closed forms end in ``_theory``.
+    Names are keys of `SIGNALS`; those of closed forms end in ``_theory``.
     """
     by_name = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):

@@ -50,7 +50,7 @@ def joint_page(
     bam
         Parameters of the friction models of BAM, from `fit_bam_models`.
     drives
-        Joints of drives with random inputs, if they were computed.
+        Joints of drives with randomly drawn tolerances, if they were computed.
     """
     panels = list(dict.fromkeys(curve.panel for curve in comparison.curves))
     figures = [_chart_data([curve for curve in comparison.curves if curve.panel == panel]) for panel in panels]
@@ -157,7 +157,7 @@ def _friction_table(reduced: ReducedJoint) -> TextTable:
 
 
 def _efficiency_table(reduced: ReducedJoint) -> Table:
-    """Tabulate the efficiency over torque and speed [%], with the crank driving and with the output driving."""
+    """Tabulate the efficiency [%]: a row per torque, two columns per speed, with crank and with output driving."""
     friction = reduced.friction
     header = ["output torque [N m]"]
     rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]

@@ -88,6 +88,7 @@ def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
     """Compute the gaps of both flanks of a planet on the sun [m], and their line of action, at the poses of both gears.
 
     Backlash, transmission error and the change of the centre distance are included. The poses are in a common frame.
+    The result also has the direction from sun to planet, the pressure angle and the position of the pitch point.
     """
     dx, dy = planet.x - sun.x, planet.y - sun.y
     distance, direction = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)

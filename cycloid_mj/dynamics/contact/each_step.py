@@ -361,7 +361,7 @@ def _apply_impact(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _apply_film(run: StepState) -> None:
-    """Set the friction coefficient of every contact by the law ``film``, at its current normal force; else do nothing.
+    """Set the friction coefficient of each contact by the law ``film`` at its normal force; do nothing with other laws.
 
     Contacts of teeth are set before those of seats: the disc with the largest force on a moving pin determines the
     phase of the pin in its seat.
@@ -431,7 +431,7 @@ def _advance_speeds(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _set_command(run: StepState) -> None:
-    """Set the commands of the next step."""
+    """Set the commands of the next step; the last commands persist."""
     if run.command < run.last:
         for k in range(run.nu):
             write_float(run.ctrl + 8 * k, read_float(run.command + 8 * k))

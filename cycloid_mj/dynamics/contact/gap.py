@@ -295,7 +295,7 @@ def _unrotated_distance(x: float, y: float, flank: Flank) -> tuple[float, float,
 
 @njit
 def flank_curvature(t: float, flank: Flank) -> float:
-    """Compute the signed curvature [1/m] of the trochoid with the flank's waves, positive where it is convex."""
+    """Compute the signed curvature [1/m] of the trochoid with the flank's waves at t [rad], positive where convex."""
     bend = trochoid_curvature(t, flank.curve)
     if len(flank.waves) == 0:
         return bend
@@ -357,7 +357,10 @@ def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, floa
 
 @njit(inline="always")
 def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[float, float, float]:
-    """Compute gap [m] and unit normal from inner to outer circle; (dx, dy) leads from outer to inner centre."""
+    """Compute gap [m] and unit normal (x, y) from an inner to an outer circle with the radii `inner` and `outer` [m].
+
+    The vector (dx, dy) [m] leads from the outer to the inner centre.
+    """
     distance = math.sqrt(dx * dx + dy * dy)
     if distance == 0.0:
         return outer - inner, 0.0, 1.0
@@ -383,7 +386,10 @@ def arc_edge(arc: PartialCircle, side: float) -> tuple[float, float]:
 
 @njit(inline="always")
 def circle_at_edge(dx: float, dy: float, inner: float, arc: PartialCircle, side: float) -> tuple[float, float, float]:
-    """Compute gap [m] and unit normal from a circle, (dx, dy) from an arc's centre, to an edge of the arc."""
+    """Compute gap [m] and unit normal (x, y) from a circle of radius `inner` [m] to an edge of an arc.
+
+    The vector (dx, dy) [m] leads from the centre of the arc to that of the circle; `side` is that of `arc_edge`.
+    """
     x, y = arc_edge(arc, side)
     x, y = x - dx, y - dy
     distance = math.sqrt(x * x + y * y)

@@ -146,9 +146,9 @@ def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[floa
 
 @njit
 def root_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> float:
-    """Compute the slope of the gap along a root [1] at a phase: negative where the gap falls as B grows.
+    """Compute the slope of the gap along a root [1] at a phase B [rad]: negative where the gap falls as B grows.
 
-    The `gear` is posed in the frame of the lobe clockwise of the root.
+    `gear` is the pose of the gear in the frame of the lobe clockwise of the root.
     """
     return _gap_slope(B, ring, flank, gear)[1]
 
@@ -158,8 +158,12 @@ def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoi
     """Find the minimum of the gap inside a root between two phases [rad], from a start phase [rad] close to it.
 
     The gap must fall at the first phase and rise at the last. `gear` is the pose of the gear in the frame of the root.
-    `Minimum.exists` is False if the gap is smallest at an end of the range, or if the iteration, Newton's method on the
-    slope with bisection, does not converge.
+
+    Returns
+    -------
+    Minimum
+        Phase, distance and normal at the minimum. `exists` is False if the gap is smallest at an end of the range, or
+        if the iteration, Newton's method on the slope with bisection, does not converge.
     """
     lower, upper = min_phase, max_phase
     B = min(max_phase, max(min_phase, start))

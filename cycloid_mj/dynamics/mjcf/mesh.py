@@ -139,7 +139,8 @@ def reducer_model(mesh: MeshSpec, reducer: Reducer, gains: tuple[float, float]) 
 def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     """Build an editable mesh model: bodies with visual and collision geoms, without actuators and sensors.
 
-    The convex pieces behind the working surfaces are not included. Slices have the stiffness of `Reducer.for_slices`.
+    The result also has the sliced surfaces, the contact laws and the inertia of the crank. The convex pieces behind the
+    working surfaces are not included. Slices have the stiffness of `Reducer.for_slices`.
 
     Raises
     ------
@@ -280,7 +281,7 @@ def _add_surface(
     """Add the meshes of a surface's slices, and their geoms on the discs with these indices.
 
     Surfaces of the ring have disc 0 only. `laws` are the contact laws by disc, `weights` MuJoCo's inverse weights by
-    body.
+    body [1/kg].
     """
     for number, _ in enumerate(surface.slices):
         _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))

@@ -15,12 +15,12 @@ MAX_CG_STIFFNESS_RATIO = 0.3
 def set_solver(spec: Any, laws: Mapping[str, ContactParameters], loaded: bool) -> None:
     """Choose constraint solver, Jacobian and islands of an editable model with moving pins.
 
-    `laws` are the contact laws by kind of pair. Conjugate gradients are used if K dt^2/m of every contact is at most
-    `MAX_CG_STIFFNESS_RATIO`, otherwise Newton's method. Each contact affects few of many degrees of freedom, so
-    matrices are sparse. Without moving pins there are five degrees of freedom, and Newton's method is as cheap as any.
+    `laws` are the contact laws by kind of pair. The solver is that of conjugate gradients if K dt^2/m of every contact
+    is at most `MAX_CG_STIFFNESS_RATIO`, otherwise Newton's method. Matrices are sparse, because each contact affects
+    few of many degrees of freedom.
 
-    If `loaded`, the loaded pins form one island with gear and output, and the others stay out of its matrix: a step
-    costs 0.91 to 0.95 of a step without islands. Without load it would cost 1.17 of it.
+    If the output is `loaded`, islands are enabled: the loaded pins form one island with gear and output, and a step
+    costs 0.91 to 0.95 of a step without islands. Without a load it would cost 1.17 of it.
     """
     if loaded:
         spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_ISLAND)

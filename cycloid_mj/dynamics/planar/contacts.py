@@ -131,9 +131,9 @@ def find_contacts(
     half_step
         Half of the time step [s], in which the pose is reached from the start of the step.
     scratch
-        Working memory for the contacts of one pair.
+        Working memory for the contacts of one pair, shape (``MAX_TOUCHES``, ``STRIDE`` / 8).
     contacts
-        Array for the contacts.
+        Array of `allocate_contacts`, which is filled from its beginning.
     """
     discs, teeth = len(system.offset), len(system.place)
     crank = system.shafts[1]

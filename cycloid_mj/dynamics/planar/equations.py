@@ -156,7 +156,7 @@ def _assemble(
     pin_span: float,
     coupled_friction: bool,
 ) -> None:
-    """Assemble the linear equations of an iteration: inertia, gravity, servos, drags and contacts.
+    """Assemble the linear equations of an iteration in `equations`: inertia, gravity, servos, drags and contacts.
 
     Arguments as in `solve_step`; without `coupled_friction`, sliding friction follows the normal force of the previous
     iteration.
@@ -275,7 +275,7 @@ def _lever_arms(
 
 @njit
 def _linearise_force(contact: Contact, predicted: Array, coupled_friction: bool) -> Tangent:
-    """Linearise the force of a contact in the speeds, for its current state (sticking or sliding).
+    """Return the force of a contact as a linear function of the speeds, for its current state (sticking or sliding).
 
     `predicted` are the midpoint speeds at which the contact was linearised. Without `coupled_friction`, sliding
     friction follows the normal force of the last iteration.

@@ -58,7 +58,7 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
 
 
 def make_crank_train(reducer: RvReducer) -> CrankTrain:
-    """Return the cranks of an RV reducer as arrays."""
+    """Return the cranks of an RV reducer as arrays: positions, contact laws, bearing clearance and planet meshes."""
     mechanism, mesh = reducer.mechanism, reducer.planet_mesh
     bearings = [mechanism.mating(names.CRANK_BEARING, disc) for disc in range(len(mechanism.discs))]
     laws = stiffest(laws_of_discs(reducer))

@@ -196,7 +196,10 @@ def _compile_steps() -> Any:
 
 @njit
 def _extrapolate(motion: Motion, size: int, predicted: Array) -> None:
-    """Extrapolate the midpoint speeds of the next step; light pins keep theirs."""
+    """Write the expected midpoint speeds of the next step to `predicted`.
+
+    The first `size` unknowns are extrapolated linearly; the others, of light pins, keep their speeds.
+    """
     for i in range(len(predicted)):
         predicted[i] = motion.midpoint[i]
         if i < size:
@@ -310,7 +313,7 @@ def _write_sample(
 def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
     """Write positions and speeds of input, discs, output, cranks and moving pins to a row; return the next column.
 
-    The position of a floating sun follows its rotation; the angles of cranks are those against the carrier.
+    The position of a floating sun follows its rotation; the angles of cranks are relative to the carrier.
     """
     size, sun = len(system.inertia), 3 * len(system.offset)
     column = _write_shaft(system, 1, system.shafts[1], q, v, command, row, 0)

@@ -132,7 +132,7 @@ class System(NamedTuple):
 
 
 def make_system(reducer: Reducer, held: Held = "crank") -> System:
-    """Return the arrays of a reducer; a servo drives the shaft `held`, a torque acts on the other shaft.
+    """Return the arrays of a reducer for the solver; a servo drives the shaft `held`, a torque acts on the other shaft.
 
     Raises
     ------
