@@ -221,7 +221,7 @@ def fit_loops(
         gain = math.nan
         if torque_offset is None:
             problem, gain, solutions = _choose_offset(problem, solutions)
-        scaled_values = _refine(problem, solutions, fits, gain, interval_searches)
+        scaled_values = _continue_search(problem, solutions, fits, gain, interval_searches)
         if not intervals:
             return fits[-1]
         return replace(fits[-1], scaled=problem.fit_deflections(scaled_values, *fits[-1].ends.T))
@@ -232,7 +232,7 @@ def fit_loops(
         raise FitStopped(stop, partial_fit) from stop
 
 
-def _refine(
+def _continue_search(
     problem: FitProblem,
     solutions: list[tuple[float, Array]],
     fits: list[Fitted],

@@ -116,7 +116,9 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     ambient = reducer.design.service.ambient_temperature
     course = _solve_warm_up(reducer, duty, steady_state, settings)
     tightest = _find_tightest_time(reducer.design, course)
-    torque_limit = _limit_torque(reducer, points, steady_state, tightest if len(duty.points) > 1 else None, settings)
+    torque_limit = _find_torque_limit(
+        reducer, points, steady_state, tightest if len(duty.points) > 1 else None, settings
+    )
     by_speed, _ = _largest_duty_factor(
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady_state, settings
     )
@@ -297,16 +299,17 @@ class _TorqueLimit:
     by_duty: dict[float, float]
 
 
-def _limit_torque(
+def _find_torque_limit(
     reducer: Reducer,
     points: Sequence[DutyPoint],
     steady_state: _Steady,
     tightest: TightestTime | None,
     settings: ThermalSettings,
 ) -> _TorqueLimit:
-    """Compute the largest output torque of a duty that heat allows [N m], and that of intermittent duties (S3).
+    """Return the largest output torque of a duty that heat allows [N m], what limits it, and that by share of the time.
 
-    For intermittent duties and for the times within a cycle, losses are linear in the torque.
+    The latter are torques at which the drive runs for a share of the time and then rests (S3). For these, and for the
+    times within a cycle, losses are taken as linear in the torque.
 
     Parameters
     ----------

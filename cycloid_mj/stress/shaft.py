@@ -256,7 +256,7 @@ def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple
     loads = loads + unit_forces @ _resultant(loads)
     loads[:, 1:3] = unit_forces
     couple = traction_loads(cam, _rotate_quarter(cam.normals))[:, np.newaxis]
-    return loads, _of_unit_moment(grid, couple + unit_forces @ _resultant(couple))  # a couple has no resultant
+    return loads, _scale_to_unit_moment(grid, couple + unit_forces @ _resultant(couple))  # a couple has no resultant
 
 
 def _torsion_load(grid: Grid, shaft: ShaftDimensions) -> Array:
@@ -264,10 +264,10 @@ def _torsion_load(grid: Grid, shaft: ShaftDimensions) -> Array:
     end = select_surface(grid, lambda x: _at_end(x, shaft))
     first = _cam_unit_loads(grid, shaft, 0)[0][:, 1:3]
     load = traction_loads(end, _rotate_quarter(end.points))[:, np.newaxis]
-    return _of_unit_moment(grid, load + first @ _resultant(load))
+    return _scale_to_unit_moment(grid, load + first @ _resultant(load))
 
 
-def _of_unit_moment(grid: Grid, load: Array) -> Array:
+def _scale_to_unit_moment(grid: Grid, load: Array) -> Array:
     """Scale a load (n, 1) to 1 N m about z."""
     x, y = grid.points[:, 0], grid.points[:, 1]
     return np.asarray(load / (x @ load[1::3] - y @ load[0::3]))

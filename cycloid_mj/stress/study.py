@@ -276,7 +276,7 @@ def part_study(turn: Turn, reducer: Reducer, part: str, settings: StudySettings,
         stress_range=stress_range,
         variants=_stress_with_other_supports(reducer, part, settings, loads, stress),
         yield_strength=material.yield_strength,
-        refinement=_check_convergence(reducer, grid, settings, loads, stress),
+        refinement=_compare_with_finer_grid(reducer, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
         by_corner=corners,
     )
@@ -319,7 +319,7 @@ def select_angles(loads: PartLoads, indices: npt.ArrayLike) -> PartLoads:
     return replace(loads, **selected_fields)
 
 
-def _check_convergence(
+def _compare_with_finer_grid(
     reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> Refinement:
     """Solve `settings.checked` crank angles on a finer grid; return the bulk stresses [Pa] of both grids.
