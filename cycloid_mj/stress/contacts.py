@@ -189,7 +189,10 @@ def part_frame(turn: Turn, part: str) -> PartFrame:
 
 
 def list_contacts(turn: Turn, part: str) -> list[PartContact]:
-    """List every contact of a part: "shaft", a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1"."""
+    """List force, position and patch width of every contact of a part over a turn, in the frame of the part.
+
+    `part` is "shaft", the name of a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1".
+    """
     if part in turn.reducer.gears:
         return _gear_contacts(turn, turn.reducer.gears.index(part))
     return {"shaft": _shaft_contacts, "ring": _ring_contacts, "output": _output_contacts, "pin_1": _pin_contacts}[part](
@@ -303,7 +306,7 @@ def _in(seat: PartFrame, action: Action) -> Action:
 
 
 def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
-    """List the contacts of the disc with the index `disc`, in its frame: with the ring, the cam and the output pins.
+    """List the contacts of the disc with the index `disc`, as of `list_contacts`: with ring, cam and output pins.
 
     In an RV reducer they are those with the ring and the cranks.
     """
@@ -355,7 +358,7 @@ def needle_contact(reducer: RvReducer, force: Array, raceway_curvature: float) -
 
 
 def _ring_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the ring, in its frame: its lobes with the discs, or its sockets with the ring pins."""
+    """List the contacts of the ring, as of `list_contacts`: its lobes with discs, or its sockets with ring pins."""
     design = turn.reducer.design
     if design.ring.kind == "nonpin":
         return [contact for disc in _discs(turn) for contact in _tooth_contacts(turn, "ring", disc)]
@@ -365,7 +368,7 @@ def _ring_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _output_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the output pins, in the output's frame: with the discs, or with the bores of their rollers.
+    """List the contacts of the output pins, as of `list_contacts`: with the discs, or with the bores of their rollers.
 
     Each pair of pin and disc is a contact.
     """
@@ -382,7 +385,7 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _shaft_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of the shaft, in its frame: each cam with the bore of its disc."""
+    """List the contacts of the shaft, as of `list_contacts`: each cam with the bore of its disc."""
     gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
@@ -395,7 +398,7 @@ def _shaft_contacts(turn: Turn) -> list[PartContact]:
 
 
 def _pin_contacts(turn: Turn) -> list[PartContact]:
-    """List the contacts of ring pin 1, in its frame: with each disc, then with its socket.
+    """List the contacts of ring pin 1, as of `list_contacts`: with each disc, then with its socket.
 
     The socket is a single contact if the pin is free, else there is a contact for the force of each disc.
     """
@@ -452,7 +455,10 @@ def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
 
 
 def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
-    """Return the contact of a ring pin on a disc, in the frame of the disc; `pin` and `disc` are indices from 0."""
+    """Return force, position and patch width of a ring pin on a disc over a turn, in the frame of the disc.
+
+    `pin` and `disc` are indices from 0.
+    """
     gear, frame, name = turn.reducer.gear_profile, _disc(turn, disc), numbered_name(PIN, pin + 1)
     contact_force = _in(frame, _on_gear(turn, name, disc))
     position = contact_force.on_hole(
@@ -464,7 +470,7 @@ def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
 
 
 def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
-    """Return the contact of a ring pin on the wall of its socket, in the frame of the ring.
+    """Return force, position and patch width of a ring pin on the wall of its socket over a turn, frame of the ring.
 
     `pin` and `disc` are indices from 0; the force of a free pin does not depend on the disc. The wall is open towards
     the gear: a force where the ring has no wall is set to zero, since end plates carry it.
