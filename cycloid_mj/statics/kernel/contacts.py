@@ -148,10 +148,10 @@ class _Pose(NamedTuple):
 
 
 class _CurveOffset(NamedTuple):
-    """Offset of two curves at their ideal contact [m]: q along its normal, and p along its tangent.
+    """Offset of the points of two curves that touch in the ideal mesh: `q` along its normal, `p` along its tangent [m].
 
-    `arm_q` and `arm_p` [m] are those of the part that rotates with the disc: of a profile, without the second order of
-    the rotation; of the centre of a round hole, its nominal position.
+    `arm_q` and `arm_p` [m] are the lever arms of the rotation of the disc. For a tooth profile they are the offset
+    without the second order of the rotation, for a round hole the nominal offset of its centre.
     """
 
     q: float

@@ -86,14 +86,15 @@ _HYSTERESIS = HysteresisSettings()
 
 
 class Rubbing(NamedTuple):
-    """Friction elements (Prandtl-Jenkin) of n contacts, D cams and e seals, in this order: s = n + D + e of them.
+    """Friction elements (Prandtl-Jenkin) of n contacts, D cams and e seals, in this order: s = n + D + e.
 
     Each is a tangential spring that slips at its limit and keeps its force between steps. `slip` (s, u) [1] is the
-    sliding per unknown; that of a disc across its cam is added. `coefficient` (s,) [1] is the limit per normal force,
-    and `drag` (e,) [N] that of the seals. `stick` (s,) [N/m] is the stiffness below the limit.
+    sliding per unknown; the sliding of a disc across its cam is added during the solution. `coefficient` (s,) [1] is
+    the limit per normal force, and `drag` (e,) [N] the limit of the seals. `stick` (s,) [N/m] is the stiffness below
+    the limit.
 
-    `loss` (s,) [1] is the share of a contact's normal force that its material retains during unloading, as another such
-    spring of the stiffness `backing` (s,) [N/m] along the normal.
+    `loss` (s,) [1] is the share of a contact's normal force that its material retains during unloading, as a further
+    spring of the stiffness `backing` (s,) [N/m] along the normal that slips, too.
     """
 
     slip: Array
@@ -105,10 +106,10 @@ class Rubbing(NamedTuple):
 
 
 class _ElastoplasticState(NamedTuple):
-    """State at the end of a step: displacements z (u,) [m], and forces of s elements.
+    """State at the end of a step: displacements `z` (u,) [m], and forces of s elements, each of shape (s,).
 
-    These are the friction force `side` and the force of the material `normal` [N], the force of the spring `pressed`
-    [N] and its `depth` [m], and the sliding per unknown in the next step, `slip` (s, u) [1].
+    `side` is the friction force and `normal` the force of the lossy material [N]; `pressed` is the force of the spring
+    [N] and `depth` its deflection [m]. `slip` (s, u) [1] is the sliding per unknown in the next step.
     """
 
     z: Array

@@ -54,9 +54,10 @@ _NEWTON = NewtonSettings()
 
 
 class Residual(NamedTuple):
-    """Result of a solution: the residual `force`, relative to the largest load, at the `angle` of a number.
+    """Result of a solution at one or more crank angles.
 
-    `work` is the number of assemblies.
+    `force` is the residual force over the largest load [1], `angle` the index of the crank angle that failed, or of the
+    last angle, and `work` the number of assemblies.
     """
 
     force: float
