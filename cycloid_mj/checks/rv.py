@@ -62,7 +62,7 @@ def _check_planet_mesh(reducer: RvReducer) -> Check:
 def _check_dead_points(reducer: RvReducer) -> Check:
     """Check that the cranks do not all pass a dead point at the same time, as two cranks and a single disc do.
 
-    At a dead point the eccentrics line up, and the disc cannot keep the cranks in phase; a warning.
+    At a dead point the eccentrics line up, and the disc cannot keep the cranks in phase. A failure is a warning.
     """
     passed = not dead_points(reducer.cranks.count, reducer.design.gear.discs)
     return Check(

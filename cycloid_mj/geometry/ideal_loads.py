@@ -160,10 +160,11 @@ def contact_modulus(
 def hertz_line_contact(
     force: npt.ArrayLike, length: npt.ArrayLike, relative_curvature: npt.ArrayLike, modulus: float
 ) -> HertzContact:
-    """Compute Hertz's line contact: b = 2 sqrt(F / (pi L kappa E*)), p0 = sqrt(F kappa E* / (pi L)).
+    """Compute half width, peak pressure and shear stress of Hertz's line contact.
 
-    `force` F >= 0 [N] over the contact `length` L [m], `relative_curvature` kappa [1/m] (the sum of both bodies',
-    convex positive), `modulus` E* [Pa] of `contact_modulus`.
+    The half width is 2 sqrt(F / (pi L kappa E*)), the peak pressure sqrt(F kappa E* / (pi L)). `force` F >= 0 [N] acts
+    over the contact `length` L [m], `relative_curvature` kappa [1/m] is the sum of the curvatures of both bodies,
+    convex positive, and `modulus` E* [Pa] is that of `contact_modulus`. Arrays broadcast.
 
     Raises
     ------
