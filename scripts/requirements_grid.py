@@ -92,10 +92,10 @@ WISHES: tuple[Callable[[Requirement, float], dict[str, Any]], ...] = (
 
 
 def draw_requirements(count: int, seed: int) -> list[Requirement]:
-    """Draw random requirements: sizes from a log-uniform distribution, and up to two further wishes.
+    """Draw `count` random requirements: sizes from a log-uniform distribution, and up to two further requirements.
 
-    Larger drives get more torque. A quarter has no further wish, a half one, a quarter two, as far as these are
-    compatible. With the same seed, a smaller number yields the first of a larger one.
+    Larger drives get more torque. A quarter of the drives has no further requirement, half of them one, and a quarter
+    two, unless these are incompatible. With the same seed, a larger `count` only appends to the list.
     """
     points = qmc.Sobol(7, seed=seed).random_base2(math.ceil(math.log2(max(count, 1))))
     grid = []

@@ -116,7 +116,7 @@ def application(page: Page, token: str) -> ASGIApp:
         return Response(files[name], media_type="application/octet-stream", headers=disposition)
 
     async def ask(request: Request) -> Response:
-        """Read a question, and answer it in a thread; refuse it if it is too long, not JSON, or one too many."""
+        """Read a question, and answer it in a thread; refuse it if it is too long, not JSON, or too many are open."""
         try:
             body = await _read_body(request)
         except ClientDisconnect:

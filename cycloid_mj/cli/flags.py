@@ -242,7 +242,7 @@ Values = Sequence[tuple[DesignValue, float | None]]
 def load_design(name_or_file: str, changes: Sequence[str], values: Values, temperature: float | None = None) -> Design:
     """Return the design of a command line: a file or preset, changed by ``--set``, then by other flags.
 
-    A preload that is given as a torque is converted to an angle by statics.
+    A preload that is stated as a torque is converted to an angle by statics.
 
     Parameters
     ----------

@@ -374,6 +374,7 @@ def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
     error = encoding.chord_error
 
     def encode(name: str, part: Part) -> bytes:
+        """Encode a part in the format of `encoding`."""
         if encoding.is_mesh:
             return encoding.mesh(name, mesh(part.solid(error)))
         if encoding.is_polylines:

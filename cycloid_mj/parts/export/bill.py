@@ -395,7 +395,7 @@ def _format_limits(limits: tuple[float, float]) -> str:
 
 
 def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
-    """Yield the line of the rollers of the output pins, if any: made if they turn on a core, else bought.
+    """Yield the line of the rollers of the output pins, if any; rollers on a core are manufactured, others bought.
 
     Bought rollers have no material in the bill.
     """

@@ -78,7 +78,7 @@ def hub_radius(reducer: Reducer, sizes: Casing) -> float:
 
 
 def _crank_rings(reducer: Reducer, sizes: Casing, segments: Mapping[str, Segment]) -> Iterator[CrankRing]:
-    """Yield the rings or collars of a crank, the one on the side of the motor first; none that would be too thin.
+    """Yield the rings or collars of a crank, from the motor on; rings that would be too thin are left out.
 
     `segments` are those of the crank by name.
     """

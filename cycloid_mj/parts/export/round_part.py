@@ -77,7 +77,7 @@ def dowel_body(dowel: stock.Dowel) -> RoundPart:
 def cut_holes(name: str, part: RoundPart, base_segments: Sequence[Segment] = ()) -> tuple[Segment, ...]:
     """Cut the holes and pockets of `part` into `base_segments` and into the part; return the segments of both.
 
-    Segments are divided at each face of the part, of its holes and of its pockets; new ones have the name `name`.
+    Segments are divided at each face of the part, of its holes and of its pockets; new segments have the name `name`.
     """
     rounds = ((CircleContour(radius), z0, z1) for radius, z0, z1 in part.rounds)
     shells = [*base_segments, *(Segment(name, contour, (), z0, z1) for contour, z0, z1 in (*rounds, *part.blocks))]
