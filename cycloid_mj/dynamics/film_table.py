@@ -66,9 +66,9 @@ class FilmRows:
 
 
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
-    """Return the film table of a drive with the row and the ring pin of each mating pair.
+    """Return the film table of a drive with its row and the index of the ring pin for each mating pair.
 
-    The pin is 0 for pairs without a ring pin or lobe. None with the law ``coulomb``.
+    The index is 0 for pairs without a ring pin or lobe. The result is None with the law ``coulomb``.
     """
     design = reducer.design
     if not design.has_film:

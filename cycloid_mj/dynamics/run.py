@@ -295,7 +295,7 @@ def provenance(
 ) -> dict[str, str]:
     """Return the assumptions of a run as texts: solver, contact, time step, measured parts, working forces, versions.
 
-    `seconds` is as in `schedule`. Working forces are those at which the stiffnesses of the contacts are secants.
+    `seconds` is as in `schedule`. The stiffnesses of the contacts are secants at their working forces.
     """
     stiffened_reducer = reducer.for_slices if contact == "mesh" else reducer
     step_rule = STEP_RULES[solver]

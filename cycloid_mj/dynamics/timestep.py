@@ -67,7 +67,10 @@ def timestep(reducer: Reducer) -> float:
 
 @once
 def choose_step(reducer: Reducer) -> TimeStep:
-    """Return ``settings.timestep`` of a design, or the longest step that divides the time between two log samples."""
+    """Return the time step of a design and the reason for it: ``settings.timestep``, or an automatic choice if it is 0.
+
+    The automatic step is the longest within `step_limits` that divides the time between two log samples.
+    """
     given, rate = reducer.design.settings.timestep, reducer.design.settings.log_rate
     if given:
         return TimeStep(given, "given")

@@ -306,7 +306,10 @@ def _add_contacts(
 
 @njit
 def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> None:
-    """Add the force of a contact, and its derivatives by the speeds, to the equations of disc, pin, shaft and crank."""
+    """Add the force of a contact, and its derivatives by the speeds, to the equations of disc, pin, shaft and crank.
+
+    `tangent` is the force as a linear function of the speeds, from `_linearise_force`.
+    """
     matrix, right, pin_columns, pin_rows = equations.matrix, equations.right, equations.pin_columns, equations.pin_rows
     size, disc, pin_unknown, sliding = len(right), contact.disc, contact.pin, tangent.sliding
     shaft, crank = contact.shaft, contact.crank
@@ -360,7 +363,7 @@ def _shaft_arms(normal: float, tangent: float, centre: float, sliding: float) ->
 
 @njit
 def _shaft_slope(loaded_shaft: ShaftArms, other: ShaftArms, tangent: Tangent) -> float:
-    """Return the derivative of the torque on a shaft by the speed of the same shaft or of another."""
+    """Return the decrease of the torque on `loaded_shaft` [N m] per speed [rad/s] of `other`, which may be the same."""
     return (
         tangent.slope * loaded_shaft.pushed * other.normal
         + tangent.creep * loaded_shaft.tangent * other.tangent
@@ -390,7 +393,7 @@ def _add_block(
 ) -> None:
     """Add the derivative of the force on `loaded_body` by the speeds of `moving_body` to a block (3, 3) of `target`.
 
-    `row` and `column` are those of the block's first element in this matrix.
+    `row` and `column` are those of the block's first element; `tangent` is the result of `_linearise_force`.
     """
     for a in range(3):
         normal_term, creep_term, roll_term = (

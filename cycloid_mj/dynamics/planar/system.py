@@ -241,7 +241,7 @@ def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, A
 
 
 def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
-    """Return the values of `contact_search.RingPin` for each pin, shape (N, 6); of lobes the radii only."""
+    """Return the values of `contact_search.RingPin` for each pin, shape (N, 6); for lobes all but the radii are 0."""
     values = np.zeros((len(ring.names), len(RingPin._fields)))
     values[:, 0] = ring.radius
     for i in range(len(ring.names) if ring.role == Role.PIN else 0):
