@@ -150,9 +150,7 @@ def forces(content: Content) -> dict[str, Any]:
     """Return the forces over the crank turn with the number ``turn``."""
     number = content.get("turn", 0)
     if type(number) is not int or not 0 <= number <= QUESTIONS.turn:
-        raise UsageError(
-            f"the crank turn is {number!r}, which is out of range: choose an integer from 0 to {QUESTIONS.turn}"
-        )
+        raise UsageError(f"crank turn {number!r} is not allowed: choose a whole number from 0 to {QUESTIONS.turn}")
     return turn.forces(_reducer(content), number)
 
 

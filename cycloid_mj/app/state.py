@@ -28,7 +28,7 @@ def parse_design(values: Any) -> Design:
     """
     if not isinstance(values, Mapping):
         raise UsageError(
-            f"the design is no JSON object, but of type {type(values).__name__}: send an object of design-file keys "
+            f"the design is not a JSON object, but of type {type(values).__name__}: send an object of design-file keys "
             'and values, such as {"ring.teeth": 36}'
         )
     return override(BASE, {str(key): _as_integer(key, value) for key, value in values.items()})

@@ -358,7 +358,10 @@ def _file_stem(name: str) -> str:
     """
     stem = name.removesuffix(".toml")
     if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
-        raise UsageError(f"NAME {name!r} is not allowed: use at most 64 letters, digits, spaces and . _ -, e.g. my")
+        raise UsageError(
+            f"NAME {name!r} is not allowed: use at most 64 characters (letters, digits, spaces, '.', '_' and '-'), "
+            "e.g. my_drive"
+        )
     if stem in PRESETS:
         raise UsageError(f"NAME {name!r} is the name of a preset: choose another name, e.g. my-{stem}")
     return stem

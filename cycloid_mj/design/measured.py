@@ -267,4 +267,6 @@ def _number(cell: str) -> float | None:
 
 def _wrong_header(path: Path, line_number: int, cells: list[str], allowed: list[tuple[str, ...]]) -> DesignError:
     headers = " or ".join(",".join(names) for names in allowed)
-    return DesignError(f"{path}, line {line_number}: the header is {','.join(cells)[:60]!r}. Change it to {headers}")
+    return DesignError(
+        f"{path}, line {line_number}: the header {','.join(cells)[:60]!r} is not valid. Change it to {headers}"
+    )

@@ -52,8 +52,8 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
     points = [point for point in duty.points if point.speed and point.torque]
     if not points:
         raise DesignError(
-            f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours needs a sun gear that turns: set a "
-            "speed other than 0, such as 2295 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours can be computed only if the sun gear "
+            "turns: set a speed other than 0, such as 2295 rpm"
         )
     torques = np.array([abs(point.torque) for point in points])
     turns = np.array([_bearing_speed(reducer, point.speed) * point.share for point in points])

@@ -67,8 +67,8 @@ def _read_only(polygon: Array) -> Array:
     area = float(np.sum(x * v - u * y)) / 2
     if not area > 0.0:
         raise DesignError(
-            f"the outline or a hole of a prism is not counter-clockwise (its signed area is {area:.6g} m2): reverse "
-            "the order of its points"
+            f"the outline or a hole of a prism runs clockwise (signed area {area:.6g} m2), but must run "
+            "counter-clockwise: reverse the order of its points"
         )
     copy.setflags(write=False)
     return copy

@@ -61,8 +61,8 @@ def require_open_sockets(design: Design, feature: str) -> None:
     """
     if design.ring.has_sockets and design.ring.socket == "closed":
         raise DesignError(
-            f'{design.name}: ring.socket = "closed" does not support {feature}, because bores in end plates are not '
-            'drawn. Set ring.socket = "half_open"'
+            f'{design.name}: ring.socket = "closed" cannot be combined with {feature}, because bores in end '
+            'plates are not drawn. Set ring.socket = "half_open"'
         )
 
 
@@ -74,6 +74,6 @@ def require_one_ring(reducer: "Reducer", feature: str) -> None:
     design = reducer.design
     if design.ring.halves > 1:
         raise DesignError(
-            f"{design.name}: a ring in two halves (ring.halves = {design.ring.halves}) does not support {feature}. Set "
+            f"{design.name}: a split ring (ring.halves = {design.ring.halves}) cannot be combined with {feature}. Set "
             "ring.halves = 1 and ring.preload_arcmin = 0"
         )

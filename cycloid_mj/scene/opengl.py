@@ -58,5 +58,6 @@ def _missing(problem: Exception) -> CycloidError:
     reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
     return CycloidError(
         f"OpenGL ({platform()}) cannot render images: {reason}. Install a driver (Debian: libegl1 with "
-        "libgl1-mesa-dri, or libosmesa6 and MUJOCO_GL=osmesa), or draw in 2-D with `cycloid-mj animate`"
+        "libgl1-mesa-dri, or libosmesa6 with the environment variable MUJOCO_GL=osmesa), or draw in 2-D with "
+        "`cycloid-mj animate`"
     )

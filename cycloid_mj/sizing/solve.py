@@ -130,7 +130,7 @@ def best_ratio(requirement: Requirement, low: int, high: int) -> Requirement:
         The range is empty.
     """
     if low > high:
-        raise UsageError(f"--ratio: the range of ratios {low} to {high} is empty: give the smaller ratio first")
+        raise UsageError(f"--ratio-range {low}:{high} is empty: give the smaller ratio first")
     count = min(MAX_RATIOS, high - low + 1)
     ratios = [round(low + (high - low) * number / max(count - 1, 1)) for number in range(count)]
 

@@ -97,12 +97,12 @@ def read_mounts(path: Path) -> Mounts:
         )
     except FileNotFoundError as error:
         raise UsageError(
-            f"the file of mounts {path} does not exist: give the name of a TOML file (docs/printed-drive.md shows an "
+            f"the mounts file {path} does not exist: give the name of a TOML file (docs/printed-drive.md shows an "
             "example)"
         ) from error
     except (OSError, ValueError) as error:
         raise DesignError(
-            f"cannot read the file of mounts {path}: {reason(error)}. Choose a readable TOML file with UTF-8 text"
+            f"cannot read the mounts file {path}: {reason(error)}. Choose a readable TOML file with UTF-8 text"
         ) from error
     return record(Mounts, tables, str(path))
 
@@ -143,9 +143,9 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
     design, output = reducer.design, reducer.design.output
     if output.support != "both_ends" or design.gear.discs > 1:
         raise UsageError(
-            f"[studs] in the file of mounts applies to one disc between two output plates, but {design.name} has "
-            f'gear.discs = {design.gear.discs} and output.support = "{output.support}". Remove [studs], or set '
-            'gear.discs = 1 and output.support = "both_ends"'
+            "[studs] in the mounts file is only possible for a drive with one disc between two output plates, but "
+            f'{design.name} has gear.discs = {design.gear.discs} and output.support = "{output.support}". Remove '
+            '[studs], or set gear.discs = 1 and output.support = "both_ends"'
         )
     compliance, share, lateral_stiffness = solve_stud_beam(reducer, studs)
     work = compliance * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2

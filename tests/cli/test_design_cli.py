@@ -45,8 +45,8 @@ def test_new_leaves_an_existing_file_alone(here):
     ("argv", "words"),
     [
         (("pin",), "is the name of a preset"),
-        (("a/b",), "use at most 64 letters"),
-        (("",), "use at most 64 letters"),
+        (("a/b",), "use at most 64 characters"),
+        (("",), "use at most 64 characters"),
         (("x" * 65,), "at most 64"),
         (("my", "--from", "pon"), "did you mean pin"),
         (("my", "--set", "ring.teeth=1"), "ring.teeth"),

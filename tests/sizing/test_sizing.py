@@ -198,7 +198,7 @@ def test_the_best_ratio_of_a_range_has_the_largest_torque() -> None:
 
 
 def test_an_empty_range_of_ratios_is_refused() -> None:
-    with pytest.raises(UsageError, match="the range of ratios 22 to 18 is empty: give the smaller ratio first"):
+    with pytest.raises(UsageError, match="--ratio-range 22:18 is empty: give the smaller ratio first"):
         best_ratio(SMALL, 22, 18)
 
 

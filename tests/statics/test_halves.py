@@ -154,7 +154,7 @@ def test_commands_that_do_not_support_ring_halves_report_it(
     name, *flags = words.format(out=tmp_path).split()
     assert main([name, "printed", "--set", "ring.halves=2", *flags]) == 1
     error = capsys.readouterr().err
-    assert "(ring.halves = 2) does not support" in error
+    assert "(ring.halves = 2) cannot be combined with" in error
     assert "Traceback" not in error
 
 

@@ -136,7 +136,7 @@ def test_a_wrong_file_of_mounts_is_reported(tmp_path: Path, text: str, told: str
 
 
 def test_a_missing_file_of_mounts_is_reported(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"the file of mounts .*none\.toml does not exist"):
+    with pytest.raises(UsageError, match=r"the mounts file .*none\.toml does not exist"):
         read_mounts(tmp_path / "none.toml")
 
 

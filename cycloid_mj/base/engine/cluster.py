@@ -58,7 +58,7 @@ def run_on_cluster(
                 cause = "every worker of the cluster that computed it died"
                 if on_lost is None:
                     raise RunError(
-                        f"job {index + 1} on the cluster {scheduler} cannot be computed: {cause}, possibly for lack of "
+                        f"job {index + 1} on the cluster {scheduler} failed: {cause}. It may have run out of "
                         "memory. Use fewer workers per machine"
                     ) from future.exception()
                 result = on_lost(index, cause)

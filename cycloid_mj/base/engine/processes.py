@@ -51,7 +51,7 @@ def run_in_processes(
                 cause = f"its worker process died {count} times, the last time while it was the only one"
                 if on_lost is None:
                     raise RunError(
-                        f"job {repeated_index + 1} cannot be computed: {cause}, possibly for lack of memory. Use fewer "
+                        f"job {repeated_index + 1} failed: {cause}. The computer may have run out of memory. Use fewer "
                         "parallel processes (--workers)"
                     ) from death
                 del waiting[repeated_index]
