@@ -60,9 +60,9 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
     pool, requirement = solution.pool, solution.requirement
     strong = [
         row
-        for row, one in pool.rated.items()
-        if one and one.items and one.figures["mass"] > first.figures["mass"]
-        if pool.bias[row] * one.capacity >= requirement.torque
+        for row, rated in pool.rated.items()
+        if rated and rated.items and rated.figures["mass"] > first.figures["mass"]
+        if pool.bias[row] * rated.capacity >= requirement.torque
     ]
     merits: list[tuple[str, Callable[[Rated | None], float]]] = [
         ("stiffest", lambda rated: _stiffness(rated.reducer) if rated else 0.0),

@@ -181,8 +181,8 @@ def _with_error(force: Array, arm: Array, weight: float, deflection_force: Array
 
 
 def _modulus(design: Design, kind: str) -> float:
-    one, other = design.partners(kind)
-    return contact_modulus(one.youngs_modulus, one.poisson, other.youngs_modulus, other.poisson)
+    first, second = design.partners(kind)
+    return contact_modulus(first.youngs_modulus, first.poisson, second.youngs_modulus, second.poisson)
 
 
 def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads) -> dict[str, Array]:
@@ -226,11 +226,12 @@ def _bearings(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str
     wall = max(RULES.min_wall, RULES.wall_share * requirement.diameter / 2.0)
     rim = sizes.circle_out + (1.0 + RIM) * sizes.stud - wall
     index = np.minimum(
-        np.searchsorted([one.outside for one in hubs], 2.0 * room, side="right") - 1,
-        np.searchsorted([one.bore for one in hubs], 2.0 * rim, side="right") - 1,
+        np.searchsorted([bearing.outside for bearing in hubs], 2.0 * room, side="right") - 1,
+        np.searchsorted([bearing.bore for bearing in hubs], 2.0 * rim, side="right") - 1,
     )
     dynamic, width, static = (
-        np.array([getattr(one, key) for one in hubs])[np.maximum(index, 0)] for key in ("dynamic", "width", "static")
+        np.array([getattr(bearing, key) for bearing in hubs])[np.maximum(index, 0)]
+        for key in ("dynamic", "width", "static")
     )
     spacing = 1.5 * width
     lever = stack / 2.0 + sizes.disc + width / 2.0

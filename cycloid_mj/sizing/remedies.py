@@ -128,7 +128,7 @@ def _single_changes(requirement: Requirement) -> Iterator[Changes]:
     yield [FeasibleChange(f"{discs} discs", requirement.but(discs=discs)) for discs in more]
     tighter = [] if requirement.fit else [*requirement.tighter_clearances]
     words = "clearances of {:.3g} um"
-    yield [FeasibleChange(words.format(1e6 * one), requirement.but(clearance=one)) for one in tighter]
+    yield [FeasibleChange(words.format(1e6 * clearance), requirement.but(clearance=clearance)) for clearance in tighter]
     yield _series(requirement, "length", 2.0 * requirement.diameter, 1e-3, "a length of {:.4g} mm")
 
 
@@ -147,9 +147,8 @@ def _processes(requirement: Requirement) -> Changes:
     usual = requirement.but(material="", clearance=0.0, fit="")
     stronger = PROCESSES[requirement.process].stronger
     free = [] if requirement.custom else [FeasibleChange("free sizes of pins and bearings", usual.but(custom=True))]
-    return [
-        FeasibleChange(f"{one} in place of {requirement.process}", usual.but(process=one)) for one in stronger
-    ] + free
+    words = f"{{}} in place of {requirement.process}"
+    return [FeasibleChange(words.format(process), usual.but(process=process)) for process in stronger] + free
 
 
 def _combined(requirement: Requirement) -> Iterator[Changes]:
@@ -164,6 +163,6 @@ def _combined(requirement: Requirement) -> Iterator[Changes]:
                 changed = base.but(speed=speed, length=max(length, requirement.length))
                 rpm = [f"{speed / RPM:.4g} rpm"] if speed != base.speed else []
                 yield [
-                    FeasibleChange(" and ".join([*words, *rpm, *free, one.words]), one.requirement)
-                    for one in _diameters(changed)
+                    FeasibleChange(" and ".join([*words, *rpm, *free, larger.words]), larger.requirement)
+                    for larger in _diameters(changed)
                 ]

@@ -268,8 +268,8 @@ class Requirement:
             self._check_fit()
 
     def _two_stages(self) -> str:
-        """Return the way to a larger ratio: two stages, as nearly alike as their product allows."""
-        if self.RATIOS[1] != MOST_RATIO or not MOST_RATIO < self.ratio <= MOST_RATIO**2:
+        """Return advice on a larger ratio by two nearly equal stages; empty if it is out of reach."""
+        if not MOST_RATIO < self.ratio <= MOST_RATIO**2:
             return ""
         stages = range(LEAST_RATIO, math.isqrt(self.ratio) + 1)
         low = max((item for item in stages if self.ratio % item == 0), default=0)

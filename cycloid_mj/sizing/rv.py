@@ -110,6 +110,9 @@ class RvRequirement(Requirement):
     RATIOS: ClassVar[tuple[int, int]] = (31, 321)
     STAGES: ClassVar[str] = "an RV reducer"
 
+    def _two_stages(self) -> str:
+        return ""
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:

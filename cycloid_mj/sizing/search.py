@@ -194,9 +194,9 @@ def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rat
     sample = find_critical_sample(reducer)
     for _ in range(SETTINGS.iterations):
         load = min(torque, most)
-        one = rate_drive(requirement, reducer, load, sample, SETTINGS.poses)
-        rated, torque = one or rated, one.capacity if one else UNSOUND * load
-        if one and (load == most <= torque or abs(math.log(torque / load)) < SETTINGS.consistency):
+        drive = rate_drive(requirement, reducer, load, sample, SETTINGS.poses)
+        rated, torque = drive or rated, drive.capacity if drive else UNSOUND * load
+        if drive and (load == most <= torque or abs(math.log(torque / load)) < SETTINGS.consistency):
             break
     return rated
 
@@ -290,7 +290,7 @@ class Pool:
         """The strongest candidates by the estimates of `_capacities`, within the limits and beyond them."""
         figures = self.corrected
         within = violation(self.requirement, figures) <= 0.0
-        ranks = [np.argsort(-one * share) for one in _capacities(figures) for share in (1.0, within)]
+        ranks = [np.argsort(-torque * share) for torque in _capacities(figures) for share in (1.0, within)]
         rows = np.unique(np.concatenate([rank[: SETTINGS.strong] for rank in ranks]))
         sizes = self.sizes[rows].view(np.recarray)
         return replace(self, points=self.points[rows], sizes=sizes, guess=_estimate(self.requirement, sizes), rated={})
@@ -299,7 +299,7 @@ class Pool:
     def corrected(self) -> Estimate:
         """The estimates, corrected by the ratings nearby, and capacities by a tolerance study."""
         records, bias = [*self.corrections.values()], self.bias
-        values = np.reshape([[one.get(key, 0.0) for key in self.guess] for one in records], (-1, len(self.guess)))
+        values = np.reshape([[record.get(key, 0.0) for key in self.guess] for record in records], (-1, len(self.guess)))
         factors = dict(zip(self.guess, np.exp(_interpolate(self.points, self.corrections, values)).T, strict=True))
         factors |= {key: bias * factor for key, factor in factors.items() if key not in FIGURES}
         return {key: factors[key] * guess for key, guess in self.guess.items()}
@@ -323,8 +323,8 @@ class Pool:
             if not first:
                 break
             mass = (1.0 + SETTINGS.mass_tolerance) * first.figures["mass"]
-            if one := self.best(most_efficient(self.requirement, mass), max_ratings=SETTINGS.few_ratings):
-                return one
+            if drive := self.best(most_efficient(self.requirement, mass), max_ratings=SETTINGS.few_ratings):
+                return drive
         return None
 
     def best(
@@ -350,20 +350,20 @@ class Pool:
             better = best - SETTINGS.gain * abs(best) if math.isfinite(best) else best
             limit = goal if self.corrections else SETTINGS.likely * goal
             open_rows = ~known & (values < better) & ((values <= limit) | (not only_goal))
-            one = self.rated.get(row)
+            drive = self.rated.get(row)
             if best > goal and open_rows.any() and ratings < max_ratings:
                 new = int(np.argmin(np.where(open_rows, values, np.inf)))
                 is_rated = self._rate(new, max(float(torque[new]), 1e-6))
                 ratings += 1.0 if is_rated else SETTINGS.build_share
-            elif not one or not math.isfinite(best):
+            elif not drive or not math.isfinite(best):
                 return None
             elif best > goal and row not in extended and ratings < max_ratings:
                 extended.add(row)
                 self._extend(row)
             elif only_goal and best > goal:
                 return None
-            elif best > 0.0 or one.passed or not study:
-                return one
+            elif best > 0.0 or drive.passed or not study:
+                return drive
             elif studies == SETTINGS.studies:
                 passed = [index for index, drive in self.rated.items() if drive and drive.passed]
                 return self.rated[min(passed, key=lambda index: values[index])] if passed else None
@@ -373,13 +373,13 @@ class Pool:
 
     def _rate(self, row: int, torque: float) -> bool:
         """Rate a candidate from a torque [N m] on, keep its corrections, and return whether it could be rated."""
-        self.rated[row] = one = rate_candidate(self.requirement, self.sizes[row], torque)
-        true = one.known(self.guess) if one else {"other": UNSOUND * float(self.guess["other"][row])}
+        self.rated[row] = drive = rate_candidate(self.requirement, self.sizes[row], torque)
+        true = drive.known(self.guess) if drive else {"other": UNSOUND * float(self.guess["other"][row])}
         self.corrections[tuple(self.points[row])] = {
             key: float(np.log(np.clip(value / max(self.guess[key][row], 1e-9), 0.05, 20.0)))
             for key, value in true.items()
         }
-        return bool(one and one.items)
+        return bool(drive and drive.items)
 
     def study(self, row: int) -> Rated | None:
         """Rate a drive as on its design file, at the required torque or the most that it is expected to carry.
@@ -387,25 +387,25 @@ class Pool:
         After a study at too much torque, the next is at that of a secant: by pitting, capacities fall by a third to a
         half of the torque, as fewer teeth are in contact; by bearings, they are constant. None if samples jam.
         """
-        one = self.rated[row]
-        if not one:
+        drive = self.rated[row]
+        if not drive:
             return None
-        expected = 1.5 * one.capacity - 0.5 * one.torque if one.study else float(self.bias[row]) * one.capacity
-        lower = floor_digits(SETTINGS.study_share * max(expected, 0.5 * one.capacity))
+        expected = 1.5 * drive.capacity - 0.5 * drive.torque if drive.study else float(self.bias[row]) * drive.capacity
+        lower = floor_digits(SETTINGS.study_share * max(expected, 0.5 * drive.capacity))
         torque = self.requirement.torque if expected >= self.requirement.torque else lower
-        full = self._study_at(one.reducer, torque)
+        full = self._study_at(drive.reducer, torque)
         if full and full.capacity >= self.requirement.torque > torque:
-            full = self._study_at(one.reducer, self.requirement.torque)
-        if full and not one.study:
-            self.biases[tuple(self.points[row])] = math.log(full.capacity / one.capacity)
+            full = self._study_at(drive.reducer, self.requirement.torque)
+        if full and not drive.study:
+            self.biases[tuple(self.points[row])] = math.log(full.capacity / drive.capacity)
         self.rated[row] = full
         return full
 
-    def nearer_to_capacity(self, one: Rated) -> Rated:
+    def nearer_to_capacity(self, drive: Rated) -> Rated:
         """Return a drive that passed its study after another at a torque nearer to its capacity, if it passes that."""
-        torque = floor_digits(min(SETTINGS.study_share * one.capacity, self.requirement.torque))
-        full = self._study_at(one.reducer, torque) if torque > one.torque else None
-        return full if full and full.passed else one
+        torque = floor_digits(min(SETTINGS.study_share * drive.capacity, self.requirement.torque))
+        full = self._study_at(drive.reducer, torque) if torque > drive.torque else None
+        return full if full and full.passed else drive
 
     def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
         """Rate a drive as on its design file at a torque [N m], with its tolerance study; None if samples jam."""
@@ -433,9 +433,9 @@ class Pool:
         if self.corrections:
             errors *= np.minimum(cdist(self.points, list(self.corrections)).min(axis=1) / SETTINGS.reach, 1.0)
         figures = {key: values * (1.0 - errors if key in FIGURES else 1.0 + errors) for key, values in likely.items()}
-        for row, one in self.rated.items():
-            for key, value in one.known(self.guess).items() if one else dict.fromkeys(figures, math.nan).items():
-                figures[key][row] = value * (1.0 if key in FIGURES or (one and one.study) else bias[row])
+        for row, drive in self.rated.items():
+            for key, value in drive.known(self.guess).items() if drive else dict.fromkeys(figures, math.nan).items():
+                figures[key][row] = value * (1.0 if key in FIGURES or (drive and drive.study) else bias[row])
         values = objective(figures)
         return np.where(np.isnan(values), np.inf, values), known, capacity(likely)
 

@@ -39,21 +39,21 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     if not failed:
         return None, Answer(requirement, (), 0.0, _no_room(requirement)), None
     pool = max(failed, key=lambda pool: pool.promise)
-    one = pool.best(strongest(pool.requirement))
-    if not (one and one.passed):
-        return None, Answer(requirement, (), 0.0, _limit(pool, one)), pool
-    one = pool.nearer_to_capacity(one)
-    if one.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
-        return Trial(pool, pool.lightest() or one), Answer(pool.requirement, ()), None
-    return None, Answer(requirement, (), one.torque, _limit(pool, one)), pool
+    drive = pool.best(strongest(pool.requirement))
+    if not (drive and drive.passed):
+        return None, Answer(requirement, (), 0.0, _limit(pool, drive)), pool
+    drive = pool.nearer_to_capacity(drive)
+    if drive.torque >= requirement.torque:  # the search for the maximum found what that for the torque missed
+        return Trial(pool, pool.lightest() or drive), Answer(pool.requirement, ()), None
+    return None, Answer(requirement, (), drive.torque, _limit(pool, drive)), pool
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
     """Return a drive of a pool that carries the torque within the limits, by its tolerance `study` or a rating."""
     requirement = pool.requirement
     goal = -requirement.torque
-    one = pool.best(strongest(requirement), goal, only_goal=True, study=study, max_ratings=max_ratings)
-    return one if one and one.capacity >= requirement.torque and (one.passed or not study) else None
+    drive = pool.best(strongest(requirement), goal, only_goal=True, study=study, max_ratings=max_ratings)
+    return drive if drive and drive.capacity >= requirement.torque and (drive.passed or not study) else None
 
 
 def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
@@ -79,22 +79,24 @@ def finer_requirements(requirement: Requirement) -> list[Requirement]:
     return [requirement.but(clearance=clearance, tightened=True) for clearance in requirement.finer_clearances]
 
 
-def _limit(pool: Pool, one: Rated | None) -> str:
+def _limit(pool: Pool, drive: Rated | None) -> str:
     """Return what limits the torque of the best drive of a pool, or of those that were rated."""
     requirement = pool.requirement
     rated = [drive for drive in pool.rated.values() if drive and drive.items]
-    if not one and rated:
+    if not drive and rated:
         return max(rated, key=lambda drive: drive.capacity).weakest.name
-    if not one:
+    if not drive:
         return "its teeth skip under any load, or no drive can be balanced"
-    if one.figures["length"] > requirement.length:
-        return f"no drive is shorter than {MILLIMETRES * one.figures['length']:.3g} mm ({length_parts(one.reducer)})"
-    if one.figures.get("backlash", 0.0) > requirement.backlash:
+    if drive.figures["length"] > requirement.length:
         return (
-            f"its backlash is {one.figures['backlash']:.3g} arcmin or less in 99 % of drives with clearances of "
+            f"no drive is shorter than {MILLIMETRES * drive.figures['length']:.3g} mm ({length_parts(drive.reducer)})"
+        )
+    if drive.figures.get("backlash", 0.0) > requirement.backlash:
+        return (
+            f"its backlash is {drive.figures['backlash']:.3g} arcmin or less in 99 % of drives with clearances of "
             f"{1e6 * requirement.usual_clearance:.3g} um"
         )
-    return one.weakest.name
+    return drive.weakest.name
 
 
 def _no_room(requirement: Requirement) -> str:
