@@ -447,6 +447,7 @@ def unlike_sides(loop: MeasuredLoop) -> float:
     return float(np.std(differs[loop.points_left_out :]))
 
 
+@pytest.mark.slow
 def test_the_loop_is_repeated_best_within_the_intervals() -> None:
     """By a model that is off, the likeliest values miss the turns by more; none leaves its interval."""
     loops = locked_loops(1.0, 0.03, 0)
@@ -784,7 +785,7 @@ def test_a_stopped_calibration_is_saved_in_its_folder(
     monkeypatch.setattr("cycloid_mj.cli.progress.count_progress", lambda what, quiet: pressed_at(100))
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
     assert main([*words, "--out", str(tmp_path), "--quiet"]) == 130
-    assert f"stopped by Ctrl-C; the fit at that time is in {tmp_path}" in capsys.readouterr().err
+    assert f"stopped by Ctrl-C; the values fitted so far are in {tmp_path}" in capsys.readouterr().err
     found = json.loads((tmp_path / "printed-calibrated.json").read_text())
     assert found["complete"] is False
     assert found["unusable"] is None

@@ -540,6 +540,7 @@ def test_a_stress_by_the_force_has_the_weights_part_and_never_falls():
     assert flat.residual == pytest.approx(0.001 * force.std(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_difference_off_the_regression_over_force_is_not_an_order(idle):
     starts, rated = idle
     pressed = {

@@ -77,18 +77,18 @@ def test_the_cause_of_a_verdict_is_proven_by_its_removal(claim):
 TORQUE = {claim["key"] for claim in CLAIMS if claim["key"].startswith("output_torque")}
 
 
-def test_no_run_has_a_socket_that_the_drawings_do_not_have():
+@pytest.mark.parametrize("plan", [QUICK, pytest.param(FULL, marks=pytest.mark.slow)])
+def test_no_run_has_a_socket_that_the_drawings_do_not_have(plan):
     drawn = {design.name: socket_half_angle(design) for design in designs() if design.ring.has_sockets}
-    for plan in (QUICK, FULL):
-        runs = [*main_runs(plan), *rated_runs(plan), *(ramp_run(plan, design) for design in designs())]
-        for design in designs():
-            runs += idle_runs(plan, design) + finer_idle_runs(plan, design)
-            runs += [run for one in variations(plan) for run in varied_idle_runs(plan, one, design)]
-        for run in dict.fromkeys(runs):
-            assert run.ring.socket == "half_open"
-            if run.ring.has_sockets:
-                # as wide as drawn, but for the clearance that is varied
-                assert socket_half_angle(run) == pytest.approx(drawn[run.name], abs=1e-3)
+    runs = [*main_runs(plan), *rated_runs(plan), *(ramp_run(plan, design) for design in designs())]
+    for design in designs():
+        runs += idle_runs(plan, design) + finer_idle_runs(plan, design)
+        runs += [run for one in variations(plan) for run in varied_idle_runs(plan, one, design)]
+    for run in dict.fromkeys(runs):
+        assert run.ring.socket == "half_open"
+        if run.ring.has_sockets:
+            # as wide as drawn, but for the clearance that is varied
+            assert socket_half_angle(run) == pytest.approx(drawn[run.name], abs=1e-3)
     assert not [claim["key"] for claim in CLAIMS for one in claim["removals"] if "socket" in one["taken_away"]]
 
 

@@ -59,7 +59,7 @@ def test_values_implied_by_the_ring_are_equal():
         assert values.pin_socket == values.tooth, table
 
 
-@pytest.mark.parametrize("which", [QUICK, FULL])
+@pytest.mark.parametrize("which", [QUICK, pytest.param(FULL, marks=pytest.mark.slow)])
 def test_runs_of_both_designs_differ_in_the_ring_only(which):
     pin, nonpin = plan.designs()
     pairs = list(zip(main_runs(which)[::2], main_runs(which)[1::2], strict=True))
@@ -114,7 +114,7 @@ def test_samples_fall_on_whole_degrees(design):
     assert np.degrees(design.drive.speed * sample) == pytest.approx(1.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("which", [QUICK, FULL])
+@pytest.mark.parametrize("which", [QUICK, pytest.param(FULL, marks=pytest.mark.slow)])
 def test_no_step_is_longer_than_its_design_states(which):
     runs = [*main_runs(which), *rated_runs(which), *(ramp_run(which, design) for design in plan.designs())]
     runs += [run for one in plan.variations(which) for of in plan.designs() for run in varied_idle(which, one, of)]
@@ -283,6 +283,7 @@ def test_each_solver_has_its_own_log_and_starts_are_not_shown(tmp_path):
     assert start["gear_angle"] == pytest.approx(shown["gear_angle"], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_claims_over_starts_name_their_solver():
     step = next(step for step in stages.STEPS if step.key == "gear_speed")
     claims = stages.run_step(step, QUICK, ideal_runs, silent).result.claims

@@ -107,9 +107,9 @@ def test_every_size_in_the_bill_of_a_new_drive_is_in_the_tables_of_stock(name: s
     require_sizes_in_stock(reducer)
 
 
-@pytest.mark.parametrize("number", cases(range(10), *range(3)))
+@pytest.mark.parametrize("number", cases(range(10), 0))
 def test_every_size_in_the_bill_is_in_the_tables_of_stock(number: int) -> None:
-    require_sizes_in_stock(drawn_drives(3 if number < 3 else 10)[number])
+    require_sizes_in_stock(drawn_drives(10 if number else 1)[number])
 
 
 def require_sizes_in_stock(reducer: Reducer) -> None:
