@@ -52,7 +52,8 @@ def run_all(
     workers = min(Engine(kind="threads").local_workers, len(jobs))
     total = sum(design.drive.ramp + design.drive.hold for design in jobs)
     with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
-        progress.tell(f"running {len(jobs)} simulations, {workers} of them in parallel")
+        simulations = "1 simulation" if len(jobs) == 1 else f"{len(jobs)} simulations, {workers} of them in parallel"
+        progress.tell(f"running {simulations}")
         total_progress = _TotalProgress(progress)
         runs = [
             pool.submit(

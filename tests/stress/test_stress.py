@@ -637,7 +637,7 @@ def test_the_command_runs_a_design(told, tmp_path):
     code, out, err = told(
         "--design", "pin", *fast, "--part", "pin_1", "--quick", "--out", str(tmp_path), "--angle-deg", "9", "--all"
     )
-    assert (code, "1 runs" in err) == (0, True), err
+    assert (code, "running 1 simulation\n" in err) == (0, True), err
     for words in ("largest von Mises stress", "assumed: ", "pin.mcap"):
         assert words in out
     assert not [path for path in tmp_path.iterdir() if path.suffix in (".png", ".svg")]  # none was asked for
