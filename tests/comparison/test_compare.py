@@ -331,7 +331,7 @@ def test_sweep_runs_each_different_design_once(here, instant, monkeypatch):
     assert Path("all/compare_sweep.png").exists()
     assert Path("all/pin-no-load-start-2-pins-fixed.mcap").exists()
     assert all("not determined" in decision for decision in found["decisions"])
-    assert "14 runs, " in err
+    assert "running 14 simulations, " in err
 
 
 # --- what goes wrong
@@ -493,7 +493,7 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
             assert all(len(axes.lines) >= 2 for axes in figure.axes)
         else:
             cases = [f"{design}, {load}" for design in DESIGNS for load in ("no load", "36.68 N m")]
-            assert [title.split(": about")[0] for title in titles] == cases
+            assert [title.split(": mean")[0] for title in titles] == cases
             assert figure.get_supylabel()
         assert figure.get_suptitle().endswith("1640 rpm")
     for figure in drawn.values():

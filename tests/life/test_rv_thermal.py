@@ -99,4 +99,4 @@ def test_the_case_stays_below_60_degrees_at_the_rated_torque_on_a_robot() -> Non
 @pytest.mark.slow
 def test_the_command_warns_of_the_preload(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["thermal", "rv80e", "--load-nm", "100"]) == 0
-    assert "expand by" in capsys.readouterr().err
+    assert "expand by" in capsys.readouterr().out
