@@ -11,7 +11,7 @@ from cycloid_mj.life.heat import COOLING
 from cycloid_mj.sizing.answer import FeasibleChange
 from cycloid_mj.sizing.requirement import LARGEST_PAIR, MAX_DISCS, Requirement
 from cycloid_mj.sizing.search import SETTINGS, Pool, pool_of
-from cycloid_mj.sizing.solve import find_drive, finer_requirements, pools_of
+from cycloid_mj.sizing.solve import find_drive, finer_requirements, is_feasible, pools_of
 
 STEP = 1.04
 """Factor between values that are tried; with their rounding, a remedy is at most 5 % above the smallest."""
@@ -19,8 +19,9 @@ STEP = 1.04
 MAX_DIAMETER, MIN_LIFE, MIN_SHARE, MIN_SPEED = 3.0, 100.0, 0.05, 30.0 * RPM
 """Largest diameter [m], shortest life [h], smallest share of the time and slowest crank [rad/s] of a remedy."""
 
-MAX_PROBES, MAX_REMEDIES = 4, 4
-"""Largest number of values that are searched for a remedy, and of remedies; a diameter is among them."""
+MAX_PROBES, MAX_VERIFICATIONS, MAX_REMEDIES = 4, 5, 4
+"""Largest number of values that are searched for a remedy, of those that are verified from the smallest on, and of
+remedies; a diameter is among them."""
 
 Changes = Sequence[FeasibleChange]
 """Changes of the same kind, the smallest first."""
@@ -58,7 +59,6 @@ class _RemedySearch:
 
     def __init__(self, requirement: Requirement, most: float, pool: Pool) -> None:
         self.pool = pool.strong_part
-        self.pools: dict[Requirement, list[Pool]] = {}
         predicted = self._predict(requirement)
         self.scale = most / predicted if most and predicted else 1.0
 
@@ -68,41 +68,40 @@ class _RemedySearch:
         variants += [finer for variant in variants for finer in finer_requirements(variant)[-1:]]
         return max((pool.promise for pool in map(self.pool.changed, variants) if pool), default=0.0)
 
-    def _is_feasible(self, changed: Requirement, *, study: bool) -> bool:
-        """Return whether the search finds a drive, after a tolerance `study` or before; ratings are kept."""
-        if changed not in self.pools:
-            self.pools[changed] = list(pools_of(changed, self.pool))
-        return any(find_drive(pool, study=study, max_ratings=SETTINGS.few_ratings) for pool in self.pools[changed])
+    def _is_promising(self, changed: Requirement) -> bool:
+        """Return whether the ratings so far and a few more find a drive, before its tolerance study."""
+        pools = pools_of(changed, self.pool)
+        return any(find_drive(pool, study=False, max_ratings=SETTINGS.few_ratings) for pool in pools)
 
     def smallest(self, changes: Changes) -> Iterator[FeasibleChange]:
         """Yield the smallest feasible change, if one is found.
 
         Doubling and a bisection by the predicted torque lead to a first change, from which the search goes on by
-        ratings (galloping search). The last is verified with its tolerance study.
+        ratings (galloping search). The last is verified by a new search, as a user starts it.
         """
         count = len(changes)
 
-        def is_promising(index: int) -> bool:
+        def is_predicted(index: int) -> bool:
             requirement = changes[index].requirement
             return self.scale * self._predict(requirement) >= requirement.torque
 
         doubled = [*(2**power - 1 for power in range(count.bit_length())), count - 1] if count else []
-        high = next((index for index in doubled if is_promising(index)), -1)
+        high = next((index for index in doubled if is_predicted(index)), -1)
         if high < 0:
             return
         low = (high + 1) // 2 - 1
         while high - low > 1:
             middle = (low + high) // 2
-            low, high = (low, middle) if is_promising(middle) else (middle, high)
+            low, high = (low, middle) if is_predicted(middle) else (middle, high)
         probe, low, high = high, -1, count
         for number in range(MAX_PROBES):
-            if self._is_feasible(changes[probe].requirement, study=False):
+            if self._is_promising(changes[probe].requirement):
                 high, probe = probe, max(probe - 2**number, low + 1)
             else:
                 low, probe = probe, min(probe + 2**number, high - 1)
             if high - low == 1:
                 break
-        feasible = (change for change in changes[high : high + 3] if self._is_feasible(change.requirement, study=True))
+        feasible = (change for change in changes[high : high + MAX_VERIFICATIONS] if is_feasible(change.requirement))
         yield from itertools.islice(feasible, 1)
 
 

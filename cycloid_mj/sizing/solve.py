@@ -56,6 +56,11 @@ def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) 
     return drive if drive and drive.capacity >= requirement.torque and (drive.passed or not study) else None
 
 
+def is_feasible(requirement: Requirement) -> bool:
+    """Return whether a new search finds a drive that meets a requirement, without looking for the lightest."""
+    return any(find_drive(pool, study=False) and find_drive(pool, study=True) for pool in pools_of(requirement))
+
+
 def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
     """Yield the pools of a requirement for each of its numbers of discs, with the ratings of a `source` if any.
 

@@ -197,7 +197,8 @@ def random_design(rng: np.random.Generator) -> Design:
     tables["ring"]["pins"] = str(rng.choice(["free", "fixed", "sleeved"]))
     tables["ring"][str(rng.choice(["preload", "preload_torque"]))] = 0.0
     tables["ring"]["halves"] = 2 if tables["ring"]["preload"] or tables["ring"]["preload_torque"] else 1
-    del tables["name"], tables["structure"], tables["layout"]
+    for key in ("name", "structure", "layout", "planet", "cranks", "crank_errors", "crank_tolerance", "thermal"):
+        del tables[key]
     return Design.model_validate(tables)
 
 

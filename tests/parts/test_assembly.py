@@ -155,7 +155,7 @@ def collisions(design: Design, angles: np.ndarray, phase: float = 0.0) -> list[s
         bodies: dict[str, list[Prism]] = {}
         for place in place_parts(reducer, angle, sizes):
             kind = family(place.part)
-            if kind in ("shaft_bearing", "output_bearing", "cam_bearing"):
+            if kind in ("shaft_bearing", "output_bearing", "cam_bearing", "bearing_spacer"):
                 continue  # they touch what turns and what stands: OpenCASCADE tells
             at = replace(place, angle=place.angle + phase) if kind == "gear" else place
             body = bodies.setdefault(BODIES.get(kind, place.name), [])

@@ -119,7 +119,7 @@ def test_a_slice_out_of_place_is_an_error() -> None:
     moved = dataclasses.replace(first, centre=(0.0, 0.5e-6))
     with pytest.raises(DesignError, match=r"extend beyond its outline by 0\.[3-6]"):
         surface_quality(dataclasses.replace(surface, places=(moved, *others)))
-    with pytest.raises(DesignError, match="underfill"):
+    with pytest.raises(DesignError, match="fall short of its outline"):
         surface_quality(dataclasses.replace(surface, places=tuple(others[3:])))
 
 
@@ -192,7 +192,7 @@ def test_a_remainder_that_protrudes_from_its_slices_is_an_error(band: Sector) ->
     assert 0.0 < found.max_overfill < band.bound
     assert found.max_underfill < 5e-6
     assert found.volume_error > 0.0
-    with pytest.raises(DesignError, match="overfill"):
+    with pytest.raises(DesignError, match="extend beyond its outline"):
         decompose(bent_bar(1e-12), dataclasses.replace(SETTINGS, coacd=CoacdSettings(threshold=0.9)))
 
 
