@@ -55,9 +55,10 @@ def high_friction() -> Design:
 
 
 def high_speed() -> Design:
-    """Return the preset `twodisc` at 12 000 rpm with clearances of 2 um, under 5 % of its load."""
+    """Return the preset `twodisc` at 12 000 rpm with clearances of 2 um and Coulomb friction, under 5 % of its load."""
     preset = PRESETS["twodisc"]
     load = [f"load.torque_nm={0.05 * preset.rated_torque!r}", "drive.speed_rpm=12000.0", *clearances(2.0)]
+    load += ["friction.law=coulomb"]
     hold = 5.0 * SETTLED + WITNESS.periods * 60.0 / (12000.0 * preset.ring.teeth)  # a light load damps less
     return override(preset, [*CONDITIONS, *load, f"drive.hold_s={hold!r}"])
 
