@@ -224,7 +224,10 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
     reducer = reducer_at_reference(reducer)
     sizes, reason = casing_or_none(reducer, options.motor)
     if sizes is None:
-        raise CycloidError(f"the files of the drive cannot be written, because no covers fit this design: {reason}")
+        raise CycloidError(
+            f"{reducer.design.name}: the files of the drive cannot be written, because no covers fit: {reason}. Change "
+            "the dimensions that this names, or download single parts"
+        )
     settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
     on_step("laying out the plate and the bill", 0.0)
     printed = print_files(reducer, sizes, settings, tightening_torques(reducer))

@@ -235,8 +235,8 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
             _require_figure(name)
     if not measure_names:
         raise UsageError(
-            f"no measure is named: choose at least one of {', '.join(MEASURED)}, or a figure listed by `cycloid-mj "
-            "figures`"
+            f"no measure is given (--measure): choose at least one of {', '.join(MEASURED)}, or a figure listed by "
+            "`cycloid-mj figures`"
         )
     return measure_names
 
@@ -247,6 +247,6 @@ def _require_figure(name: str) -> None:
         figure(name)
     except UsageError as error:
         raise UsageError(
-            f"unknown measure {name!r:.80}: choose one of {', '.join(MEASURED)}, or a key of the figures that "
-            f"`cycloid-mj figures` lists ({error})"
+            f"unknown measure {name!r:.80}: choose one of {', '.join(MEASURED)}, or a figure listed by "
+            f"`cycloid-mj figures` ({error})"
         ) from error

@@ -163,8 +163,8 @@ def _rate_all_items(
     turning_points = [point for point in duty.points if point.speed]
     if not turning_points:
         raise DesignError(
-            f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours needs a crank that turns: set another "
-            "speed, such as 1640 rpm"
+            f"{reducer.design.name}: drive.speed_rpm is 0, but a life in hours can be computed only if the crank "
+            "turns: set another speed, such as 1640 rpm"
         )
     loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning_points]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))

@@ -249,7 +249,7 @@ class LogWriter:
         if sorted(values) != sorted(topics):
             raise LogError(
                 f"the samples have the topics {sorted(values)}, but the log {self.path} has {sorted(topics)}: pass "
-                "samples of exactly these topics"
+                "samples with exactly the topics of the log"
             )
         if time.ndim != 1:
             raise LogError(
