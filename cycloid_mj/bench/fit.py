@@ -191,10 +191,11 @@ def fit_loops(
     start
         Scaled values (`bench.search`) of a single start, shape (v,); by default several starts (`FitProblem.starts`).
     intervals
-        Whether intervals are by profile likelihood. Otherwise they are those of the linearised model, which take no
-        further search, and the values are the likeliest.
+        Whether to compute intervals by profile likelihood, which searches on from the values. Otherwise the intervals
+        are those of the linearised model.
     torque_offset
-        Whether each loop has a zero offset of torque; by default chosen by the Bayesian information criterion.
+        Whether to fit an offset of the zero of torque for each loop; by default the Bayesian information criterion
+        decides.
 
     Raises
     ------

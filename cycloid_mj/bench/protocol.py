@@ -304,8 +304,8 @@ def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> M
     """Compute the hysteresis loop of a model with the crank locked at an angle [rad], as a bench would measure it.
 
     The torque on the output reverses at +-`rated_torque` [N m]. The loop is simulated, as by ``measure lost-motion``.
-    If the design has friction of its wind-up (`springs`), which a simulation lacks, it is computed by statics instead,
-    with that friction alone; the first of two equal loops is left out.
+    A simulation has no friction elements parallel to the torsion spring (`slip_elements`): a design that has them is
+    solved by statics instead, with their friction alone, for two loops of torque of which the second is returned.
 
     Raises
     ------

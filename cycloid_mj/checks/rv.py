@@ -123,9 +123,10 @@ def _wall_rules(reducer: RvReducer) -> Iterator[Rule]:
     around = bore - cranks.eccentric_radius
 
     def wall(name: str, where: str, key: str, room: float) -> Rule:
-        """Return the rule of a wall at a position in words, `where`.
+        """Return the rule that a wall is at least `TEETH.min_wall_share` of the pin-circle radius thick.
 
-        `room` [m] is the value at `key` that leaves no wall.
+        Its thickness is `room` [m] minus the value of the design at `key` [m]. `name` is that of the check, and `where`
+        locates the wall in messages, such as "between post and crank".
         """
 
         def wall_limits(relative_wall: float) -> tuple[Limit, ...]:

@@ -155,12 +155,12 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
 
 
 def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
-    """Compute the tangent of the angle by which friction leads the sliding velocity, by kind of pair [1].
+    """Compute the tangent [1] of the angle by which MuJoCo's friction leads the sliding velocity, by kind of pair.
 
     `laws` are the contact laws by kind of pair, `impratio` [1] is MuJoCo's ratio of impedances. Kinds of the result are
     teeth, cams (crank bearings of an RV reducer) and seats of moving pins, as far as they have friction. Discs orbit at
     the eccentricity c with the angular speed w: teeth and seats slide at c w and accelerate by c w^2, a cam of radius r
-    slides at r w. The tangent is impratio w/(R creep), multiplied by c/r on the cam.
+    slides at r w. The tangent is impratio w m/creep, with added mass m and creep of the law, times c/r on the cam.
     """
     design = reducer.design
     gear, speed = design.gear, abs(reducer.orbit_speed)

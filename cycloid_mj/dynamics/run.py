@@ -293,9 +293,11 @@ def _join_columns(groups: Groups, run: Sequence[SampleBlock]) -> dict[str, Array
 def provenance(
     reducer: Reducer, contact: Contact = "profile", seconds: float = 0.0, solver: Solver = "mujoco"
 ) -> dict[str, str]:
-    """Return the assumptions of a run as texts: solver, contact, time step, measured parts, working forces, versions.
+    """Return the assumptions of a run as texts, by the keys of the metadata of its log.
 
-    `seconds` is as in `schedule`. The stiffnesses of the contacts are secants at their working forces.
+    They are design, solver, contact, time step with its reason and accuracy, files of measured parts if any, working
+    forces (the stiffnesses of the contacts are secants at them), and versions of the packages. `seconds` is the time
+    step [s], or 0 for the one that the solver's rule chooses.
     """
     stiffened_reducer = reducer.for_slices if contact == "mesh" else reducer
     step_rule = STEP_RULES[solver]
@@ -651,7 +653,10 @@ class _Recorder:
             yield (np.abs(error) > quarter_pitch, partial(_describe_skip, disc_name, error))
 
     def _describe_jam(self, cause: str, power: Array, sample: int) -> str:
-        """Describe, for an error message, the jam at a sample, whose `cause` dissipates the `power` [W] (samples,)."""
+        """Return the error message of a jam at the index `sample`.
+
+        `cause` is the start of a clause, such as "friction dissipates"; `power` (samples,) is the dissipated power [W].
+        """
         drive = self._design.drive
         return (
             f"the drive jams: {cause} {power[sample]:.3g} W, which takes {power[sample] / abs(drive.speed):.3g} N m at "

@@ -136,11 +136,11 @@ def _transmission_errors(nominal: Array, responses: Array, deviations: Array) ->
     Parameters
     ----------
     nominal
-        Output angle of the nominal reducer over a turn [rad], shape (m,).
+        Deviation of the nominal reducer's output angle from the ideal one at m angles of a turn [rad], shape (m,).
     responses
-        Change of this angle by each error [rad/m], shape (columns, m).
+        Change of this deviation by each of n errors of parts [rad/m], shape (n, m).
     deviations
-        Errors of the samples [m], shape (columns, samples).
+        Errors of parts of each sample [m], shape (n, samples).
     """
     starts = range(0, deviations.shape[1], BLOCK)
     blocks = (deviations[:, start : start + BLOCK].T @ responses + nominal for start in starts)

@@ -147,12 +147,14 @@ def measured_deviations(design: Design) -> MeasuredDeviations:
 
 
 def measured_profile(design: Design) -> MeasuredProfile | None:
-    """Fit mean and waves to the measured profile of a design's discs; None if it is not measured.
+    """Fit the mean and the harmonics per turn of the deviation of a design's measured disc from its nominal profile.
+
+    Return None if the design has no measured profile.
 
     Raises
     ------
     DesignError
-        The profile of the drawing is undercut.
+        The nominal profile is undercut.
     """
     measured_files = design.measured
     if not (measured_files.gear_angle or measured_files.gear_x):

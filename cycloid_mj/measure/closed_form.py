@@ -39,9 +39,11 @@ def ideal_efficiency(reducer: Reducer, load: float) -> EfficiencyReference:
 
 
 def ideal_limit(reducer: Reducer) -> Reducer:
-    """Return a design with ideal load sharing: fixed pins, equal friction, a clearance of 1 nm, a rigid cam.
+    """Return a copy of a reducer that approaches ideal load sharing, for comparison with closed forms.
 
-    The cam is as stiff as the design file allows for its disc; it deflects by about a hundredth as much as the teeth.
+    It has fixed pins, the mesh's friction coefficient on the teeth, clearances of 1 nm, a contact stiffness that does
+    not depend on curvature, an automatic time step, and a nearly rigid cam: the stiffest that the design file allows,
+    which deflects by about a hundredth as much as the teeth.
     """
     design = reducer.design
     disc_mass = mass_properties(gear_solid(reducer)).mass

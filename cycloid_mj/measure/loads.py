@@ -109,8 +109,9 @@ def loads(
     -------
     Measurement
         For each kind of contact its forces [N], number of loaded contacts, Hertz pressure [MPa] and margin against
-        first yield; the capacities [N m]; with several discs load shares and bearing reactions. All have numerical
-        errors; ideal load sharing is the closed form of forces. Curves over the crank angle.
+        first yield; the output torques [N m] at first yield and at the shakedown limit; with several discs load shares
+        and bearing reactions; curves over the crank angle. Each quantity has an estimate of its numerical error, and
+        each force its closed form for ideal load sharing.
 
     Raises
     ------

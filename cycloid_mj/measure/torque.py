@@ -71,8 +71,9 @@ def torque(
     Returns
     -------
     Measurement
-        Output torque and its ripple [N m], output rate and efficiency [%], with numerical errors and closed forms;
-        curves of the torque; tables of the losses and of the output rate by friction and by other inputs.
+        Output torque and its ripple [N m], output rate (torque over input torque times ratio) and efficiency [%], each
+        with an estimate of its numerical error and its closed form; curves of the torque; tables of the losses, and of
+        the output rate at other values of friction and of other inputs.
     """
     reducer = Reducer(resolve(design))
     steady_reducer = steady_design(reducer).working_at(reducer.design.rated_torque)

@@ -234,8 +234,8 @@ def _planet_mating(reducer: "RvReducer") -> Mating:
 def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
     """Compute positions and speeds of all joints at an angle [rad] and speed [rad/s] of the sun.
 
-    This is the ideal motion of rigid parts without errors; moving pins are in the middle of their seats, as are all
-    joints that are left out.
+    This is the ideal motion of rigid parts without errors. Joints that are left out, such as those of moving pins, are
+    at 0, in the middle of their seats.
 
     Returns
     -------

@@ -94,10 +94,11 @@ def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
 
 
 def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: str = "discrete") -> str:
-    """Return the MJCF of a complete scene: the reduced joint, a motor on its crank, and a load on its output.
+    """Return the MJCF of a test scene: the joint model of a reducer, a motor on its crank, and a load on its output.
 
-    `load_inertia` is the inertia of the load in kg m2, `timestep` is in seconds, `integrator` is that of MuJoCo or
-    "discrete"; the control of the motor is its torque on the crank [N m].
+    The scene includes the joint model from ``joint.xml`` in the same folder. `load_inertia` is the inertia of the load
+    [kg m2], `timestep` the time step [s], and `integrator` the value of MuJoCo's option of that name. The control of
+    the motor is its torque on the crank [N m].
     """
     inertia = xml_number(load_inertia)
     direction = "against" if reduced.way < 0 else "with"

@@ -102,7 +102,10 @@ class StepTrial:
 
     @property
     def sentence(self) -> str:
-        """Summary with the conditions of the impact, as a sentence."""
+        """Return a sentence on the error of the peak of wind-up in an impact test under the rated load.
+
+        It is the `summary` alone if the joint is unstable or rigid, or its static error is too large.
+        """
         if not self.good or self.level == "rigid":
             return self.summary
         return (

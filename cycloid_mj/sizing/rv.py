@@ -343,7 +343,10 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
 
 
 def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: str) -> SizedDrive:
-    """Return a drive to show, with its figures and reasons."""
+    """Return a rated candidate as it is shown: its figures by key, and the reason of each value of its design file.
+
+    `title` is its heading, such as "lightest", and `why` a sentence on why it was chosen.
+    """
     reducer, torque = rated.candidate.reducer, requirement.torque
     motion = {item.key: item.value for item in motion_figures(reducer, torque)}
     figures = {

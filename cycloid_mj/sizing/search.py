@@ -143,8 +143,9 @@ def rate_drive(
 ) -> Rated | None:
     """Rate a drive within its tolerances at a torque [N m] under the conditions of a requirement.
 
-    As `cycloid-mj rate` does, by the samples at the percentile of the largest forces, or by a `sample` with a number.
-    None if it has no equilibrium, all samples jam, or a part does not fit.
+    The forces are those of `rate` with toleranced parts, or of the tolerance sample with the index `sample`, at `poses`
+    crank angles of a turn. The result has torque limits by item [N m], mass [kg], length [m] and, if it is required,
+    backlash [arcmin]. None if the drive has no equilibrium, all samples jam, or a part does not fit.
     """
     loaded = reducer.with_nominal_torque(torque)
     design, zones = loaded.design, tolerance_zones(loaded)

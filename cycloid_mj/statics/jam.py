@@ -41,7 +41,8 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
     """Compute the largest multiple of the design's friction [1] at which parts without clearance are in equilibrium.
 
     The result is at most `JAM.max_friction`. `load` (u,) [N] is the generalised load at the crank angle of index
-    `angle_index`.
+    `angle_index`: along x, y and the rotation of each disc, then on the output; torques are over the radius of the
+    output's pin circle.
 
     Notes
     -----

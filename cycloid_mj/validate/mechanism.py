@@ -213,9 +213,10 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
 
 
 def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Compare the smallest clearance of the best fit with the smallest exact gap of parts in its pose.
+    """Compare the smallest gap that `best_fit` reports with the smallest gap between the exact curves in its pose.
 
-    `bound` is the allowed difference [%], `changes` are settings as for ``--set``.
+    `best_fit` moves disc and output to where their smallest gap is largest. The list has one row, for fixed pins and
+    wide clearances at one crank angle. `bound` is the allowed difference [%], `changes` are settings as for ``--set``.
     """
     design = design_with_errors(FIXED, *WIDE_CLEARANCES, *changes)
     reducer = Reducer(design)

@@ -198,10 +198,11 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
 
 
 def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
-    """Compute the relative curvature [1/m] that represents the contact of pin and lobe between two `phases` [rad].
+    """Compute the mean relative curvature [1/m] of pin and lobe on the piece of a flank that a convex hull represents.
 
-    It is the geometric mean over the phases, weighted by the square of the moment arm as in the stiffness of the mesh;
-    the compliance of a contact is proportional to the logarithm of its curvature. The flank is offset by `offset` [m].
+    `phases` (start, end) [rad] are the crank phases between which the pin touches this piece, and `offset` [m] is that
+    of the flank along its outward normal. The mean is geometric, as the compliance of a contact is proportional to the
+    logarithm of its curvature, and weighted by the square of the moment arm, as in the stiffness of the mesh.
     """
     B = np.linspace(phases[0], phases[1], METHOD.flank_samples)
     kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius
