@@ -180,8 +180,6 @@ def fit_loops(
 ) -> Fitted:
     """Fit parameters of a model to measured loops by robust least squares; return values, intervals and residuals.
 
-    The search begins from several starts.
-
     Parameters
     ----------
     model, parameters, loops, bench
@@ -189,13 +187,12 @@ def fit_loops(
     trials
         Counter of evaluations.
     start
-        Scaled values (`bench.search`) of a single start, shape (v,); by default several starts (`FitProblem.starts`).
+        Scaled values (`bench.search`) of a single start, shape (v,); by default the search has several starts.
     intervals
         Whether to compute intervals by profile likelihood, which searches on from the values. Otherwise the intervals
         are those of the linearised model.
     torque_offset
-        Whether to fit an offset of the zero of torque for each loop; by default the Bayesian information criterion
-        decides.
+        Whether to fit an offset of the zero of torque for each loop; by default as the Bayesian criterion decides.
 
     Raises
     ------

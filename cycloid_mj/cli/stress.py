@@ -155,9 +155,7 @@ DELIVERED = StressDelivery()
 def stress(
     *designs: Annotated[
         DesignNames,
-        Parameter(
-            help=f"Designs: presets ({NAMES}) or TOML files. Optional with --log, where they must match the logs."
-        ),
+        Parameter(help=f"Designs: presets ({NAMES}) or TOML files. With --log, they are optional and must match it."),
     ],
     design: SeveralFlag = (),
     part: PartsFlag = (),
@@ -175,9 +173,8 @@ def stress(
 ) -> int:
     """Compute the stress of the parts by finite elements.
 
-    The loads are the contact forces of a logged run, with friction, and inertia, at each degree of a crank turn.
-    Contact forces act on Hertz-wide patches. Without --log, each design is simulated first: at full speed, for one turn
-    after the load has settled.
+    The loads are inertia and the contact forces of a logged run, on patches of Hertz's width, at each degree of a crank
+    turn. Without --log, each design is simulated first: at full speed, for one turn after the load has settled.
 
     For each part, the tables list the largest von Mises stress away from the contacts (bulk) and below them (Hertz),
     with position, crank angle, safety factor against yield, and the change with a finer grid. Stress at fillets and

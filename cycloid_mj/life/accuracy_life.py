@@ -265,9 +265,8 @@ def wear(
 ) -> WearLife:
     """Compute the wear of a drive over time, and its accuracy life with its 5 to 95 % interval.
 
-    Wear follows Archard's law with run-in. After each time step the static equilibrium is solved again with the worn
-    gaps. The computation of a case ends after `hours`, or when the lost motion has grown by `growth`. Ctrl-C ends it
-    early; the result then has the cases and steps that are finished.
+    Wear follows Archard's law with run-in; after each step, statics are solved with the worn gaps. A case ends after
+    `hours`, or when the lost motion has grown by `growth`. After Ctrl-C, the result has the finished cases and steps.
 
     Parameters
     ----------

@@ -42,8 +42,7 @@ def rate(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file; or a reducer, whose cached samples within the tolerances are
-        reused.
+        A design, or the name of a preset or a file; or a reducer, whose cached tolerance samples are reused.
     duty, life
         Torques and speeds with their shares of the time, by default the nominal torque at the design's speed; and the
         required life [h], by default that of the design.

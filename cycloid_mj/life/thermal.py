@@ -90,10 +90,9 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
 
     Parameters
     ----------
-    design
-        A design, or the name of a preset or a file; the temperatures in its table ``[thermal]`` are not used.
-    duty, settings
-        Duty cycle, by default the nominal torque at the design's speed; and settings of the search.
+    design, duty, settings
+        A design, or the name of a preset or a file, whose temperatures in ``[thermal]`` are not used; duty cycle, by
+        default the nominal torque at the design's speed; and settings of the search.
 
     Returns
     -------

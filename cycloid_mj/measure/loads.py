@@ -98,10 +98,8 @@ def loads(
     ----------
     design
         A design, or the name of a preset or a file; its crank speed is that of the run.
-    load
-        Torque on the output [N m], more than 0; by default the rated torque.
-    quick
-        Whether to run some mesh periods instead of a full turn.
+    load, quick
+        Torque on the output [N m], by default the rated torque; whether some mesh periods replace the full turn.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
 
