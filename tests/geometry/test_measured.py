@@ -142,7 +142,7 @@ def test_paths_are_relative_to_the_design_file_and_a_log_needs_none(tmp_path: Pa
         ("", "has no measurements"),
         (
             "angle,deviation\n1,2\n",
-            "line 1: the header is 'angle,deviation'. Change it to angle_deg,deviation_um or x_mm,y_mm",
+            "line 1: the header 'angle,deviation' is not valid. Change it to angle_deg,deviation_um or x_mm,y_mm",
         ),
         ("# scan\nangle_deg,deviation_um\n1,2\n3,x\n", "line 4: '3,x' is not valid. Write 2 numbers"),
         ("angle_deg,deviation_um\n1,2\n3,4,5\n", "line 3"),
