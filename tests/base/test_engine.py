@@ -86,7 +86,7 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
 def test_only_the_item_that_kills_its_process_fails() -> None:
     found = dict(Engine(2).stream(die_always, range(12), on_lost=lambda place, why: -place))
     assert found == {n: n**2 for n in range(12)} | {5: -5}
-    with pytest.raises(RunError, match="job 6 cannot be computed: its worker process died"):
+    with pytest.raises(RunError, match="job 6 failed: its worker process died"):
         Engine(2).each(die_always, range(12))
 
 
