@@ -53,7 +53,7 @@ class WearingSurface:
         Coordinate of the contact along the section [m], from -section/2, at the angles of `table_angles` and at pi,
         shape (`TABLE` + 1,); None for a surface that turns and so wears evenly.
     lever
-        SlidingContacts speed of this surface over that of the contact.
+        Sliding speed of this surface over that of the contact [1].
     opening
         Opening of the gap per depth of wear.
     """

@@ -48,11 +48,6 @@ class SpringContact(Contact):
         """Stiffness of the pair [N/m]: of needles and taper in series, or of the mesh along its line of action."""
         return self._rv.bearing_stiffness if self.kind == names.CRANK_BEARING else self._rv.mesh_stiffness
 
-    @property
-    def series(self) -> tuple[float, ...]:
-        """Stiffness of the pair on each disc [N/m], shape (D,)."""
-        return (self.stiffness,) * self._rv.design.gear.discs
-
     def _compute_force(self) -> float:
         """Compute the working force [N], which the property `force` caches.
 

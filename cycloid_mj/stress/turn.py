@@ -41,8 +41,8 @@ class Turn:
 
     Attributes
     ----------
-    design
-        The design that ran.
+    reducer
+        The reducer that ran.
     angle
         Crank angle relative to the ring of each sample [rad], within half a sampling step of the requested angle, (k,);
         of an RV reducer relative to the carrier.
