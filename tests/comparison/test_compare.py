@@ -503,7 +503,7 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
     error = drawn["compare_transmission_error"].axes[1].lines[0].get_ydata()
     truth = 3600 * np.degrees(motions[3].output_angle.error[motions[3].one_turn])
     assert error == pytest.approx(truth - truth.mean())
-    assert f"about {truth.mean():.4g} arcsec" in drawn["compare_transmission_error"].axes[1].get_title(loc="left")
+    assert f"mean {truth.mean():.4g} arcsec" in drawn["compare_transmission_error"].axes[1].get_title(loc="left")
     speed = drawn["compare_gear_speed"].axes[1].lines[0].get_ydata()
     assert speed == pytest.approx(1e3 * motions[3].gear_speed.error[motions[3].one_turn])
 
