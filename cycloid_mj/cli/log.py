@@ -262,7 +262,7 @@ def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
     except CycloidError as problem:
         if rate is not None:
             raise
-        note(f"note: the new log has no 3-D scene: {problem}. Its samples are complete")
+        note(f"note: the new log has no 3-D scene: {problem}. The log contains all samples that could be read")
         return None
 
 

@@ -218,33 +218,35 @@ def _candidate(
     middle = radius - taper - wall
     post = min(chord - taper, chord - bore_radius - eccentricity - POST_PLAY, root - radius - eccentricity) - wall
     post = min(post, radius - middle - wall - eccentricity)
-    rooms = post - SHARES.post * circle, journal - SHARES.journal * bore_radius
-    if min(root - wall - radius - taper, middle, *rooms) < 0.0:
+    margins = post - SHARES.post * circle, journal - SHARES.journal * bore_radius
+    if min(root - wall - radius - taper, middle, *margins) < 0.0:
         return None
     needles = math.floor(2.0 * math.pi * (eccentric + needle) / (2.0 * needle * SHARES.needle_gap))
     face = round(width * circle, 4)
-    usual = MODEL.cranks
-    assert usual is not None
-    widened = face / MODEL.gear.face_width
-    row = widened * needles / usual.needles
+    model_cranks = MODEL.cranks
+    assert model_cranks is not None
+    width_ratio = face / MODEL.gear.face_width
+    needle_ratio = width_ratio * needles / model_cranks.needles
     design = MODEL.but(
         name="rv",
         ring={"teeth": ring, "pin_circle_radius": circle, "pin_radius": pin},
         gear={"eccentricity": eccentricity, "face_width": face},
         planet={"sun_teeth": sun, "planet_teeth": planet, "module": module, "face_width": SHARES.planet_width * face},
         cranks={
-            **{"count": cranks, "eccentric_radius": eccentric, "needle_radius": needle, "needles": needles},
-            **{"needle_stiffness": row * usual.needle_stiffness, "taper_stiffness": row * usual.taper_stiffness},
-            **{
-                "taper_radius": taper,
-                "middle_hole_radius": middle,
-                "post_radius": post,
-                "flange_thickness": SHARES.flange * circle,
-            },
+            "count": cranks,
+            "eccentric_radius": eccentric,
+            "needle_radius": needle,
+            "needles": needles,
+            "needle_stiffness": needle_ratio * model_cranks.needle_stiffness,
+            "taper_stiffness": needle_ratio * model_cranks.taper_stiffness,
+            "taper_radius": taper,
+            "middle_hole_radius": middle,
+            "post_radius": post,
+            "flange_thickness": SHARES.flange * circle,
         },
         housing={"outer_radius": requirement.diameter / 2.0},
         clearance=dict.fromkeys(("pin_gear", "pin_socket"), requirement.clearance or CLEARANCE),
-        stiffness={pair: widened * getattr(MODEL.stiffness, pair) for pair in ("pin_gear", "pin_socket")},
+        stiffness={pair: width_ratio * getattr(MODEL.stiffness, pair) for pair in ("pin_gear", "pin_socket")},
         load={"torque": requirement.torque},
         **conditions(requirement, requirement.torque),
     )

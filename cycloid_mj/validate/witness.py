@@ -57,10 +57,9 @@ def high_friction() -> Design:
 def high_speed() -> Design:
     """Return the preset `twodisc` at 12 000 rpm with clearances of 2 um and Coulomb friction, under 5 % of its load."""
     preset = PRESETS["twodisc"]
-    load = [f"load.torque_nm={0.05 * preset.rated_torque!r}", "drive.speed_rpm=12000.0", *clearances(2.0)]
-    load += ["friction.law=coulomb"]
+    load = [f"load.torque_nm={0.05 * preset.rated_torque!r}", "drive.speed_rpm=12000.0", "friction.law=coulomb"]
     hold = 5.0 * SETTLED + WITNESS.periods * 60.0 / (12000.0 * preset.ring.teeth)  # a light load damps less
-    return override(preset, [*CONDITIONS, *load, f"drive.hold_s={hold!r}"])
+    return override(preset, [*CONDITIONS, *load, *clearances(2.0), f"drive.hold_s={hold!r}"])
 
 
 CASES = {"fixed pins, friction 0.3": high_friction, "two discs, 12 000 rpm": high_speed}
