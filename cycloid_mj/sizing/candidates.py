@@ -162,8 +162,8 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
     -------
     tuple
         For each ring the radius of its pins, its own outer radius, the thinnest wall outside of the pins, and its
-        largest width, all in m. Screws go through the wall, as far as some in stock are long enough, or outside of a
-        smaller ring.
+        largest width, all in m. A ring with the outer radius of the drive has its screws in the wall, which limits its
+        width to the length of screws in stock. A smaller ring has them outside and may have any width (inf).
     """
     room = math.sin(math.pi / (ratio + 1))
     low, high = (share * room / (1.0 + share * room) * outer for share in PIN_ROOM)
@@ -214,13 +214,19 @@ def _rings(requirement: Requirement) -> tuple[tuple[float, float, float, float],
 
 
 def clamping(wall: float) -> dict[str, object]:
-    """Return what holds a ring with a wall behind its teeth [m]: screws, or where it is too thin a seat all round."""
+    """Return the values of the table ``housing`` that fasten a ring with a wall behind its teeth [m].
+
+    These are the largest screws in stock that fit into the wall; a seat all round if none does.
+    """
     screw = stock.bolt_under(CORE_SHARE * wall)
     return {"support": "bolts", "bolt_radius": round(0.5 * screw.head, 9)} if screw else {"support": "rim"}
 
 
 def _reach_of_pins(pin: Array, width: Array) -> Array:
-    """Return widths that pins of some radii fill as they are sold, nearest to some widths [m]."""
+    """Return n widths [m] changed to the nearest lengths of pins in stock; unchanged where none is near, shape (n,).
+
+    `pin` [m] are the radii of the pins, shape (n,).
+    """
     reach = _round_down(width)
     for size in np.unique(pin).tolist():
         rows = np.flatnonzero(pin == size)
@@ -342,7 +348,8 @@ def _cores(
     stud, face, stack
         Outer radius of the rollers, width of a disc, and width of all discs [m], shape (n,) each.
     usual
-        Usual thickness of the output discs [m]; changed by up to 1.5 times to suit the length of dowels in stock.
+        Usual thickness of the output discs [m]. To suit the length of a dowel in stock, they may be up to 1.5 times
+        thicker or thinner.
     free
         Whether dowels of any size are allowed, not only those in stock.
 
@@ -350,7 +357,7 @@ def _cores(
     -------
     tuple
         Radius of the core [m], dynamic rating of the needles [N] (0 for sleeves), thickness of the output discs [m],
-        and whether dowels in stock reach that fits; shape (n,) each.
+        and whether there is a dowel of suitable radius and length; shape (n,) each.
     """
     dowels = np.array(stock.dowel_diameters()) / 2.0
     fitting = dowels <= CORE_SHARE * stud[:, None]
@@ -461,7 +468,10 @@ def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, 
 
 
 def conditions(requirement: Requirement, torque: float = 0.0) -> dict[str, dict[str, Any]]:
-    """Return the tables of the conditions of a requirement, with a torque [N m] unless it is 0."""
+    """Return the tables ``drive`` and ``service`` of a design: the operating conditions of a requirement, by key.
+
+    `torque` is the output torque [N m]; if it is 0, ``drive`` has neither torque nor power.
+    """
     needed = {"torque": torque / requirement.ratio} if torque else {}
     power = {"power": POWER_RESERVE * requirement.speed * torque / requirement.ratio} if torque else {}
     return {
@@ -476,7 +486,10 @@ def conditions(requirement: Requirement, torque: float = 0.0) -> dict[str, dict[
 
 
 def tolerances(requirement: Requirement, discs: int, clearance: float) -> dict[str, str]:
-    """Return the tolerances of a process: normal deviations of `TOLERANCE_SHARE` of the clearance [m]; or a fit's."""
+    """Return the table ``tolerance`` of a design by key: normal deviations in proportion to the clearance [m].
+
+    Their standard deviation is `TOLERANCE_SHARE` of the clearance. A required fit replaces those of `FIT_TOLERANCES`.
+    """
     usual = f"normal {MICROMETRES * TOLERANCE_SHARE * clearance:.3g}"
     keys = [*POSITIONS, *(["cam_position"] if discs > 1 else [])]
     return {**dict.fromkeys(keys, usual), **dict.fromkeys(FIT_TOLERANCES, requirement.fit or usual)}

@@ -31,9 +31,10 @@ WHY = {
 
 
 def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
-    """Find drives that meet a requirement, or the maximum torque with its other values.
+    """Find drives that meet a requirement; if there are none, the largest torque that its other values allow.
 
-    `on_progress` receives the first drive found, or a refusal as soon as the maximum is known, and with each remedy.
+    `on_progress` is called with the first drive. If there is none, it is called with the refusal once its largest
+    torque is known, and again with each remedy that is added.
     """
     solution, refused, pool = solve(requirement)
     if solution:

@@ -59,10 +59,11 @@ FIGURES = ("mass", "length", "backlash")
 
 
 def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate:
-    """Estimate what torque each kind of failure allows candidates [N m], and their figures, by key.
+    """Estimate the torque limit of each item [N m], and mass, length and backlash (see `FIGURES`), of n candidates.
 
-    Materials and friction are those of a `design` of one of the candidates. Loads depend on the torque: a fixed-point
-    iteration. ``other`` is the smallest torque, 0 for candidates that cannot be built.
+    Materials and friction are those of a `design` of one of the candidates. As the loads depend on the torque, a
+    fixed-point iteration determines both. The limit ``other`` stands for all items that have no estimate: it is the
+    smallest of the estimated limits, or 0 if the profile of the disc is undercut.
     """
     torque = np.full(sizes.circle.shape, 1e3 * requirement.diameter**3)
     for _ in range(ROUNDS):
@@ -168,9 +169,10 @@ def _share(arm: Array, weight: float | Array, stiffness: Array, play: float, tor
 
 
 def _with_error(force: Array, arm: Array, weight: float, deflection_force: Array, torque: Array) -> Array:
-    """Return the forces [N] of teeth (n, m) that protrude by an error, whose force alone is `deflection_force` (n,).
+    """Return the force [N] that each tooth (n, m) would have if it protruded by an error.
 
-    It is shared with the teeth next to it, and a tooth carries at most the whole torque.
+    `deflection_force` [N] presses a single tooth back by the error, shape (n,). The other loaded teeth share it, and
+    no tooth carries more than the whole torque of the disc. `force` [N] are the forces without errors.
     """
     loaded = np.where(force > 0.0, arm, 0.0)
     largest = loaded.max(axis=1, keepdims=True)
@@ -214,7 +216,10 @@ def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Lo
 
 
 def _bearings(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str, Array]:
-    """Limit the loads of the bearings of cams, shaft, output and rollers by their lives and static ratings."""
+    """Compute the output torques [N m] that bearings of cams, shaft, output and rollers allow, by item, (n,) each.
+
+    The limits are their lives, and their static ratings at twice the torque.
+    """
     discs, stack = requirement.discs or 1, _stack(requirement, sizes)
     hours = HOUR * requirement.life * requirement.speed / (2.0 * math.pi) / 1e6
     near, far = stack / 2.0 + 1.5 * sizes.disc + sizes.bearing, stack / 2.0 + sizes.disc + sizes.bearing / 2.0

@@ -31,11 +31,14 @@ REASONS = {
         "required, or usual for the process",
     ),
 }
-"""Reasons that are the same for each drive, by ``table.value``."""
+"""Reasons that are the same for each drive, by the key of the value, ``table.key``."""
 
 
 def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iterator[tuple[str, str]]:
-    """Yield the reason of each value, by ``table.value``; `weakest` is the item that fails first."""
+    """Yield the key of each value of the design file and the reason for it, such as ("gear.discs", "required").
+
+    `weakest` is the name of the item that fails first.
+    """
     design = reducer.design
     ring, gear, output, housing = design.ring, design.gear, design.output, design.housing
     found, bought = "by the search", "" if requirement.custom else ", in stock"

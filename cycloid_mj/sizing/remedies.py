@@ -76,8 +76,9 @@ class _RemedySearch:
     def smallest(self, changes: Changes) -> Iterator[FeasibleChange]:
         """Yield the smallest feasible change, if one is found.
 
-        Doubling and a bisection by the predicted torque lead to a first change, from which the search goes on by
-        ratings (galloping search). The last is verified by a new search, as a user starts it.
+        It is searched by its index in `changes`. Predicted torques lead to a first index: it is doubled until the
+        torque suffices, then bisected. From there ratings decide, in steps that double (galloping search). A complete
+        search verifies the result, as for a new requirement.
         """
         count = len(changes)
 
@@ -106,7 +107,10 @@ class _RemedySearch:
 
 
 def _series(requirement: Requirement, key: str, end: float, unit: float, words: str) -> Changes:
-    """List changes of a value in steps by `STEP` up to its `end` in SI, in words with the value in its unit."""
+    """List changes of the value `key` of a requirement in a geometric series by `STEP` up to `end` (in SI).
+
+    `unit` is the unit of the message in SI, and `words` its format, such as "{:.4g} rpm".
+    """
     value, step = getattr(requirement, key), STEP if end > getattr(requirement, key) else 1.0 / STEP
     steps = max(math.floor(math.log(end / value) / math.log(step)), 0) if math.isfinite(value) else 0
     values = dict.fromkeys(float(f"{value * step**number / unit:.3g}") for number in range(1, steps + 1))
@@ -114,7 +118,7 @@ def _series(requirement: Requirement, key: str, end: float, unit: float, words: 
 
 
 def _single_changes(requirement: Requirement) -> Iterator[Changes]:
-    """Yield changes of life, share of the time, speed, cooling, material, discs, clearances and length."""
+    """Yield changes of a single value: life, duty (share of the time under load), speed, cooling, material, ..."""
     if not requirement.duty:
         yield _series(requirement, "life", MIN_LIFE, 1.0, "a life of {:.4g} h")
         yield _series(requirement, "duty_share", MIN_SHARE, 1.0, "a duty of {:.3g} of the time")
@@ -132,7 +136,7 @@ def _single_changes(requirement: Requirement) -> Iterator[Changes]:
 
 
 def _diameters(requirement: Requirement) -> Changes:
-    """List larger diameters, rounded to half a millimetre, or to one from 100 mm."""
+    """List larger diameters, rounded to 0.5 mm below 100 mm, and to 1 mm above."""
     largest = min(MAX_DIAMETER, fits.LARGEST / LARGEST_PAIR) if requirement.fit else MAX_DIAMETER
     steps = math.floor(math.log(largest / requirement.diameter) / math.log(STEP))
     exact = (requirement.diameter * STEP**number for number in range(1, steps + 1))
@@ -142,7 +146,7 @@ def _diameters(requirement: Requirement) -> Changes:
 
 
 def _processes(requirement: Requirement) -> Changes:
-    """List stronger processes, and free sizes."""
+    """List processes with stronger materials, then pins and bearings of any size."""
     usual = requirement.but(material="", clearance=0.0, fit="")
     stronger = PROCESSES[requirement.process].stronger
     free = [] if requirement.custom else [FeasibleChange("free sizes of pins and bearings", usual.but(custom=True))]
@@ -151,7 +155,11 @@ def _processes(requirement: Requirement) -> Changes:
 
 
 def _combined(requirement: Requirement) -> Iterator[Changes]:
-    """Yield diameters with the strongest process, a slower crank, or a longer drive."""
+    """Yield larger diameters for each combination of a process, a length and a crank speed.
+
+    The process is the one with the strongest material, or that of the requirement; the length is the required one, or
+    twice the diameter; the speed is the required one, a quarter, or a sixteenth of it.
+    """
     for process in (*PROCESSES[requirement.process].stronger[-1:], requirement.process):
         words = [] if process == requirement.process else [f"{process} in place of {requirement.process}"]
         base = requirement.but(process=process, material="", clearance=0.0, fit="") if words else requirement

@@ -82,12 +82,12 @@ def required(
     changes: tuple[str, ...] = (),
     kind: "type[Requirement] | None" = None,
 ) -> "Requirement":
-    """Return a requirement from values in the units of the command line; see `Requirement`.
+    """Return a requirement from values in the units of the command line; see `Requirement` for their meaning.
 
-    Where they are not set, life, speed and share of the time are those of the process. `duty` is a share of the time,
-    or a CSV file of a duty cycle with torques relative to their largest; `cooling` one of `COOLING`, or a heat transfer
-    coefficient [W/(m2 K)], `kind` the class of the requirement. Raises UsageError if two values exclude each other, or
-    one is out of range.
+    Life, speed and duty default to those of the process. `duty` is the share of the time under load, or a CSV file of a
+    duty cycle. `cooling` is one of `COOLING`, or a heat transfer coefficient [W/(m2 K)]. `changes` are settings of the
+    design, ``table.key=value``. `kind` is the class of the result, by default `Requirement`. Raises UsageError if two
+    values exclude each other, or one is out of range.
     """
     if speed_rpm is not None and output_rpm is not None:
         raise UsageError(
@@ -120,7 +120,7 @@ def required(
 
 
 def _duty(duty: str | float | None, usual: float) -> tuple[float, tuple[tuple[float, float, float], ...]]:
-    """Return the share of the time under load [1], and the points of a duty file.
+    """Return the duty (share of the time under load) [1], and the points of a duty file.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ class Requirement:
         )
 
     def _check_fit(self) -> None:
-        """Raise UsageError unless the fit is a known one with clearance, and no clearance is set as well."""
+        """Raise UsageError if the fit is unknown or an interference fit, or if a clearance is set in addition to it."""
         if self.clearance:
             raise UsageError(
                 f"a fit ({self.fit}) and a clearance ({1e6 * self.clearance:g} um) are both set, but each determines "
@@ -319,7 +319,10 @@ class Requirement:
 
     @property
     def kind(self) -> Self:
-        """The requirement without limits, under the usual conditions of its process: all that sizes depend on."""
+        """The requirement with only those values that the sizes of candidates depend on; the key of a cache.
+
+        All other values are replaced: no limits, and the usual conditions of the process.
+        """
         usual = PROCESSES[self.process]
         return self.but(
             torque=1.0,
@@ -362,14 +365,15 @@ class Requirement:
     def tighter_clearances(self) -> Iterator[float]:
         """The clearances below the usual one that the process allows [m], the largest first.
 
-        Those below its usual accuracy are for parts that are measured and matched (pins of a group of ISO 3096).
+        Clearances finer than the usual accuracy of the process need parts that are measured and matched, as the pins
+        sorted into groups by ISO 3096.
         """
         matched = PROCESSES[self.process].matched
         count = math.floor(math.log(matched / self.usual_clearance) / math.log(FINER) + 1e-9)
         return (significant(self.usual_clearance * FINER**step) for step in range(1, count + 1))
 
     def clearance_at(self, size: float) -> float:
-        """Compute the clearance of a pair [m], normal to its surfaces, at its diameter [m]: of a fit the mean."""
+        """Compute the clearance of a pair [m], normal to its surfaces, at its diameter [m]; for a fit its mean."""
         if self.fit:
             return round(0.25 * sum(clearances(self.fit, size)), 9)
         return self.clearance or PROCESSES[self.process].clearance

@@ -182,9 +182,9 @@ def candidates(requirement: RvRequirement) -> Iterator[Candidate]:
 
 
 def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
-    """Yield teeth of sun, planet and ring that have a ratio, 1 + ring planet/sun, and close with the planets.
+    """Yield teeth (sun, planet, ring) for a ratio = 1 + ring * planet / sun, with which the planets can be assembled.
 
-    For each ring it is the smallest sun; planets are larger than the sun.
+    There is a planet on each of the `cranks`, larger than the sun. For each ring only the smallest sun is used.
     """
     for ring in TEETH["ring"]:
         quotient = Fraction(ratio - 1, ring)
@@ -199,7 +199,11 @@ def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
 def _candidate(
     requirement: RvRequirement, cranks: int, teeth: tuple[int, int, int], trochoid: float, bore: float, width: float
 ) -> Candidate | None:
-    """Return the candidate of some teeth and shares with its estimate; None if parts do not fit."""
+    """Return the candidate with `teeth` (sun, planet, ring); None if its parts do not fit.
+
+    `trochoid` is its K1, `bore` and `width` are the radius of the crank bores and the width of a disc over the radius
+    of the pin circle; see `RvShares`.
+    """
     sun, planet, ring = teeth
     circle = round(SHARES.pin_circle * requirement.diameter / 2.0, 4)
     pin = _nearest_pin(2.0 * math.pi * circle / (ring * SHARES.pitch))
@@ -317,9 +321,12 @@ def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv 
 
 
 def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
-    """Extrapolate the torque at which an item, rated at another one [N m], reaches its limit or life [h].
+    """Extrapolate the torque [N m] at which an item reaches its limit or the required `life` [h].
 
-    Forces are in proportion to the torque, Hertz pressures to its root; safety factors of RV reducers are by torque.
+    The item was rated at `torque` [N m].
+
+    Forces are proportional to the torque, and Hertz pressures to its square root. The safety factors of RV reducers are
+    ratios of torques.
     """
     if item.safety is not None:
         return float(torque * item.safety)
@@ -345,7 +352,7 @@ def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator
 
 
 def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: str) -> SizedDrive:
-    """Return a rated candidate as it is shown: its figures by key, and the reason of each value of its design file.
+    """Return a rated candidate with its figures by key, and the reason for each value of its design file.
 
     `title` is its heading, such as "lightest", and `why` a sentence on why it was chosen.
     """
@@ -367,7 +374,10 @@ def _sized_drive(requirement: RvRequirement, rated: RatedRv, title: str, why: st
 
 
 def _reasons(design: Design, weakest: str) -> Iterator[tuple[str, str]]:
-    """Yield the reasons of searched values, by ``table.value``; `weakest` is the item that fails first."""
+    """Yield the key of each value that was chosen and the reason for it, such as ("drive.speed", "required").
+
+    `weakest` is the name of the item that fails first.
+    """
     assert design.planet is not None
     teeth = f"1 + {design.ring.teeth} x {design.planet.planet_teeth}/{design.planet.sun_teeth}"
     yield "ring.teeth", f"by the search: ratio {teeth}; an even number balances two discs"

@@ -165,10 +165,10 @@ def rate_drive(
 
 
 def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rated | None:
-    """Rate a candidate at the torque that it carries, at most the required torque.
+    """Rate a candidate at its capacity, or at the required torque if that is smaller.
 
-    More teeth carry at larger loads, so a capacity that is rated at another torque would be wrong: the rating is
-    repeated at the capacity found (fixed-point iteration). Tooth forces are those of a critical sample of the
+    The capacity depends on the torque of the rating, as more teeth carry at larger loads. So the rating is repeated at
+    the capacity of the previous one (fixed-point iteration). Tooth forces are those of a critical sample of the
     tolerances.
 
     Parameters
@@ -224,7 +224,7 @@ Objective = Callable[[Estimate], Array]
 
 
 def violation(requirement: Requirement, figures: Estimate) -> Array:
-    """Return by how much candidates exceed the required length or backlash, relative to them; 0 within both."""
+    """Return the excess of candidates over the required length or backlash, relative to the limit; 0 within both."""
     length, backlash = figures["length"] / requirement.length, figures["backlash"] / requirement.backlash
     return np.asarray(np.maximum(np.maximum(length, backlash) - 1.0, 0.0))
 
@@ -288,7 +288,11 @@ class Pool:
 
     @property
     def strong_part(self) -> Self:
-        """The strongest candidates by the estimates of `_capacities`, within the limits and beyond them."""
+        """A pool of the strongest candidates, without their ratings.
+
+        For each estimate of `_capacities`, these are the `SETTINGS.strong` best of all candidates, and as many of those
+        within the limits of length and backlash.
+        """
         figures = self.corrected
         within = violation(self.requirement, figures) <= 0.0
         ranks = [np.argsort(-torque * share) for torque in _capacities(figures) for share in (1.0, within)]
@@ -337,11 +341,15 @@ class Pool:
         study: bool = True,
         max_ratings: int = SETTINGS.ratings,
     ) -> Rated | None:
-        """Return the drive with the least objective that passes its tolerance study, or the first within a `goal`.
+        """Return the drive with the least `objective`, or the first that reaches `goal`; None if there is none.
 
-        The candidate with the best estimate is rated until none is left that could be better than the best rated one.
-        Changes of a single variable of the latter follow, then its tolerance study unless it is left out. A drive that
-        violates a limit is returned where no other remains. With `only_goal`, candidates beyond the goal are left out.
+        1. The candidate with the best estimate is rated, until none is left that could be better than the best rated
+           one, or `max_ratings` candidates are rated.
+        2. Neighbours of the best rated candidate, which differ in one variable, are added once and rated in turn.
+        3. With `study`, its tolerance study follows. If it fails, the search continues with the next candidate.
+
+        The goal is a value of the objective; with `only_goal`, candidates above it are not rated. A drive that exceeds
+        the required length or backlash is returned if no other is left.
         """
         ratings, studies, extended = 0.0, 0, set[int]()
         while True:
@@ -373,7 +381,10 @@ class Pool:
                 self.study(row)
 
     def _rate(self, row: int, torque: float) -> bool:
-        """Rate a candidate from a torque [N m] on, keep its corrections, and return whether it could be rated."""
+        """Rate the candidate `row`, first at a torque [N m]; return whether it could be rated.
+
+        The logarithms of its rated figures over their estimates are stored in `corrections`.
+        """
         self.rated[row] = drive = rate_candidate(self.requirement, self.sizes[row], torque)
         true = drive.known(self.guess) if drive else {"other": UNSOUND * float(self.guess["other"][row])}
         self.corrections[tuple(self.points[row])] = {
@@ -383,10 +394,11 @@ class Pool:
         return bool(drive and drive.items)
 
     def study(self, row: int) -> Rated | None:
-        """Rate a drive as on its design file, at the required torque or the most that it is expected to carry.
+        """Rate a candidate with its tolerance study, at the required torque or the largest that it should carry.
 
-        After a study at too much torque, the next is at that of a secant: by pitting, capacities fall by a third to a
-        half of the torque, as fewer teeth are in contact; by bearings, they are constant. None if samples jam.
+        If the torque of an earlier study was too large, the next is that of a secant step. Its slope is 1/3: if the
+        torque is reduced, a capacity limited by pitting falls by a third to a half of that, as fewer teeth are in
+        contact; one limited by bearings is constant. None if too many samples jam.
         """
         drive = self.rated[row]
         if not drive:
@@ -403,13 +415,16 @@ class Pool:
         return full
 
     def nearer_to_capacity(self, drive: Rated) -> Rated:
-        """Return a drive that passed its study after another at a torque nearer to its capacity, if it passes that."""
+        """Repeat the study of a drive at a larger torque, nearer to its capacity; return the drive that passed last."""
         torque = floor_digits(min(SETTINGS.study_share * drive.capacity, self.requirement.torque))
         full = self._study_at(drive.reducer, torque) if torque > drive.torque else None
         return full if full and full.passed else drive
 
     def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
-        """Rate a drive as on its design file at a torque [N m], with its tolerance study; None if samples jam."""
+        """Rate a drive with toleranced parts at a torque [N m], and add its tolerance study.
+
+        None if it cannot be rated, or if too many samples jam (see `SETTINGS.min_yield`).
+        """
         full = rate_drive(self.requirement, reducer, torque)
         study = tolerance_study(self.requirement, full.reducer) if full else {}
         if not full or study["turning_percent"] < SETTINGS.min_yield:
@@ -453,9 +468,11 @@ class Pool:
 
 
 def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
-    """Interpolate logarithms of factors (known, m) by inverse distances (Shepard), shape (points, m).
+    """Interpolate the logarithms of m factors by inverse distances (Shepard's method), shape (n, m).
 
-    Far from all known points they are the median, with two factors of 1, as a single candidate may be an exception.
+    `points` are the n points to interpolate at, (n, `DIMENSIONS`), and `values` (k, m) those at k `known` points. Far
+    from all known points, the result is the median of the known values and two zeros (factors of 1), which limits the
+    influence of a single exceptional candidate.
     """
     places = np.reshape(list(known), (-1, DIMENSIONS))
     weight = 1.0 / (cdist(points, places, "sqeuclidean") + 1e-9) ** 2
@@ -471,9 +488,9 @@ def floor_digits(value: float) -> float:
 
 
 def pool_of(requirement: Requirement, source: Pool | None = None) -> Pool | None:
-    """Return the elites of the kind of drive that is required, under its conditions; None if there are none.
+    """Return the pool of the elites for a requirement, under its conditions; None if no drive can be built.
 
-    They share the corrections of a `source`, if any.
+    It shares the corrections of the pool `source`, if there is one.
     """
     pool = Pool.of(requirement, _find_elites(requirement.kind))
     return replace(pool, corrections=source.corrections, biases=source.biases) if pool and source else pool
@@ -486,9 +503,10 @@ def _estimate(requirement: Requirement, sizes: Sizes) -> Estimate:
 
 @lru_cache(maxsize=32)
 def _find_elites(kind: Requirement) -> Array:
-    """Run MAP-Elites on the estimates of a kind of drive; return points of the cube, none if no drive can be built.
+    """Run MAP-Elites on the estimates for a `Requirement.kind`; return the points of the elites in the unit cube.
 
-    So that the elites serve all conditions, there is an archive for each of `_capacities`.
+    Their shape is (k, `DIMENSIONS`), see `decode`; k = 0 if no drive can be built. There is an archive for each of
+    `_capacities`, so that the elites include good candidates for any conditions.
     """
     if not first_drive(kind):
         return np.empty((0, DIMENSIONS))
@@ -505,7 +523,10 @@ def _find_elites(kind: Requirement) -> Array:
 
 
 def _elites(guess: Estimate) -> Integers:
-    """Return the lightest candidate of each cell of torque and length, by each of `_capacities`."""
+    """Return the indices of the elites: the lightest candidate of each cell of torque and length.
+
+    `guess` are the estimates of all candidates. The torque is each of `_capacities` in turn.
+    """
     chosen = []
     for torque in _capacities(guess):
         strong = np.flatnonzero(torque > SETTINGS.weakest * torque.max())

@@ -29,7 +29,15 @@ class Trial:
 
 
 def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
-    """Find the best drive of a requirement; else a refusal with the maximum torque and its limit, and its pool."""
+    """Find the best drive for a requirement, or the largest feasible torque.
+
+    Returns
+    -------
+    tuple
+        The best drive with its pool, None if the requirement is not feasible; the answer, which has no drives yet, but
+        if it is a refusal the largest torque and what limits it; and the pool of that torque, None with a drive or if
+        no candidate exists.
+    """
     failed: list[Pool] = []
     for pool in pools_of(requirement):
         found = find_drive(pool, study=False)
@@ -49,7 +57,10 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
 
 
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
-    """Return a drive of a pool that carries the torque within the limits, by its tolerance `study` or a rating."""
+    """Return a drive of a pool that carries the required torque within the limits; None if there is none.
+
+    With `study`, its tolerance study decides, else its rating.
+    """
     requirement = pool.requirement
     goal = -requirement.torque
     drive = pool.best(strongest(requirement), goal, only_goal=True, study=study, max_ratings=max_ratings)
@@ -62,10 +73,11 @@ def is_feasible(requirement: Requirement) -> bool:
 
 
 def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
-    """Yield the pools of a requirement for each of its numbers of discs, with the ratings of a `source` if any.
+    """Yield the pools of a requirement for each of its numbers of discs, with the corrections of a `source` if any.
 
-    Clearances that are not required are the usual ones, then the largest of the finer ones with which estimates promise
-    the torque within the backlash; more teeth carry with them.
+    If no clearance is required, the first pool has the usual one. Finer clearances follow, as more teeth carry with
+    them: the next is always the largest for which the estimates nearly reach the torque within length and backlash,
+    or the finest if there is none.
     """
     for discs in requirement.numbers_of_discs:
         fixed = requirement.but(discs=discs)
@@ -129,7 +141,9 @@ def length_parts(reducer: Reducer) -> str:
 
 
 def best_ratio(requirement: Requirement, low: int, high: int) -> Requirement:
-    """Choose the ratio of a range with the largest estimated torque, among evenly spaced ratios.
+    """Return the requirement with the ratio from `low` to `high` that has the largest estimated torque.
+
+    Up to `MAX_RATIOS` evenly spaced ratios are compared.
 
     Raises
     ------
