@@ -222,16 +222,16 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
     return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), destination, delivery)
 
 
-def _claim_output(log: str, out: str | None, ending: str, wanted: CommonFlags) -> tuple[Path, Path | None]:
-    """Claim the path of a file converted from a log, and that of the HTML page; return both.
+def _claim_output(log: str, out: str | None, ending: str, delivery: CommonFlags) -> tuple[Path, Path | None]:
+    """Return the paths of a file to convert a log to and of its HTML page, after checking that they can be written.
 
-    The file is `out`, or the log's path with another `ending`. `wanted` are the output flags. The page is None if it is
-    not requested.
+    The file is `out`, or by default the path of the `log` with its suffix replaced by `ending`. `delivery` has the
+    output flags: the page is None if they do not request one, and existing files are overwritten only with ``--force``.
     """
     path = Path(log).with_suffix(ending) if out is None else Path(out)
     require_ending(path, ending)
-    claim_outputs(path, force=wanted.force)
-    return path, claim_page(wanted, f"{path.stem}-{ending[1:]}")
+    claim_outputs(path, force=delivery.force)
+    return path, claim_page(delivery, f"{path.stem}-{ending[1:]}")
 
 
 def _read(log: str) -> "Run":

@@ -61,16 +61,18 @@ def show(table: "Table") -> None:
     say_table(table.title, table.header, table.cells, table.words)
 
 
-def say_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: Container[int] = ()) -> None:
-    """Write a table: the first column names the row, the others are set flush right, but for those of `words`."""
-    say_groups(title, header, [("", rows)], words)
+def say_table(
+    title: str, header: Sequence[str], rows: Sequence[Sequence[str]], left_aligned: Container[int] = ()
+) -> None:
+    """Print a table; columns align right, except the first one and those with an index in `left_aligned`."""
+    say_groups(title, header, [("", rows)], left_aligned)
 
 
 def say_groups(
     title: str,
     header: Sequence[str],
     groups: Sequence[tuple[str, Sequence[Sequence[str]]]],
-    words: Container[int] = (),
+    left_aligned: Container[int] = (),
 ) -> None:
     """Print a table with grouped rows on stdout, each group under its name; a group without a name has no heading.
 
@@ -80,8 +82,8 @@ def say_groups(
         Title of the table, and names of its columns.
     groups
         Name and rows of each group.
-    words
-        Indices of columns that are set flush left.
+    left_aligned
+        Indices of the columns that are aligned left, such as words. The first column always is; others align right.
     """
     from rich.console import Console
     from rich.table import Table
@@ -89,7 +91,9 @@ def say_groups(
     table = Table(title=printable(title), title_justify="left")
     for column_index, name in enumerate(header):
         table.add_column(
-            printable(name), justify="right" if column_index and column_index not in words else "left", overflow="fold"
+            printable(name),
+            justify="right" if column_index and column_index not in left_aligned else "left",
+            overflow="fold",
         )
     for name, rows in groups:
         if name:
@@ -126,7 +130,7 @@ def finite(value: Any) -> Any:
 def collect_warnings(show: Callable[[str], None] | None) -> Iterator[None]:
     """Collect the package's warnings of all threads while the context is open, and pass each once to `show`.
 
-    Other Python warnings are shown as usual.
+    If `show` is None, they are collected without being shown. Other Python warnings are shown as usual.
     """
     unique_warnings: dict[str, None] = {}
     with warnings.catch_warnings():
