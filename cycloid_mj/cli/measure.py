@@ -453,7 +453,7 @@ def _figure_encoders(measurement: "Measurement", stem: str) -> dict[str, Picture
 
 
 def _outcome(measurement: "Measurement", pictures: Mapping[str, Picture]) -> Outcome:
-    """Convert a measurement to an `Outcome`: figures, tables, notes and pictures."""
+    """Convert a measurement to an `Outcome`: measured quantities, tables, notes and diagrams (`pictures`)."""
     quantities = measurement.quantities.values()
     title = f"{measurement.measure}: {measurement.design.name}"
     return Outcome(

@@ -192,7 +192,10 @@ class SizeFlags:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Names of the flags for ratio, diameter and torque that are not set: all three if a design is copied."""
+        """Names of those flags among --ratio, --diameter-mm and --torque-nm that are not set.
+
+        A size needs all three; a command that sets none of them copies a design.
+        """
         values = {
             "--ratio": self.ratio or self.ratio_range or None,
             "--diameter-mm": self.diameter_mm,
@@ -201,7 +204,9 @@ class SizeFlags:
         return tuple(flag for flag, value in values.items() if value is None)
 
     def requirement(self, changes: tuple[str, ...]) -> "Requirement":
-        """Return the requirement, with the best ratio of a range; `changes` are those of ``--set``.
+        """Return the requirement that the flags describe; `changes` are the values of ``--set``.
+
+        With ``--ratio-range`` its ratio is the one of the range with the largest estimated torque.
 
         Raises
         ------
@@ -263,8 +268,8 @@ class SizeFlags:
     def _crank_speed(self, ratio: int) -> float | None:
         """Return the required crank speed [rpm] at a ratio; None if no speed is required and no motor is set.
 
-        With a motor and no required speed it is the largest speed at which the motor delivers the torque; with a motor
-        frame, it is at most the usual speed of the process.
+        With a motor and no required speed, it is the largest speed at which the motor delivers the torque. If the motor
+        is a frame size, the speed is limited to the usual crank speed of the manufacturing process.
 
         Raises
         ------
@@ -305,12 +310,12 @@ def new(
     outer diameter and torque together, and optionally life, speed, length, backlash, material and clearance. The
     search varies pins, eccentricity, width, output pins, bore and shaft with statics and the checks of
     `cycloid-mj rate`, so that the data sheet of each drive meets the requirements, and at least 99 % of the samples
-    of its tolerance study turn freely within the backlash. NAME.toml is the lightest drive with its covers: of the
-    drives within 2 % of the lowest mass, that with the lowest losses, with a reason for each value. The stiffest and
-    the longest-lived are NAME-stiffest.toml and NAME-longest-life.toml. If no drive meets the requirements, the maximum
-    torque and verified alternatives are printed, and the exit code is 1.
-    Changes by --set apply to every drive that the search tries. Printed drives are for 500 h at 300 rpm and 25 % of
-    the time unless set otherwise.
+    of its tolerance study turn freely within the backlash. NAME.toml is the drive with the
+    lowest losses among those within 2 % of the lowest mass, covers included; comments give the reason for each value.
+    The stiffest and the longest-lived drive are NAME-stiffest.toml and NAME-longest-life.toml. If no drive meets the
+    requirements, the maximum torque and verified alternatives are printed, and the exit code is 1.
+    Changes by --set apply to every drive that the search tries. 3-D-printed drives are sized for 500 h at 300 rpm and
+    25 % of the time unless set otherwise.
 
     A new size has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. --layout
     rv searches for an RV reducer with a planetary stage and two discs: teeth that can be assembled, crank bearings
@@ -470,10 +475,10 @@ def _refusal_json(answer: "Answer", requirement: "Requirement", is_range: bool) 
 
 
 def _list_flags(remedy: "FeasibleChange", original: "Requirement", is_range: bool) -> list[str]:
-    """Return the words of a command line that requests a remedy.
+    """Return the flags that change the `original` requirement to a feasible one (`remedy`), as words of a command line.
 
-    They are the flags whose value differs from the `original` requirement and, with `is_range`, the ratio that was
-    chosen from a range.
+    These are the flags whose values differ. `is_range` is whether the ratio was chosen from a range; then
+    ``--ratio-range`` with the chosen ratio is included.
     """
     from cycloid_mj.sizing.requirement import QUANTITIES
 

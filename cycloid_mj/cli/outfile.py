@@ -78,7 +78,7 @@ def claim_folder(name: str, contents: str, files: Iterable[str], force: bool) ->
     CycloidError
         The folder cannot be created, or is not writable.
     TakenError
-        One of the files exists, and the command reads it, or `force` is not set.
+        One of the files exists, and either `force` is not set or the command reads this file.
     """
     path = Path(name)
     if create_folder(name, contents) is None and not path.is_dir():

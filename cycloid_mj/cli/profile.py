@@ -61,13 +61,15 @@ def profile(
     with which the parts are cut (clearance.pin_gear_um or clearance.tooth_um) is NOT included.
 
     With --part ring: the internal gear in the ring's frame, from the tip of the lobe on +y. Normals point into the
-    bore, curvature is positive on the lobes, and a last column, part, is arc, sigma1 or sigma2.
+    bore, and curvature is positive on the lobes. A last column, part, names the curve: arc (of a lobe), or the flank
+    between two lobes, sigma1 on the counter-clockwise and sigma2 on the clockwise side of a lobe.
 
     With --part curvature: one row for each line along which the ideal disc touches pins or ring, at crank angles that
     divide one mesh period, with the columns crank_deg (counter-clockwise), tooth (1 on +y, clockwise), part (pin, arc,
     sigma1 or sigma2), phase_deg (0 in a valley of the disc, 180 at the tip of a lobe), x_mm, y_mm (ring's frame),
-    relative_curvature_per_mm (disc plus ring) and pressure_mpa (Hertz pressure if the line carries the working force
-    of the teeth at the nominal torque: working_force.*_n and contact.working_force_n, or ideal sharing).
+    relative_curvature_per_mm (disc plus ring) and pressure_mpa (Hertz pressure under the working force of the teeth at
+    the nominal torque). This force is working_force.*_n or contact.working_force_n if set, else that of ideal load
+    sharing.
     """
     reducer = Reducer(design_options.resolve())
     columns = {"gear": _gear, "ring": _ring_columns, "curvature": _curvature_columns}[part](reducer, points)

@@ -90,10 +90,10 @@ def protocol(
 ) -> int:
     """Evaluate standard test figures of the model and of measurements.
 
-    Lost motion at 3 % of the rated torque, hysteresis loss, torsional stiffness in three intervals, transmission
-    error, no-load starting, running and back-driving torque, by the definitions of manufacturers and standards, which
-    is printed next to it. Loops of the model and of the bench are evaluated by the same functions; figures without a
-    bench file are those of the model only. docs/protocol.md describes the measurements.
+    The figures are lost motion at 3 % of the rated torque, hysteresis loss, torsional stiffness in three intervals,
+    transmission error, and no-load starting, running and back-driving torque. Each figure follows the definition of a
+    manufacturer or standard, which is printed next to it. Loops of the model and of the bench are evaluated by the same
+    functions. A figure without a bench file is printed for the model only. docs/protocol.md describes the measurements.
     """
     from cycloid_mj.bench import read_loop, read_te
     from cycloid_mj.bench.protocol import BenchFiles

@@ -161,10 +161,10 @@ def _with_explanations(
     design_options: DesignOptions,
     quiet: bool,
 ) -> Outcome:
-    """Return the outcome of a run with an explanation of its figures in place of the headline.
+    """Return the outcome of a run with sentences that explain its results, instead of a headline with numbers.
 
-    The condition also states the number of steps and the wall time. The summary ends with the files and the commands to
-    continue with; the review page is drawn when the outcome is delivered.
+    The number of steps and the wall time are appended to the run conditions. The sentences are in the summary, followed
+    by the files and by commands to continue with. The review page is drawn when the outcome is delivered.
 
     Parameters
     ----------
@@ -439,7 +439,8 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
 def _evaluate(log: "LogWriter", note: str, with_forces: bool) -> "tuple[Findings | CycloidError, Run | None]":
     """Flush and evaluate a log that is not closed.
 
-    `note` is the note of the run. The run of an RV reducer is read `with_forces`, which its findings include.
+    `note` has the warnings that were known only at the end of the run; it becomes `Run.note`. `with_forces` is whether
+    to read the contact forces too, which the findings of an RV reducer include.
 
     Returns
     -------

@@ -76,8 +76,8 @@ def statics(
     and losses by pair, also for back-driving. They include all clearances, manufacturing errors, modifications and
     friction of the design. Keys are those of `cycloid-mj measure` and `cycloid-mj figures`.
 
-    The crank turns so slowly that the centrifugal force of the disc is the only effect of inertia. Known differences
-    from simulations are printed next to each figure.
+    Inertia is neglected, except for the centrifugal force of the disc at the crank speed. Known differences from
+    simulations are printed next to each figure.
     """
     from cycloid_mj.figures import quantities
     from cycloid_mj.figures.film_map import compute_film_map
@@ -102,8 +102,10 @@ def _outcome(
 
     Parameters
     ----------
-    static, figures
-        Static figures of the design, and figures of the catalogue by key.
+    static
+        Statics of the design: quantities with names and notes, for the first table.
+    figures
+        Values of the figures that `cycloid-mj figures` lists, by key, for the second table.
     inheritance
         What a design file takes from its preset; None without a file.
     points

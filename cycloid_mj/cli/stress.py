@@ -185,9 +185,9 @@ def stress(
     friction. A further table lists cranks (beams with notch factors) and tooth roots (ISO 6336-3).
 
     The bulk begins at a distance d from narrow contacts and sharp inner corners, where the largest stress reaches a
-    plateau. The tables list d and the effect of its choice: the decrease of the stress to 2d, or its change with half
-    or twice the distance from corners. If the nominal stress times the notch factor of a fillet is larger, the safety
-    factor is that of the fillet.
+    plateau. The tables list d and how much the bulk stress depends on its choice: its relative drop from the distance d
+    to 2 d or, if larger, its change with half or twice the distance from corners. If the nominal stress times the notch
+    factor of a fillet is larger than the bulk stress, the safety factor is that of the fillet.
 
     stress.json, a VTU file of each part for ParaView, and the figures are written to --out. Requires the extra `fem`.
     """
@@ -228,9 +228,10 @@ def _require_consistent(designs: Sequence[str], logs: Sequence[str], has_changes
 
 
 def _require_springs(springs: bool, has_selection: bool) -> None:
-    """Raise UsageError if ``--mounts`` is set without ``--springs``, or if flags select parts, logs or figures.
+    """Raise UsageError if ``--mounts`` is used without ``--springs``, or ``--springs`` with flags that select results.
 
-    `springs` is whether ``--springs`` is set, `has_selection` whether such flags are set.
+    Call it only if at least one of ``--springs`` and ``--mounts`` is set; `springs` is whether ``--springs`` is.
+    `has_selection` is whether a flag selects parts, logs, figures, solids or an angle.
     """
     if not springs:
         raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
@@ -303,9 +304,11 @@ def _simulate(
 
 
 def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | None, delivery: StressDelivery) -> int:
-    """Write each design with the compliance of its parts under a load [N m] as springs; return the exit code.
+    """Write each design to a file in which springs have the compliance of its parts; return the exit code.
 
-    `mounts` is the file of `MountsFlag`.
+    The compliance is computed by finite elements under the output torque `load` [N m]; None: the design's load or its
+    rated torque. `mounts` is the path of a TOML file on the compliant plates that hold output pins and crank; None: the
+    pins are clamped, and the shaft is as in the design.
     """
     from cycloid_mj.design import dump
     from cycloid_mj.stress.mounts import read_mounts

@@ -30,7 +30,7 @@ COLUMNS = (
 
 
 def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
-    """Convert stress studies to an `Outcome`: tables, VTU files, verdicts of papers, and figures.
+    """Convert stress studies to an `Outcome`: tables, VTU files, verdicts on the claims of papers, and figures.
 
     Parts beyond the yield strength are failures; those beyond shakedown, or not converged, are warnings. `figures` are
     the kinds of figures to draw.
@@ -85,7 +85,10 @@ def outcome_of(studies: "Sequence[StressStudy]", destination: Destination, figur
 
 
 def _failures(findings: "Sequence[StressFindings]") -> Iterator[str]:
-    """Yield a sentence for each part whose stress exceeds its yield strength: first those of the finite elements."""
+    """Yield a sentence for each part whose stress exceeds its yield strength.
+
+    Parts with stress by finite elements come first, then sections of an RV reducer with nominal stress (cranks, teeth).
+    """
     for item in findings:
         for part in item.parts:
             if part.safety < 1.0:

@@ -128,8 +128,8 @@ def sweep(
     """Evaluate a design over a grid, a sample or a table of parameter values.
 
     Any key of the design file can be varied: numbers, words and switches. Further keys
-    can follow by formula (--follow), such as the hole of an output pin the eccentricity.
-    Results are written to DIR/sweep.csv and DIR/sweep.parquet, one row per point: inputs,
+    can be computed from the varied keys (--follow), e.g. the radius of the output holes
+    from the eccentricity. Results are written to DIR/sweep.csv and DIR/sweep.parquet, one row per point: inputs,
     quantities with the unit in the column's name, the error if the point failed, CPU time
     and versions. Rows are saved as soon as they are computed. To resume an interrupted
     sweep, run the same command again.
@@ -169,21 +169,21 @@ def sweep(
 def _choose_points(
     vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int
 ) -> "Points":
-    """Return the points of the flags: the rows of a table, a grid, or a sample of varied keys.
+    """Return the points that the flags describe: the rows of a table, a grid, or a sample of varied keys.
 
     Parameters
     ----------
     vary
         Texts of ``--vary``, such as ``clearance.cam_um=1:5:5``.
     table
-        CSV file with a point per row; None without one.
+        CSV file with one point per row, or None.
     sample, points, seed
         Kind of the sample (None: a grid), number of its points (None: the default), and its seed.
 
     Raises
     ------
     UsageError
-        A ``--vary`` has no values or is repeated, or as `choose_points`.
+        A ``--vary`` has no values, a key is varied twice, or `choose_points` refuses the points.
     """
     from cycloid_mj.explore.points import read_table
     from cycloid_mj.explore.sweeps import choose_points

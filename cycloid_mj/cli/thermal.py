@@ -53,8 +53,8 @@ def thermal(
     selects convection and radiation by ISO/TR 14179-2. The table [thermal] sets grease, gaps and joints.
 
     A disc that is warmer than its ring closes the clearance of the teeth. The command prints the temperature difference
-    and the difference at which the teeth jam; the exit code is 0 even if they jam. Those of an RV reducer are preloaded
-    instead.
+    and the difference at which the teeth jam; the exit code is 0 even if they jam. The teeth of an RV reducer become
+    preloaded instead of jamming.
 
     The warm-up starts at the temperature of the air. With --duty, the points of the file repeat in cycles. Torque
     limits by duty are for a drive that rests for the remaining time of a cycle. The JSON has temperatures_c,

@@ -76,14 +76,14 @@ def tolerance(
     """Draw samples within the tolerances: yield and error budget.
 
     Tolerances are read from the table [tolerance] of the design file: "normal 2", "uniform 5" or "between -1 4" (in
-    um), a grade "IT6", for clearances a fit "H7/g6", and for waves of the disc's profile their orders "2: normal 1, 35:
-    uniform 2". An RV reducer has its tolerances in [crank_tolerance]; its samples are computed in closed form and never
-    jam.
+    um), or a grade "IT6". For clearances, a fit "H7/g6" is allowed too. Waves of the disc's profile are listed with
+    their orders, "2: normal 1, 35: uniform 2". An RV reducer has its tolerances in [crank_tolerance]; its samples are
+    computed in closed form and never jam.
 
-    Every sample is solved by statics at 360 crank angles: against both stops, and under the nominal torque without
-    friction. A sample jams if its parts press against each other without a load. Jammed samples count in the yield
-    only. If 99 % or more of the first 200 samples jam, the command names the pair that interferes and ends with exit
-    code 1.
+    Every sample is solved by statics at 360 crank angles: at both ends of its backlash, and under the nominal torque
+    without friction. A sample jams if its parts press against each other without a load. Jammed samples count in the
+    yield only. If 99 % or more of the first 200 samples jam, the command names the pair that interferes and ends with
+    exit code 1.
 
     The error budget ("tighten first") is the share of each tolerance in the variance of a figure, by Sobol indices. The
     figure is that of the first --limit, or the backlash. The budget needs at least 64 samples.

@@ -62,9 +62,9 @@ def ratios(values: Sequence[float]) -> list[str]:
 def outcome_of(
     comparison: "Comparison", verdicts: RunsJudged, pictures: Mapping[str, Picture], destination: Destination
 ) -> Outcome:
-    """Convert a comparison to an `Outcome` with the verdicts of a paper; warn about doubtful runs.
+    """Convert a comparison to an `Outcome`, and issue the warnings of all runs.
 
-    `pictures` are functions that encode the figures, by name.
+    `verdicts` answer a paper's question by these runs; `pictures` are functions that encode the figures, by name.
     """
     from cycloid_mj.comparison.table import figure_frame
     from cycloid_mj.figures import values_json
@@ -123,7 +123,8 @@ def overloads(designs: Iterable[Design]) -> dict[str, str]:
 def capacity_of(case: Design) -> float:
     """Compute the torque [N m] at which a contact of a loaded design first yields, by statics under its load.
 
-    If that has no equilibrium, a tenth of the load is used. NaN if this fails, too, or if the design has no load.
+    If there is no equilibrium under the load, statics is solved under a tenth of it. The result is NaN if this fails,
+    too, or if the design has no load.
     """
     from cycloid_mj.figures import figure
 
