@@ -207,9 +207,10 @@ def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequ
 
 
 def _run_json(trial: Trial) -> dict[str, Any]:
-    """Convert a trial to JSON values: the measures of its first start, and without load the spreads over all starts.
+    """Convert a trial to JSON values: measures of its first start and, for unloaded runs, the spreads over all starts.
 
-    A spread is omitted if no start has a value of the quantity.
+    A start is a run of the same design with gravity in another direction. A spread is omitted if no start has a value
+    of the quantity.
     """
     spreads = [
         {"quantity": quantity, "unit": unit, **spread.as_json()}

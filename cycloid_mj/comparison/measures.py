@@ -66,9 +66,10 @@ def measure_run(motion: Series, log: str | None = None) -> Measures:
 
 
 def _fluctuation(motion: Series) -> Fluctuation:
-    """Compute the rms errors of disc speed, and of path and velocity of q, over full crank turns.
+    """Compute the rms errors of the disc's speed and of path and velocity of its point q, over full crank turns.
 
-    Steady shifts are removed from path and velocity, see `remove_steady_shifts`.
+    Errors are differences from the ideal motion (`Series`). Steady shifts are removed from those of path and velocity,
+    see `remove_steady_shifts`.
     """
     turns = full_turns(motion)
     rows = slice(turns[0].start, turns[-1].stop)

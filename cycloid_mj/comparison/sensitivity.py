@@ -56,10 +56,10 @@ class Sensitivity:
 
 
 def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
-    """Collect the values of each dynamic quantity of loaded runs, with and without each change of an assumption.
+    """Collect the values of each dynamic quantity of loaded runs, for the reference and for each changed assumption.
 
-    `varied_trials` has, for each assumption, the same runs as `reference` in the same order, with that assumption
-    changed. Quantities without a value in a reference run are omitted, as are changes to a run without a value.
+    `varied_trials` has, for each changed assumption, the runs of `reference` in the same order, repeated with this
+    change. A quantity is omitted if it has no value in the reference run; so is a changed run in which it has none.
     """
     return [
         Sensitivity(

@@ -144,9 +144,10 @@ def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def _base_preset(table: Any, source: str) -> Design:
-    """Return the preset that the table ``[base]`` of a file names, `table`.
+    """Return the preset that `table`, the table ``[base]`` of a file, names.
 
-    Raises DesignError if the table has anything else; `source` names the file in errors.
+    `source` names the file in errors. Raises DesignError if the name is unknown, or if the table has any key but
+    ``preset``.
     """
     name = table.get("preset") if isinstance(table, Mapping) and len(table) == 1 else None
     if not isinstance(name, str) or name.casefold() not in PRESETS:
@@ -412,7 +413,7 @@ def _read_table(
     source
         Name of the file in errors.
     prefix
-        Name of the table that contains this one, with a point.
+        Name of this table followed by a dot, which precedes its keys in errors; empty for the entire file.
     root
         Model of all tables of the file.
     """
@@ -507,8 +508,8 @@ def _validate(kind: type[S], values: dict[str, Any], where: str) -> S:
 def _suggest_key(key: str, known_keys: list[str], prefix: str, root: type[Section] = Design) -> str:
     """Return a sentence that suggests known keys for an unknown one: another unit, another table, or similar spelling.
 
-    `known_keys` are the keys of the table, `prefix` its name and a point, `root` the model of the file. If no key is
-    similar, the sentence lists all keys of the table.
+    `known_keys` are the keys of the table, `prefix` is its name followed by a dot, and `root` is the model of the file.
+    If no key is similar, the sentence lists all keys of the table.
     """
     stems = (key, key.rsplit("_", 1)[0])
     other_unit = next(

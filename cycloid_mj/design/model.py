@@ -122,7 +122,7 @@ class Ring(Section):
 
     @property
     def ahead(self) -> tuple[float, ...]:
-        """Counter-clockwise rotations [rad] of the ring, or of each of its halves, from the nominal position.
+        """Counter-clockwise rotation [rad] of each half of a ring that preloads the teeth; (0,) for an undivided ring.
 
         Raises
         ------
@@ -923,7 +923,7 @@ def _rv_table(what: str) -> Any:
 def _value_rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
     """Yield a row (key, value, unit, meaning) for each value of a section and its tables, in the units of the file.
 
-    `prefix` is the name of the section with a point, which begins the keys.
+    `prefix` is the name of the section followed by a dot; all keys begin with it.
     """
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
@@ -1214,9 +1214,10 @@ class Design(Section, Presented):
 
     @property
     def socket_play(self) -> float:
-        """Clearance of the housing around a pin of ``pin_radius`` [m]; 0 for a pressed-in pin.
+        """Clearance of the housing around a ring pin or sleeve of ``ring.pin_radius`` [m]; 0 for a pressed-in pin.
 
-        A sleeve turns clear of the housing, which supports its pin at both ends, by `SHARES.sleeve_room` of its radius.
+        For a sleeve it is `SHARES.sleeve_room` times its radius. The sleeve does not touch the housing, which supports
+        both ends of the pin inside it.
         """
         if self.ring.has_sleeves:
             return SHARES.sleeve_room * self.ring.pin_radius

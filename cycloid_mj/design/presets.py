@@ -45,8 +45,8 @@ def _make_printed() -> Design:
 def _make_twodisc() -> Design:
     """Return a drive with two discs from a worked calculation (github.com/kubakos/cycloid-drive-generator).
 
-    Ratio, teeth, discs, output pins, input torque and speed, and the rating of the bearings on the eccentrics. Other
-    values are assumed, each with its `preset_reasons`.
+    Ratio, teeth, discs, output pins, input torque and speed, and the rating of the bearings on the eccentrics are taken
+    from this source. Other values are assumed, each with its `preset_reasons`.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="twodisc", structure="springs").but(
@@ -83,8 +83,8 @@ def _make_rv80e() -> Design:
     """Return an RV-80E reducer (Yang, Zhou, Chang, Chen, Mech. Mach. Theory 163 (2021), 104384).
 
     Teeth, module, pin circle, eccentricity, pin radius and cranks are published. The load is the catalogue's rated
-    torque at 15 rpm of the output. Other values are assumed, each with its `preset_reasons`; bearings and teeth are as
-    stiff as makes the drive as stiff as the catalogue states.
+    torque at 15 rpm of the output. Other values are assumed, each with its `preset_reasons`. Among them, the stiffness
+    of bearings and teeth is chosen so that the drive has the torsional stiffness of the catalogue.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="rv80e", layout="rv").but(

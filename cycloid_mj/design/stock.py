@@ -406,8 +406,9 @@ def pin_gauge(diameter: float, length: float) -> Dowel | None:
 def free_pin(diameter: float, width: float, play: float) -> Roller | None:
     """Return the needle roller or pin gauge for a free pin between two covers; None if none has the diameter.
 
-    A needle roller that is shorter than its share of `width` by at most five times `play` is used uncut. Otherwise a
-    longer roller, or a pin gauge, is to be cut. If none is long enough, several are in line.
+    If the longest one is too short, several equal pieces are placed in line, each with an equal share of `width`. A
+    needle roller that is shorter than this share by at most five times `play` is used uncut. Otherwise a longer
+    roller, or a pin gauge, is to be cut.
 
     Parameters
     ----------
