@@ -82,8 +82,8 @@ def swing_period(reducer: Reducer) -> float:
 def crossing_time(reducer: Reducer) -> float:
     """Compute the time [s] in which the load carries the output across its backlash; 0 without load or backlash.
 
-    A rotating crank carries it there within one turn, at any load: the result is at most the time of one turn over
-    `SETTLING.crossings`, by which it is multiplied in the settling time.
+    The settling time contains `SETTLING.crossings` times this result. As a rotating crank crosses the backlash within
+    one turn at any load, the product is limited to the time of one crank turn.
     """
     drive, load = reducer.design.drive, abs(reducer.design.load.torque)
     if not load:

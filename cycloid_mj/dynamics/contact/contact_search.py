@@ -245,11 +245,13 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
 @njit(inline="always")
 def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_graded: bool) -> float:
-    """Compute the phase [rad] of an edge between pieces of a half root, from `bottom` to `top` [rad].
+    """Compute the phase [rad] of an edge between two pieces of a half root, which extends from `bottom` to `top` [rad].
 
-    `fraction` [1] is the number of pieces between `bottom` and the edge, over all pieces. Pieces are equally long, or,
-    if `is_graded`, short at the middle of the root and shorter at its junction with the arc of a lobe. The junction is
-    at `bottom` if `is_own` (`HalfRoot.own`), else at `top`.
+    A root of the internal gear connects the arcs of two lobes; its halves are searched in pieces. `fraction` [1] is the
+    number of pieces between `bottom` and the edge, divided by the number of all pieces. The pieces are equally long
+    unless `is_graded`. Graded pieces become shorter towards both ends, most of all towards the junction with the arc of
+    the lobe. The junction is at `bottom` if `is_own` (`HalfRoot.own`), else at `top`; the other end is the middle of
+    the root.
     """
     if not is_graded:
         return bottom + (top - bottom) * fraction

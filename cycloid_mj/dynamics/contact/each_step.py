@@ -324,10 +324,11 @@ def _end_step(model: int, data: int, run: StepState) -> None:
 def _apply_impact(run: StepState) -> None:
     """Set stiffness and damping of every contact by the law IMPACT at its current depth; do nothing with other laws.
 
-    MuJoCo's rows obey R f + a + b v + k r = 0 (`law`). R is that of the added mass K dt^2/4 + C dt/2 of the law's
-    tangent K and damping C, stable at any step; friction keeps its coefficient and its creep. Arrays are addressed in
-    bytes, 8 for each number: a pair has the four numbers of `ImpactLaw`, a row of ``efc_KBIP`` k, b, impedance and its
-    derivative.
+    A row of MuJoCo's constraints obeys R f + a + b v + k r = 0 (`law`), with force f, relative acceleration a and
+    velocity v, and gap r. The function sets k, b and R = 1/added mass. The added mass K dt^2/4 + C dt/2, with the
+    law's tangent stiffness K and damping C, is stable at any time step dt. The tangential rows are scaled so that
+    friction coefficient and creep stay the same. Arrays are addressed in bytes, 8 for each number: a pair has the four
+    numbers of `ImpactLaw`; a row of ``efc_KBIP`` has k, b, impedance and its derivative.
     """
     if not run.impact:
         return

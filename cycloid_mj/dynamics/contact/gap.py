@@ -304,9 +304,10 @@ def flank_curvature(t: float, flank: Flank) -> float:
 
 @njit
 def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
-    """Compute the results of `flank_distance` for rotated flanks: the larger distance from both, or that from a corner.
+    """Compute the results of `flank_distance` for rotated flanks: t, distance, normal x and y, and whether at a corner.
 
-    The corner between the flanks counts where the other flank cuts the foot point away.
+    They belong to the flank with the larger distance. If its foot point is cut away by the other flank, they belong to
+    the corner at which both flanks meet.
     """
     sine, cosine = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
@@ -332,17 +333,17 @@ def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, fl
 
 @njit(inline="always")
 def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
-    """Compute the distance of a point (x, y) [m] near the trochoid from the gear's flanks, less their offset.
+    """Compute the distance of a point (x, y) [m] near the trochoid from the gear's flanks, minus `flank.offset`.
 
-    With rotated flanks the disc is the intersection of its profile rotated to either side: the larger of both distances
-    counts, or, where its foot point is cut away, the distance from the corner between the flanks.
+    With rotated flanks the disc is the intersection of its profile rotated to either side. The distance is then the
+    larger one from the two flanks. Where the foot point is cut away, it is that from the corner between the flanks.
 
     Returns
     -------
     t
-        Trochoid parameter of the foot point on its flank [rad], for the flank's curvature; at a corner, its end.
+        Trochoid parameter [rad] of the foot point, as for `flank_curvature`; at a corner, that of the flank's end.
     distance
-        Distance from the surface, positive outside, less `flank.offset` [m]. Without rotation and waves it is the
+        Distance from the surface, positive outside, minus `flank.offset` [m]. Without rotation and waves it is the
         signed distance from the trochoid.
     normal_x, normal_y
         Outward unit normal.
@@ -388,7 +389,8 @@ def arc_edge(arc: PartialCircle, side: float) -> tuple[float, float]:
 def circle_at_edge(dx: float, dy: float, inner: float, arc: PartialCircle, side: float) -> tuple[float, float, float]:
     """Compute gap [m] and unit normal (x, y) from a circle of radius `inner` [m] to an edge of an arc.
 
-    The vector (dx, dy) [m] leads from the centre of the arc to that of the circle; `side` is that of `arc_edge`.
+    The vector (dx, dy) [m] leads from the centre of the arc to that of the circle. `side` selects the edge: 1.0 is
+    clockwise of the middle of the arc, -1.0 counter-clockwise.
     """
     x, y = arc_edge(arc, side)
     x, y = x - dx, y - dy

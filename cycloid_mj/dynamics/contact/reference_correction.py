@@ -83,10 +83,13 @@ def correct_references(layout: StepLayout, model: int, data: int) -> None:
 
 @compiling.njit(inner=True)
 def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState) -> None:
-    """Correct the normal reference accelerations of all contacts for the circular orbit of the discs (see the module).
+    """Correct the normal reference accelerations of all contacts for the circular orbit of the discs.
 
-    The first pass adds the share 1 - b dt/2 of the centripetal acceleration of the ideal motion; the second subtracts
-    the damping b times the error of the mean speed. b is the second of the four numbers of a row of ``efc_KBIP``.
+    MuJoCo neglects the change of the Jacobian along the orbit; the module describes both corrections. The first pass
+    adds 1 - b dt/2 times the centripetal acceleration of the orbit along the normal, with the damping b and the time
+    step dt. MuJoCo's damping acts on the mean of the velocities half a step before and after, which is too small on a
+    circle: the second pass subtracts b times this error along the normal. b is the second of the four numbers of a row
+    of ``efc_KBIP``.
     """
     _multiply_orbit(layout, model, data, run, False)
     product, constants, references = (
@@ -136,7 +139,10 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, o
 def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
     """Lower the normal reference accelerations of sliding contacts by the lift of the convex friction cone.
 
-    The lift is mu |t - b| - m^2 (n - a) where that is positive, see the module; contacts without friction have none.
+    MuJoCo's elliptic friction cone presses sliding contacts too hard (see the module). The lift is mu |t - b| - m^2
+    (n - a), or 0 where this is negative. n and a are the reference and the actual acceleration along the normal, t and
+    b those along the tangents. mu is the friction coefficient, and m = mu/sqrt(impratio). Contacts without friction are
+    not changed.
     """
     contacts_address, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)

@@ -39,14 +39,15 @@ SETTINGS = RootSettings()
 
 @njit
 def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
-    """Compute a point of the root of the internal gear, offset to the path of lobe centres, at the phase B [rad].
+    """Compute a point of the curve S at the phase B [rad]: a root of the internal gear, offset by the pin radius.
 
-    The arc rate is positive; R is the concave radius (``envelope.Sigma.radius`` at rho = 0).
+    S leads from the centre of one lobe's arc to the next (see the module).
 
     Returns
     -------
     tuple of float
-        Position x, y [m], clockwise angle psi of the normal [rad], arc rate [m/rad], and curvature 1/R [1/m].
+        Position x, y [m], clockwise angle psi of the normal [rad], arc length of S per phase (positive) [m/rad], and
+        curvature 1/R [1/m] with the concave radius R of S (``envelope.Sigma.radius`` at rho = 0).
     """
     radius, eccentricity, teeth = ring
     pitch_distance = eccentricity * teeth

@@ -216,7 +216,10 @@ def describe_difference(forces: dict[Any, float], weights: dict[Any, float], rto
 
 
 def _values_by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
-    """Map the mass [kg] of the moving body of each contact to a value; empty if there is another number of contacts."""
+    """Map the mass [kg] of the moving body of each contact to its number in `values`.
+
+    The result is empty if the number of `values` is not the number of contacts.
+    """
     if len(values) != data.ncon:
         return {}
     return {

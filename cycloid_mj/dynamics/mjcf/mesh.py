@@ -348,10 +348,10 @@ def _set_pair_contact(pair: Any, parameters: SolverParameters) -> None:
 
 
 def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
-    """Return MuJoCo's collision bits of a slice of a surface, or of the hull that is a convex tip.
+    """Return MuJoCo's collision bits of a slice of a surface, or of the convex hull of a whole tooth tip or lobe tip.
 
-    Tips of the gear collide with the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe
-    is a capsule, which is exact and quicker than its hull.
+    Tips of the gear collide with the roots of an internal gear, its valleys do not. The hull of a lobe's tip collides
+    with objects outside the reducer only: for the gear, the capsule with the arc of the lobe is exact and quicker.
 
     Parameters
     ----------

@@ -510,7 +510,11 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
 
 @njit
 def rolling_speed(contact: Contact, v: Array) -> float:
-    """Compute the relative tangential speed [m/s] of the centres of a contact's surfaces at the speeds v."""
+    """Compute the tangential speed [m/s] of the centre of a contact's round surface relative to the other surface.
+
+    This motion, as a pin rolls or slides along its mate, rotates the contact normal (`geometric_stiffness`). `v` are
+    the speeds of all unknowns.
+    """
     disc, pin, shaft, speed = contact.disc, contact.pin, contact.shaft, 0.0
     if disc >= 0:
         speed += contact.nx * v[disc + 1] - contact.ny * v[disc] + contact.disc_centre * v[disc + 2]

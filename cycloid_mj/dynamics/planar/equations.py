@@ -527,10 +527,10 @@ def _update_states(
 ) -> bool:
     """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
 
-    A moving pin changes the state of its first contact that would change, all other contacts together that of the
-    first, or with `change_all` all states. Without `coupled_friction`, the result is also True until friction agrees
-    with the normal force. `predicted` are the midpoint speeds at which the `count` contacts were linearised,
-    `half_step` [s] is half of the time step.
+    At most one contact of each moving pin changes its state per call: the first that has to. Of all other contacts and
+    the shafts with drag, one changes in total, or with `change_all` every one that has to. Without `coupled_friction`,
+    the result is also True until friction agrees with the normal force. `predicted` are the midpoint speeds at which
+    the `count` contacts were linearised, `half_step` [s] is half of the time step.
     """
     changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
     size, no_change = len(equations.right), equations.settled

@@ -71,10 +71,11 @@ class Stepper:
         midpoint_pins: bool = False,
         train: CrankTrain | None = None,
     ) -> None:
-        """Allocate contacts and equations, and set the state half a step before time 0, at the initial speeds.
+        """Allocate contacts and equations, and set the positions half a step before time 0.
 
-        `positions` and `speeds` are those of all unknowns at time 0; `timestep` [s], `stride` (steps per sample),
-        `midpoint_pins` and `train` (the cranks of an RV reducer) are those of the class.
+        `positions` and `speeds` are those of all unknowns at time 0; the earlier positions are extrapolated with these
+        speeds. `timestep` is in [s], `stride` in steps per sample. `midpoint_pins` is whether moving pins are
+        integrated by the midpoint rule too. `train` has the cranks of an RV reducer.
         """
         self._system, self._train, self._timestep, self._stride = system, train, timestep, stride
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
@@ -105,8 +106,8 @@ class Stepper:
     def advance(self, samples: int) -> Array:
         """Take the time steps up to and including a number of samples; return the samples, shape (samples, columns).
 
-        After the last command, it stays constant. The columns are those of the slices `copied`, `solver`, `pairs` and
-        `drags`, see `sample_layout`.
+        When all rows of `command` are used, the last one is repeated. The columns are those of the slices `copied`,
+        `solver`, `pairs` and `drags`, see `sample_layout`.
         """
         rows = np.zeros((samples, self._width))
         steps = self._due + (samples - 1) * self._stride
@@ -313,7 +314,8 @@ def _write_sample(
 def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
     """Write positions and speeds of input, discs, output, cranks and moving pins to a row; return the next column.
 
-    The position of a floating sun follows its rotation; the angles of cranks are relative to the carrier.
+    The columns of a floating sun's position and velocity come after those of its rotation, which is the input. Angles
+    of cranks are relative to the carrier, positions of pins to the seats in the ring.
     """
     size, sun = len(system.inertia), 3 * len(system.offset)
     column = _write_shaft(system, 1, system.shafts[1], q, v, command, row, 0)

@@ -227,9 +227,14 @@ def _disc_inertias(reducer: Reducer) -> list[float]:
 
 
 def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
-    """Return the surfaces of the ring that pins or discs touch, and `inner`, `outer` and `arc` of a `System`.
+    """Return the surfaces of the ring that are in contact, and radii and opening of the seats of its moving pins.
 
-    Without moving pins the surfaces are `ring`, those that mate with the teeth, and `inner` and `outer` are empty.
+    Returns
+    -------
+    tuple
+        Surfaces: the seats, or without moving pins `ring`, which mates with the teeth. `System.inner` and
+        `System.outer`: radii of the inner and outer circle of each seat [m], shape (N,), empty without moving pins.
+        `System.arc`: cosine and sine of half the arc on which a socket surrounds its pin, (-1, 0) for a closed circle.
     """
     design = reducer.design
     if not design.ring.has_pin_bodies:
