@@ -312,17 +312,20 @@ def sum_over_cells(centres: Array, half_widths: Array, weights: Array, period: f
 
 
 def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], rates: Mapping[str, Array]) -> WornGaps:
-    """Compute the opening of the gaps by wear [m]: of teeth and output pins by angle, shape (TABLE,), and of the cam.
+    """Compute by how much wear widens the gaps of teeth, output pins and cam [m].
+
+    The result has a value per angle of `table_angles`, shape (`TABLE`,), for teeth and output pins, and one value for
+    the cam.
 
     Parameters
     ----------
     surfaces
         The surfaces that wear.
     depths
-        Depths of the surfaces by key [m], shape (cells,) each.
+        Depth of wear in each cell of the surfaces [m], shape (cells,), by key of the surface.
     rates
-        Dose rates by key, shape (cells,) each: weights for the mean depth of a plain cam, since only its loaded side
-        determines the clearance.
+        Rate of wear of the same cells, shape (cells,), by key. These are the weights of the mean depth of a plain cam,
+        because only its loaded side determines the clearance.
     """
     tables = {"teeth": np.zeros(TABLE), "output": np.zeros(TABLE)}
     cam = 0.0

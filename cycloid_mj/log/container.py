@@ -189,11 +189,12 @@ def read_chunk(record: Record, path: Path) -> Messages:
 
 
 def _check_message_count(chunk: Chunk) -> None:
-    """Refuse a chunk with more messages than its compressed data can describe, before it takes memory.
+    """Refuse a chunk with more messages than its compressed data can describe, before memory is allocated for them.
 
-    The compressed data are inflated block by block, and the record headers in them are counted. Chunks that are small
-    enough for any number of messages are not counted, and `decompress` refuses those larger than `CHUNK.max_size`.
-    Counting ends without an error at an invalid header, which `_parse_chunk` reports.
+    The compressed data are inflated block by block, and the record headers in them are counted. Chunks that are too
+    small for that many messages are accepted without counting. Chunks larger than `CHUNK.max_size` are not counted
+    either, because `decompress` refuses them. Counting ends without an error at an invalid header, which `_parse_chunk`
+    reports.
 
     Raises
     ------

@@ -111,8 +111,9 @@ class LogFile:
     def _open_new(self) -> tuple[Path, BinaryIO]:
         """Create the file of the log and lock it.
 
-        If the log replaces another log, the file has the first free partial name. A hidden log has a hidden name, which
-        is unique and needs no lock.
+        A log that replaces another log is written under the first unused name of `_partial_names`, such as
+        ``run.partial.mcap``. A hidden log is written under a hidden name, which is unique and needs no lock. Any other
+        log has its final name from the beginning.
 
         Returns
         -------
@@ -148,7 +149,7 @@ class LogFile:
 
 
 def _partial_names(path: Path) -> Iterator[Path]:
-    """Yield names for an incomplete log: files of earlier runs are kept."""
+    """Yield names for an incomplete log: ``run.partial.mcap``, ``run.partial-2.mcap``, and so on."""
     yield path.with_name(f"{path.stem}.partial{path.suffix}")
     for number in count(2):
         yield path.with_name(f"{path.stem}.partial-{number}{path.suffix}")

@@ -99,7 +99,7 @@ class _GroupSamples:
     def finish(self, samples: int) -> list[Array]:
         """Return times [s] and columns of this group, shape (k,) each, of the first `samples` samples of the log.
 
-        If only some `rows` of the log are read, the arrays have those of the rows that are among these samples. The
+        If only some `rows` of the log are read, the arrays contain only the rows with an index below `samples`. The
         arrays are read-only, so that a `Run` need not copy them.
         """
         count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
@@ -271,7 +271,7 @@ def _add_messages(contents: _Contents, messages: container.Messages, path: Path)
 def _viewer_topics(contents: _Contents) -> dict[str, ViewerTopic]:
     """Return the topics for viewers by name: schema, number of messages and frame rate.
 
-    They have channels without units.
+    A topic is for viewers if the metadata of its channel contain no units.
     """
     viewers = {}
     for channel_id, channel in contents.channels.items():

@@ -191,7 +191,7 @@ class LogWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        """Close the log: as complete, or after an `error` of a `kind` as incomplete; a hidden log is then removed."""
+        """Close the log as complete; after an `error`, close it as incomplete, or remove it if it is hidden."""
         if error is None:
             self.close()
             return
@@ -202,10 +202,11 @@ class LogWriter:
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
 
     def _viewer_messages(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
-        """Compute the messages for viewers of k samples, by their time [ns]; empty without a viewer or a frame.
+        """Compute the viewer messages for k samples: time [ns] -> messages.
 
-        `time` has shape (k,) [s], `values` (k, columns) by topic. Only samples at the rate of the viewer have messages.
-        The opening messages precede those of the first sample of the log.
+        `time` has shape (k,) [s], `values` (k, columns) by topic. Only the samples at the viewer's frame rate have
+        messages; the result is empty if there is no such sample, or no viewer. At the first sample of the log, the
+        messages of `Viewer.opening`, which occur once, come first.
         """
         rows = select_frames(time, self._last_time, self._viewer.rate) if self._viewer else ()
         if not (self._viewer and len(rows)):

@@ -12,7 +12,8 @@ MIN_VISCOUS = 2000.0
 def idle_torque(factor: float, diameter: float, speed: float, viscosity: float) -> float:
     """Compute Palmgren's load-independent friction torque M0 of a rolling bearing [N m].
 
-    `factor` is f0 [1], `diameter` the mean diameter [m], `speed` that of the rings [rad/s], `viscosity` in [mm2/s].
+    `factor` is f0 [1], `diameter` the mean diameter [m], `speed` the speed of one ring relative to the other [rad/s],
+    and `viscosity` the kinematic viscosity [mm2/s].
     """
     viscous = max(viscosity * abs(speed) / RPM, MIN_VISCOUS)
     per_volume = 160e-7 if viscous == MIN_VISCOUS else 1e-7 * viscous ** (2.0 / 3.0)
