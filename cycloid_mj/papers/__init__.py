@@ -85,7 +85,10 @@ class Paper:
 
 @cache
 def papers() -> tuple[Paper, ...]:
-    """Load the installed papers by name; one that cannot be loaded is left out with a warning."""
+    """Load the `Paper` of each installed package with an entry point of `GROUP`, sorted by name of the entry point.
+
+    A paper that cannot be loaded is left out with a warning.
+    """
     papers_by_name: dict[str, Paper] = {}
     points = {point.name: point for point in entry_points(group=GROUP)}
     for name in sorted(points):
@@ -95,14 +98,15 @@ def papers() -> tuple[Paper, ...]:
 
 
 def published_torques(reducer: "Reducer") -> "list[Published]":
-    """List the output torques that the papers have for a design."""
+    """List the published output torques of a design, from all papers."""
     return [torque for _, torques in _answers(lambda paper: list(paper.torques(reducer.design))) for torque in torques]
 
 
 def judge_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
-    """Return the answer of the first paper that judges the runs of a comparison; empty if none does.
+    """Return the conclusions of the first paper that evaluates the runs of a comparison; empty if none does.
 
-    `trials` are the runs; `varied` has, for each thing that was varied, the same runs with it.
+    `trials` are the runs with their measures. `varied` maps each variation of a parameter to the runs that were
+    repeated with it.
     """
     for _, judgement in _answers(lambda paper: paper.judged_runs(trials, varied) if paper.judged_runs else None):
         if judgement:
@@ -111,7 +115,7 @@ def judge_runs(trials: "Sequence[Trial]", varied: "Varied") -> RunsJudged:
 
 
 def stress_references(reducer: "Reducer") -> "dict[str, Reference]":
-    """Collect what the papers have on the stress of a design's parts, by their names."""
+    """Collect the published stresses of a design's parts from all papers: name of the part -> reference."""
     return {
         part: reference
         for _, references in _answers(lambda paper: dict(paper.stress_references(reducer.design)))
@@ -120,12 +124,15 @@ def stress_references(reducer: "Reducer") -> "dict[str, Reference]":
 
 
 def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim]]":
-    """Judge what each paper claims of stress by studies of several designs: source -> claims."""
+    """Compare the claims of each paper about stress with studies of several designs: source -> evaluated claims."""
     return {paper.source: claims for paper, claims in _answers(lambda paper: paper.stress_claims(studies))}
 
 
 def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
-    """Ask every paper; one that fails is passed over with a warning."""
+    """Call `ask` for every paper; yield the papers with a result that is not None.
+
+    A paper that fails is skipped with a warning.
+    """
     for paper in papers():
         answer = _call_paper(paper.key, "passed over", partial(ask, paper))
         if answer is not None:
@@ -133,9 +140,9 @@ def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
 
 
 def _call_paper(name: str, consequence: str, ask_paper: Callable[[], Answer]) -> Answer | None:
-    """Call a function of a paper; return None and warn if it raises any error, as its code is not ours.
+    """Call a function of a paper; return its result, or None with a warning if it raises any error.
 
-    `name` is the paper's; `consequence` says in the warning what happens to it.
+    `name` is the name of the paper. `consequence` states in the warning what happens to the paper, such as "ignored".
     """
     try:
         with redirect_stdout(sys.stderr):  # results alone go to stdout
@@ -148,7 +155,11 @@ def _call_paper(name: str, consequence: str, ask_paper: Callable[[], Answer]) ->
 
 
 def _load_paper(point: EntryPoint, existing: Container[str]) -> Paper:
-    """Load a paper and its command from an entry point; raise an exception if either is invalid."""
+    """Load a paper from an entry point, and load its command as a check.
+
+    `existing` are the keys of the papers loaded before. Raises an exception if the paper or its command cannot be
+    loaded or has the wrong type, or if the key of the paper is not a valid command name or already exists.
+    """
     try:
         paper = point.load()
     except Exception as problem:
