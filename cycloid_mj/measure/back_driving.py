@@ -139,11 +139,11 @@ class BreakAway:
 def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
     """Measure the output torque at which a free crank starts to turn, by runs from several independent starts.
 
-    In each run the torque rises as T t. The acceleration of the crank is then proportional to T t - T0; a line fitted
-    to it is zero at the break-away torque T0. Contacts have the stiffness of the rated load. Friction without load
-    follows from weight and inertia of the parts; friction in proportion to the load is part of the back-driving
-    efficiency. The result has torque and error of each start, their mean and spread, and whether the drive is
-    self-locking.
+    In each run the torque rises in proportion to time. The acceleration of the crank is then proportional to the excess
+    of the torque over the break-away torque, at which a fitted line is zero. The break-away torque contains only the
+    friction that weight and inertia of the parts cause. Friction in proportion to the load lowers the back-driving
+    efficiency instead. Contact stiffness is that at the rated load. The result has torque and error of each start,
+    their mean and spread, and whether the drive is self-locking.
     """
     return BreakAway(
         tuple(each_in_threads(lambda start: _find_break_away(Reducer(start), solver), independent_starts(reducer)))
@@ -153,7 +153,8 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
 def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
     """Find the break-away torque and its error [N m] from one start; NaN if the crank stays at rest under all torques.
 
-    The output torque grows to `START.growths` of the rated output torque, in turn, until the crank turns.
+    The first run ends at the smaller share of the rated output torque in `START.growths`. If the crank does not turn
+    clearly, a second run ends at the larger share.
     """
     for growth in START.growths:
         start = _run_growing_torque(reducer, growth * reducer.design.rated_torque, solver)

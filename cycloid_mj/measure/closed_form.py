@@ -27,8 +27,8 @@ class EfficiencyReference:
 def ideal_efficiency(reducer: Reducer, load: float) -> EfficiencyReference:
     """Compute the efficiency under a load torque [N m] by ideal load sharing, a rigid cam and Coulomb friction.
 
-    Contacts are equally stiff and without clearance; they also carry the drag of the output's seals. The result has the
-    efficiency [1] and the name of the method.
+    Contacts are equally stiff and without clearance. Their load includes the drag of the output's seals. The result has
+    the efficiency [1] and the name of the method.
     """
     design = reducer.design
     contact_torque = load + design.drag.output

@@ -78,8 +78,9 @@ class ContactPressures:
 def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     """Compute forces [N] and Hertz pressures [Pa] of all contacts in the samples of a run, by kind of mating pair.
 
-    The crank angle begins in the first turn. Forces are those of the mating pairs; the pressure is that of the most
-    loaded of their contact lines, in a rolling cam of one roller.
+    The arrays have a row for each sample and a column for each mating pair. The first crank angle is between 0 and
+    2 pi. Forces are the total forces of the mating pairs. Pressures are those at the most loaded contact line of each
+    pair; in a rolling cam bearing this is the line of one roller.
     """
     crank_angle = run["crank_angle"]
     shifted_angle = crank_angle - 2.0 * math.pi * np.floor(crank_angle[0] / (2.0 * math.pi))

@@ -266,7 +266,8 @@ def _loss_percentages(point: OperatingPoint) -> dict[str, float]:
 def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
     """Return curves over the output torque: efficiency for each speed, losses at one speed, and crank speed from rest.
 
-    Losses that are 0 are omitted; the speed of the losses is the design's, or else the last of the map.
+    Losses are drawn at the design's speed, or at the last speed of the map if the map does not contain the design's
+    speed. Losses that are 0 are omitted.
     """
     x, rest_run = "output torque [N m]", efficiency_map.rest.run
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))

@@ -200,11 +200,12 @@ def run_forward(reducer: Reducer, torque: float, speed: float, periods: int, sol
 
 
 def run_backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> OperatingPoint:
-    """Simulate the output driving against a torque on the crank [N m]; without a torque, the crank is free.
+    """Simulate the output driving against a torque on the crank [N m]; return the operating point.
 
-    The crank runs at constant speed, so that its inertia does not have to cross the clearance first. The driving torque
-    follows from a shorter run; for a self-locking drive it is the torque without losses. `periods` is the smallest
-    number of mesh periods of the average.
+    A shorter first run under the output torque without losses measures the back-driving efficiency. The output torque
+    of the second run is that torque over this efficiency. If the drive is self-locking, the first run is the result. In
+    both runs the crank turns at constant speed, so that it need not first be accelerated across the clearance. Only
+    with a `torque` of 0 is the crank free. `periods` is the smallest number of mesh periods of the average.
     """
     if not torque:
         with suppress_warnings(tuple(creep_warning(reducer))):

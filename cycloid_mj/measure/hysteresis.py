@@ -143,9 +143,10 @@ class HysteresisLoop:
         return float(np.trapezoid(torque, turn))
 
     def compliance(self, values: Array | None = None) -> float:
-        """Compute the slope of the turn [rad/(N m)], or of `values` (n,), between the shares `STRAIGHT` of the torque.
+        """Compute the compliance: output rotation per torque [rad/(N m)], or `values` (n,) per torque.
 
-        The slope is that of the middle between loading and unloading, and the mean over both signs of the torque.
+        It is the slope of the mean of the loading and the unloading branch, between the two shares of the nominal
+        torque in `STRAIGHT`. The result is the mean over both signs of the torque.
         """
         low, high = STRAIGHT
         rises = [
@@ -226,10 +227,10 @@ def run_loop(
 def quasi_static_period(reducer: Reducer, peak_torque: float) -> float:
     """Compute the period [s] of a torque loop that is so slow that inertia does not matter.
 
-    The torque T (omega t)^5, with T = `peak_torque` [N m], moves output and discs, of inertia J [kg m2], across their
-    backlash b [rad] until (omega t)^7 = 42 J b omega^2/T. By choice of the period, the torque is then only the share
-    `LOOP.arrival` of T. It is also at least `LOOP.slowness` periods of the oscillation of J on the stiffness of the
-    reducer.
+    It is the shortest period that meets two conditions. Output and discs cross the backlash b [rad] before the torque
+    exceeds the share `LOOP.arrival` of its peak T = `peak_torque` [N m]. With the inertia J [kg m2] and the initial
+    torque T (omega t)^5, they have crossed it at (omega t)^7 = 42 J b omega^2/T. The period is also at least
+    `LOOP.slowness` natural periods of J on the stiffness of the reducer.
     """
     inertia = turning_inertia(reducer)
     angular_frequency = math.sqrt(

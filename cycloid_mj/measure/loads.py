@@ -172,7 +172,7 @@ def _capacities(
     first_periods, half_step
         Contacts of the first mesh periods with the full and with half the time step, for the error.
     missed_peaks
-        Relative excess of the largest force over the turn, by kind.
+        Relative excess of the largest ideal force in a full turn over that at the sampled angles [1], by kind.
     solver
         Solver of the runs.
 
@@ -226,7 +226,7 @@ def _pressure_error(contacts: ContactPressures, first_periods: ContactPressures,
 
 
 def _missed_peak(reducer: Reducer, contacts: ContactPressures) -> float:
-    """Compute the relative excess of a kind's largest ideal force over the turn above that in the samples.
+    """Compute the relative excess of a kind's largest ideal force in a full turn over that at the sampled angles [1].
 
     It is 0 where the samples cover the turn.
     """
@@ -292,8 +292,9 @@ def _kind_quantities(
     first_periods, half_step
         Contacts of the first mesh periods with the full and with half the time step; their difference is an error.
     missed_peak
-        Relative excess of the largest force over the turn, added to the error of peaks. To that of means, half of the
-        change between the halves of the samples is added.
+        Relative excess of the largest ideal force in a full turn over that at the sampled angles [1], for the error of
+        peak values. The error of mean values includes half of the change from the first to the second half of the
+        samples instead.
     """
     kind = contacts.kind
     yield_pressure = YIELD_PRESSURE * reducer.contacts[kind].strength

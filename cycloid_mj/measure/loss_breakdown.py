@@ -25,10 +25,11 @@ def loss_shares(powers: Powers) -> dict[str, float]:
 
 
 def table(powers: Powers, published: Sequence[Published], error: float) -> Table:
-    """Return a table of the losses in percent of the input power, part by part, followed by the published rates.
+    """Return a table of the losses in percent of the input power, part by part, followed by the published output rates.
 
-    `error` is the numerical error of the efficiency [1]. A published rate has the friction NaN if it lies outside of
-    the range of the runs.
+    The output rate is the output torque over that without losses. Each published rate comes with the friction
+    coefficient at which the model has the same rate; it is NaN outside of the range of the runs. `error` is the
+    numerical error of the efficiency [1].
     """
     remaining, rows = 1.0, []
     for part, share in loss_shares(powers).items():

@@ -82,9 +82,10 @@ def lost_motion(
 def _run_loops(
     reducer: Reducer, peak_torque: float, period: float, angles: int, solver: Solver, progress: Progress
 ) -> LostMotionLoops:
-    """Simulate the torque loops at several crank angles, as designed, and without friction and weight; solve statics.
+    """Simulate the torque loops at several crank angles, and solve for the static wind-up at the same angles.
 
-    At the first angle both are repeated with a shorter time step and with a slower loop, for the numerical error.
+    There are loops of the drive as designed, and loops without friction and weight. For the numerical error, both are
+    repeated at the first angle, once with a shorter time step and once with a longer period.
 
     Parameters
     ----------

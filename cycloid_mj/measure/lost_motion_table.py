@@ -64,28 +64,28 @@ def _mean_quantity(
     reference_values: Sequence[float] | Array = (),
     source: str = "",
     note: str = "",
-    turn_form: ClosedForm | None = None,
+    closed_form: ClosedForm | None = None,
 ) -> Quantity:
     """Return the mean of a reading over the crank angles, with its errors and the mean of the reference values.
 
     Parameters
     ----------
     key, name, unit, source, note
-        As of `Quantity`.
+        As in `Quantity`.
     read_value
-        Function from a loop to the reading, in the unit.
+        Function that returns the value of a loop to be averaged, in `unit`.
     loops
         Loops, one per crank angle.
     check_loops
         Loops at the first crank angle with other settings, for the numerical error.
     reference_values
         Reference at some crank angles; empty for none.
-    turn_form
-        Closed form over the turn near the readings, for the error of the mean over the turn.
+    closed_form
+        Closed form that approximates the readings, for the sampling error of the mean over the turn.
     """
     reference = float(np.mean(reference_values)) if len(reference_values) else None
     values = [read_value(loop) for loop in loops]
-    error = add_errors(_numerical_error(read_value, loops, check_loops), error_of_mean(values, turn_form))
+    error = add_errors(_numerical_error(read_value, loops, check_loops), error_of_mean(values, closed_form))
     return Quantity(
         key, name, float(np.mean(values)), unit, error, reference, source if len(reference_values) else "", note
     )
@@ -97,11 +97,17 @@ def _numerical_error(read: Reading, loops: Loops, check_loops: Loops) -> float:
 
 
 def _extreme_quantities(
-    key: str, name: str, read: Reading, loops: Loops, check_loops: Loops, unit: str, turn_form: ClosedForm | None = None
+    key: str,
+    name: str,
+    read: Reading,
+    loops: Loops,
+    check_loops: Loops,
+    unit: str,
+    closed_form: ClosedForm | None = None,
 ) -> list[Quantity]:
     """Return the smallest and the largest reading over the crank angles; arguments as in `_mean_quantity`."""
     values, numerical = [read(loop) for loop in loops], _numerical_error(read, loops, check_loops)
-    return list(extreme_quantities(key, name, values, numerical, unit, closed_form=turn_form))
+    return list(extreme_quantities(key, name, values, numerical, unit, closed_form=closed_form))
 
 
 def lost_motion(loop: HysteresisLoop) -> float:
@@ -135,7 +141,7 @@ def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
             *loop_sets,
             reference_values=static_values,
             source=STATICS,
-            turn_form=rigid_form,
+            closed_form=rigid_form,
         )
         if not suffix:
             yield from _extreme_quantities("lost_motion", "lost motion", lost_motion, *loop_sets, "arcmin", rigid_form)
@@ -148,7 +154,7 @@ def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
             *loop_sets,
             reference_values=rigid_values,
             source=RIGID,
-            turn_form=rigid_form,
+            closed_form=rigid_form,
         )
 
 

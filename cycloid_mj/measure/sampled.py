@@ -1,6 +1,7 @@
 """Error of a mean and of extremes over the turn that are measured at a few crank angles: part of the numerical error.
 
-A closed form near the measured values contributes its part exactly; only the remainder is estimated by its scatter.
+The sampling error of a closed form that approximates the measured values is known exactly. Only the error of the
+remainder, values minus closed form, is estimated from its scatter.
 """
 
 from collections.abc import Callable, Iterator
@@ -24,17 +25,18 @@ class ClosedForm:
 
 
 def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) -> float | None:
-    """Estimate the error of the mean over the turn, in the unit of the values.
+    """Estimate the sampling error of the mean over the turn, in the unit of the values.
 
-    The closed form, known over the full turn, has an exact error; for the difference of the values from the closed
-    form, the error is the standard error of the mean by Student's t.
+    It is the sum of two parts. The sampling error of the closed form is computed exactly, because the closed form is
+    known over the full turn. For the remainder (values minus closed form), it is the standard error of the mean by
+    Student's t.
 
     Parameters
     ----------
     values
         Values at a few crank angles, shape (k,).
     closed_form
-        Closed form near the values; None without it.
+        Closed form that approximates the values; None without it.
 
     Returns
     -------
@@ -50,11 +52,11 @@ def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) 
 
 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedForm | None = None) -> float | None:
-    """Estimate the error of the largest (or smallest) value over the turn, in the unit of the values.
+    """Estimate the sampling error of the largest (or smallest) value over the turn, in the unit of the values.
 
-    The closed form, known over the full turn, has an exact error. For the difference of the values from the closed
-    form, the error is its range divided by the number of values, an upper bound for a sine that is sampled k times per
-    period.
+    It is the sum of two parts. The sampling error of the closed form is computed exactly, because the closed form is
+    known over the full turn. For the remainder (values minus closed form), it is the range of the remainder divided by
+    the number of values, an upper bound for a sine that is sampled k times per period.
 
     Parameters
     ----------
@@ -63,7 +65,7 @@ def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedFo
     largest
         Whether the error is that of the largest value.
     closed_form
-        Closed form near the values; None without it.
+        Closed form that approximates the values; None without it.
 
     Returns
     -------
@@ -85,15 +87,14 @@ def add_errors(*errors: float | None) -> float | None:
 def _split_closed_form(
     values: Array, closed_form: ClosedForm | None
 ) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Split `values` at some crank angles, shape (k,), into a closed form, if there is one, and the remainder.
-
-    The error of a statistic by the closed form is the statistic over the turn less that over the sampled angles.
-    Without a closed form it is 0, and the values are returned as they are.
+    """Split off the closed form from `values` at some crank angles, shape (k,).
 
     Returns
     -------
     tuple
-        Function from a statistic, such as ``np.mean``, to its error by the closed form; and the remainder (k,).
+        A function that maps a statistic, such as ``np.mean``, to its sampling error for the closed form: the statistic
+        over the full turn minus that over the sampled angles, or 0 without a closed form. Then the remainder, values
+        minus closed form, shape (k,).
     """
     if closed_form is None:
         return lambda statistic: 0.0, values

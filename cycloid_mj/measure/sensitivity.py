@@ -92,9 +92,10 @@ def common_name(friction: float) -> str:
 
 
 def interpolate_friction(rate_by_friction: Mapping[float, float], rate: float) -> float:
-    """Interpolate the common friction coefficient [1] at which the model has an output `rate` [1] (PCHIP).
+    """Interpolate the friction coefficient of all sliding pairs [1] at which the model has an output `rate` (PCHIP).
 
-    `rate_by_friction` maps friction coefficients to the rates of runs. The interpolated quantity is the relative loss
+    The output rate [1] is the output torque over that without losses. `rate_by_friction` maps the friction
+    coefficients of runs, common to all pairs, to their output rates. The interpolated quantity is the relative loss
     1/rate - 1, which is nearly proportional to the friction. The result is NaN outside of the range that was run, or if
     the losses do not increase with the friction.
     """

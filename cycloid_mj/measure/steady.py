@@ -21,12 +21,12 @@ REMEDY = (
 
 
 def averaging_periods(reducer: Reducer, min_periods: int, load: float | None = None) -> int:
-    """Return the number of mesh periods to average over: `min_periods` or more, near full periods of the output pins.
+    """Return the number of mesh periods to average over, at least `min_periods`.
 
-    Torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins: m mesh periods are m
-    pins/(N - 1) periods of the output pins. If the weight of the discs is not small compared with the `load` on the
-    output [N m], by default the nominal torque, the average is over two crank turns
-    (`SteadySettings.heavy_disc_share`).
+    Torque and losses of a drive with N ring teeth repeat with the mesh, every 2 pi/N of the crank, and with the n
+    output pins. m mesh periods are m n/(N - 1) periods of the output pins; the result is the smallest m at which this
+    is nearly a whole number. If the weight of the discs is not small compared with the `load` on the output [N m], by
+    default the nominal torque, the average is over two crank turns (`SteadySettings.heavy_disc_share`).
     """
     design = reducer.design
     ratio = design.output.pins / design.lobes

@@ -22,7 +22,7 @@ _PLACES = {"gear": "disc", "stage": "output against the disc"}
 
 Traces = Mapping[TraceCondition, Trace]
 FinerTraces = Mapping[tuple[str, str], Trace]
-"""Load and pace -> the start of the forward run, with half the time step."""
+"""(load, pace) -> first part of the forward run, repeated with half the time step."""
 Statics = Mapping[TraceCondition, ErrorCurves]
 
 
@@ -31,7 +31,8 @@ def quantities(
 ) -> list[Quantity]:
     """Return all quantities of the transmission error [arcsec].
 
-    These are the levels of each condition, shifts between conditions, and the rms of the orders of each cause.
+    These are the statistics (peak to peak, rms) of each condition, the shifts of the mean error between conditions, and
+    the rms of the orders of each cause.
 
     Parameters
     ----------
@@ -40,7 +41,8 @@ def quantities(
     traces
         Errors of each condition.
     finer_traces
-        (load, pace) -> start of the forward run with half the time step; empty without this check.
+        (load, pace) -> first part of the forward run, repeated with half the time step; empty without this check. The
+        pace is ``slow`` or ``speed``.
     statics
         Errors of each condition by statics.
     turns
@@ -250,9 +252,9 @@ def _spectrum(reducer: Reducer, errors: ErrorCurves, signal: str, base: float) -
 def _step_error(
     traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, shaft: str, level: str
 ) -> float | None:
-    """Compute the error of a `level` of the transmission error [arcsec] by the time step; None without finer runs.
+    """Estimate the numerical error of a statistic of the transmission error [arcsec]; None without finer runs.
 
-    It is the change with half the time step plus half the change between both halves of the window.
+    It is the change of the statistic with half the time step, plus half of its change between both halves of the run.
 
     Parameters
     ----------
@@ -261,7 +263,7 @@ def _step_error(
     condition, shaft
         The condition, and "gear" or "output".
     level
-        One of `_LEVELS`.
+        Key of the statistic in `_LEVELS`, "peak_to_peak" or "rms".
     """
     if not finer_traces:
         return None
@@ -304,4 +306,4 @@ _LEVELS: dict[str, tuple[str, Callable[[Array], float]]] = {
     "peak_to_peak": ("peak to peak", peak_to_peak),
     "rms": ("rms about the mean", rms_about_mean),
 }
-"""Key -> name and measure of an error."""
+"""Statistics of a transmission error: key -> name, and function that computes the statistic."""

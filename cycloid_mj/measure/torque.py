@@ -134,9 +134,18 @@ def _name_runs(
     varied_inputs: Sequence[Input],
     published: Sequence[Published],
 ) -> dict[str, Reducer]:
-    """Return the drives of the test's runs by name, for warnings about friction, except those that vary creep.
+    """Return the drives of the test's runs by name of the run, for the warning about slow sliding.
 
-    The arguments are those of `_tested_drives` and its result; `published` torques add a run at their friction.
+    Runs that vary the creep speed are left out.
+
+    Parameters
+    ----------
+    steady_reducer, variants, varied_inputs
+        As in `_tested_drives`.
+    tested_drives
+        Result of `_tested_drives`.
+    published
+        Published torques; each that was simulated at its friction adds this run.
     """
     names = _RUNS | {variant: variant.name for variant in variants}
     names |= {end: name for item in varied_inputs for end, name in item.names.items()}
@@ -258,7 +267,8 @@ def _quantities(
 ) -> list[Quantity]:
     """Return the quantities of the rated test: torques, output rate, ripple, efficiency and energy balance.
 
-    Errors are the changes with half the time step and half the averaging time, of the ripple in the second half.
+    Errors are the largest changes with half the time step and with half the averaging time. For the ripple, the latter
+    is the change in the second half of the run.
 
     Parameters
     ----------

@@ -138,9 +138,11 @@ def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
 def _level_quantities(
     reducer: Reducer, runs: Sequence[VibrationRun], half_step_runs: Mapping[str, VibrationRun]
 ) -> Iterator[Quantity]:
-    """Yield rms levels of all signals at the design's speed, and the share of power above the stored band.
+    """Yield the rms levels of all signals at the design's speed, below half of the rate at which signals are evaluated.
 
-    The balance of momentum is the second method for the force on the housing.
+    Then follow the share of the power above that frequency, for signals with a spectrum, the acceleration of the disc's
+    centre, and the mean force on the housing. As a second method, the momentum balance of disc and shaft provides a
+    reference for the rms force on the housing.
 
     Parameters
     ----------
