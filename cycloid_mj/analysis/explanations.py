@@ -70,9 +70,10 @@ def _loss_sentences(findings: Findings) -> Iterator[str]:
 
 
 def _contact_sentence(findings: Findings) -> str:
-    """Return a sentence on number, force and deflection of the contacts.
+    """Return a sentence on the number, force and deflection of the contacts.
 
-    It also covers pin 1 if ring pins move, and the crank bearings of an RV reducer if their forces were logged.
+    The sentence also states the largest radial displacement of ring pin 1 if the ring pins can move, and the largest
+    force of the crank bearings of an RV reducer if their forces were logged.
     """
     contact, pin, bearings = findings.contact_summary, findings.pin1, findings.crank_bearings
     pin_clause = f"; pin 1 moves up to {pin.max_radial_um:.3g} um (clearance plus deflection)" if pin else ""

@@ -168,10 +168,12 @@ def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
 
 
 def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
-    """Return rms and peak error of the acceleration of q against Eq. 19 [m/s2] between the samples of a mask (n,).
+    """Return rms and peak error of the acceleration of the disc's point q against its closed form [m/s2].
 
-    Accelerations are differences of velocities; Eq. 19 is evaluated at the mean crank angle and speed of both samples.
-    None if no two successive samples are in the mask, or if the crank turns by more than `MAX_CRANK_STEP` between them.
+    Each interval between two successive samples that are both in the mask (n,) is evaluated. The simulated acceleration
+    is the difference of their velocities over the interval. The closed form (Hsieh 2014, Eq. 19) is evaluated at the
+    mean crank angle and speed of both samples. None if there is no such interval, or if the crank turns by more than
+    `MAX_CRANK_STEP` in one of them.
     """
     evaluated_intervals = np.flatnonzero(mask[1:] & mask[:-1])
     if evaluated_intervals.size == 0 or peak(np.diff(motion.crank_angle)[evaluated_intervals]) > MAX_CRANK_STEP:

@@ -184,7 +184,7 @@ class Series:
 def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:
     """Compare angles, speeds and the motion of a point q in a run with their closed form, sample by sample.
 
-    Samples from the first value on that is not finite, or too large, are omitted.
+    The series ends before the first sample that has a value which is not finite or exceeds `record.LARGEST`.
 
     Parameters
     ----------
@@ -311,7 +311,7 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
 
 
 def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
-    """Return the run up to its first sample with a value that is not finite or too large.
+    """Return the part of a run before the first sample that has a value which is not finite or exceeds `LARGEST`.
 
     A failed run may end in such samples. All columns are checked, not only the required columns `column_names`; the
     note of the shortened run states the time of the first omitted sample.

@@ -153,9 +153,9 @@ def tapered_orders(
     values
         Values at these angles in any unit, shape (n,).
     max_order
-        Largest order to return [1]; at most ``SPECTRUM.band`` of the samples in a turn.
+        Largest order to return [1]; it is limited to ``SPECTRUM.band`` times the number of samples per crank turn.
     cycles_per_turn
-        The window has an integer number of cycles of this order [1]; by default full turns.
+        Base order [1]: the evaluated window is an integer number of its cycles. By default it is full crank turns.
 
     Returns
     -------

@@ -51,8 +51,9 @@ COARSE = "the log rate or the hold is too low for these powers: raise settings.l
 def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterator[str]:
     """Yield all warnings about the results of a run, evaluated over a window.
 
-    They are about an incomplete run or its note, a run that is too short, and a penetration of `contacts` above half of
-    its limit, and include those of `run_warnings`.
+    They report an incomplete run, a note recorded with a complete run, a window in the ramp or shorter than a crank
+    turn, and a contact deflection in `contacts` above half of the limit at which a run stops with an error. The
+    warnings of `run_warnings` are included.
     """
     run = motion.run
     if not run.complete:
