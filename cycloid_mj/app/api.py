@@ -73,13 +73,15 @@ def with_load(design: Design) -> Design:
 
 
 def view(design: Design, content: Content) -> dict[str, Any]:
-    """Return everything of a design that needs no solution: values, header, controls, cross-section, errors.
+    """Return all that the page shows of a design without solving for static equilibrium, as JSON values.
+
+    These are the values of the design, the header (ratio, diameter, mass), controls, cross-section and errors.
 
     Parameters
     ----------
     content
-        Question of the page: ``play`` is the magnification of clearances, ``required`` the requirements by which the
-        header is judged.
+        Request of the page: ``play`` is the factor by which the drawn clearances are magnified (default 1),
+        ``required`` are the fields of the start form, the limits with which the figures of the header are compared.
     """
     magnification = content.get("play", 1.0)
     if not isinstance(magnification, int | float) or not 1.0 <= magnification <= QUESTIONS.magnification:
@@ -130,7 +132,10 @@ def remedies(content: Content) -> dict[str, Any]:
 
 
 def compare(content: Content) -> dict[str, Any]:
-    """List the values in which the designs ``a`` and ``b`` of a question differ, with keys and values in words."""
+    """Return the values in which the designs ``a`` and ``b`` of a request differ, as ``rows``.
+
+    Each row has the ``key`` of the design file, its ``label`` in words, and the values ``a`` and ``b`` as text.
+    """
     rows = differences(content.get("a"), content.get("b"))
     return {
         "rows": [

@@ -55,7 +55,7 @@ def data_sheet(design: Design, _options: BuildOptions) -> dict[str, bytes]:
 
 
 def part_files(file_format: Format, design: Design, options: BuildOptions) -> dict[str, bytes]:
-    """Export all parts of a design in a format, with covers where they fit; return one zip file by its name."""
+    """Return a zip file of all parts in a format, with the covers of the drive if they fit: {name: content}."""
     files = dict(export(design, file_format, CHORD_ERROR, options.offset, options.motor).files)
     reducer = reducer_at_reference(Reducer(design))
     if sizes := casing_or_none(reducer, options.motor)[0]:
@@ -65,13 +65,13 @@ def part_files(file_format: Format, design: Design, options: BuildOptions) -> di
 
 
 def assembly(design: Design, options: BuildOptions) -> dict[str, bytes]:
-    """Return the assembly as a STEP file, with covers where they fit."""
+    """Return the assembly as a STEP file, with covers if they fit."""
     reducer = reducer_at_reference(Reducer(design))
     return {f"{design.name}.step": assembly_step(reducer, 0.0, casing_or_none(reducer, options.motor)[0])}
 
 
 def print_plate(design: Design, options: BuildOptions) -> dict[str, bytes]:
-    """Return a zip file with print plates, test coupon and bill of materials, with covers where they fit."""
+    """Return a zip file with print plates, test coupon and bill of materials, with covers if they fit."""
     reducer = reducer_at_reference(Reducer(design))
     settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
     printed = print_files(reducer, casing_or_none(reducer, options.motor)[0], settings)
@@ -79,7 +79,10 @@ def print_plate(design: Design, options: BuildOptions) -> dict[str, bytes]:
 
 
 def joint_files_zip(design: Design, _options: BuildOptions) -> dict[str, bytes]:
-    """Return a zip file, by its name, with the files of ``cycloid-mj reduce`` for a robot model, without its page."""
+    """Return a zip file with the joint of a robot model, as {name: content}.
+
+    Its files are those that ``cycloid-mj reduce`` writes, without the HTML page.
+    """
     from cycloid_mj.robot.files import choose_scenes, joint_files
     from cycloid_mj.robot.identification import reduce
 
@@ -102,7 +105,7 @@ FILES: Mapping[str, tuple[str, Callable[[Design, BuildOptions], dict[str, bytes]
     "mjcf": ("MuJoCo model (MJCF)", model),
     "joint": ("Joint for a robot", joint_files_zip),
 }
-"""Kind -> text of its button, and the function that creates the files by name."""
+"""Kind -> text of its button, and the function that returns the files as {name: content}."""
 
 
 def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOptions = DEFAULT_OPTIONS) -> Download:
@@ -111,9 +114,10 @@ def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOp
     Parameters
     ----------
     on_progress
-        Called with what is done next, as JSON values.
+        Called before each step with ``doing``, the step in words, and for the whole drive ``share``, the completed
+        fraction.
     values
-        The design, by its values of the page.
+        The design as the page sends it: keys of the design file -> values, see `parse_design`.
     kind
         Key of `FILES`, or `WHOLE_DRIVE` for all files to build the drive.
     options
@@ -133,7 +137,8 @@ def simulate_run(on_progress: Progress, values: Any) -> Download:
     """Simulate a design in MuJoCo at full speed under its load, and return the report of the run as a page.
 
     The run has no start-up ramp; it lasts for the settling time, then for at least `MIN_CRANK_TURNS` crank turns.
-    `values` is the design by its values of the page; `on_progress` is called with the completed fraction, 0 to 1.
+    `values` is the design as the page sends it, see `parse_design`. `on_progress` is called with ``doing``, the step in
+    words, and ``share``, the completed fraction from 0 to 1.
 
     Raises
     ------

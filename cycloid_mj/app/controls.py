@@ -146,21 +146,22 @@ def controls(design: Design) -> tuple[Control, ...]:
 
 
 def find_controls(design: Design, text: str) -> tuple[Control, ...]:
-    """Search the other numbers, lists and switches of the design file by a text, and return their controls.
+    """Return controls for the keys of the design file that match a text and have no control in `controls`.
 
-    A key matches if each word of the text is a part of the key, its name in words, or its description.
+    A key matches if each word of the text is a part of the key, its name in words, or its description. Keys of numbers,
+    option lists and switches are searched.
     """
     words, shown = text.lower().split(), {control.key for control in controls(design)}
     return tuple(
         control
-        for control in _other_controls(design)
+        for control in _all_controls(design)
         if control.key not in shown
         and all(word in f"{control.key} {control.label} {control.meaning}".lower() for word in words)
     )
 
 
-def _other_controls(design: Design) -> Iterator[Control]:
-    """Yield a control for each number, list of options and switch in the tables of a design file."""
+def _all_controls(design: Design) -> Iterator[Control]:
+    """Yield a control for every number, option list and switch in the tables of a design file, in group `OTHERS`."""
     for table, section in design:
         for name, field in type(section).model_fields.items() if isinstance(section, BaseModel) else ():
             value, key = getattr(section, name), f"{table}.{file_key(name, field)}"

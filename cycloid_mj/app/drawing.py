@@ -66,12 +66,19 @@ MARKED_PARTS: Mapping[str, str] = {
 
 
 def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
-    """Return the cross-section of a reducer as outlines [mm], y upward, in JSON values, for the page to move.
+    """Return the cross-section of a reducer, which the page animates, as JSON values; y is upward.
 
-    `magnification` is the requested factor of all clearances. ``play`` is the factor that is drawn; it is 1 if the
-    magnified parts cannot be drawn. ``whole`` is false for a design that cannot be built; its profile is drawn with
-    its loops or cuts. The result also has the ``phases`` of the discs on the crank [rad], and ``gear_rate``, turns of a
-    disc per crank turn.
+    `magnification` is the requested factor of all clearances.
+
+    Returns
+    -------
+    dict
+        ``ring`` and ``discs``: SVG paths of the housing and of each disc [mm]; ``pins``, ``holes``: centres of ring
+        pins and output holes [mm]; ``dimensions``: circles with a dimension line; ``..._radius``, ``reach`` (outermost
+        radius) and ``orbit`` (eccentricity): lengths [mm].
+        ``phases``: angles of the discs on the crank [rad]; ``gear_rate``: turns of a disc per crank turn.
+        ``play``: factor of the clearances as drawn, 1 if the magnified parts cannot be drawn; ``whole``: false for a
+        design that cannot be built, whose disc profile is drawn with its loops or undercuts.
     """
     drawn = reducer if magnification == 1.0 else _magnify_clearances(reducer, magnification)
     try:

@@ -51,16 +51,16 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
     on_progress
         Called after each block with the distributions so far.
     values
-        The design, by its values of the page.
+        The design as the page sends it: keys of the design file -> values, see `parse_design`.
     spread_um
         Half width of each tolerance [um]; None for the tolerances of the design.
 
     Returns
     -------
     dict
-        Distributions as from `_distributions`, and ``budget``: the share of each source in the variance of the figure
-        ``budget_of``, or the reason ``no_budget`` why there is none. If too many samples of the first block jam, the
-        study stops there and has no budget.
+        The distributions (`_distributions`) and three keys of the error budget. ``budget``: the share of each source
+        in the variance of a figure; ``budget_of``: the name of this figure; ``no_budget``: the reason if there are no
+        shares, else empty. If too many samples of the first block jam, the study stops without these three keys.
 
     Raises
     ------

@@ -18,9 +18,14 @@ KINDS: Mapping[Layout, str] = {"rv": "RV reducer"}
 
 
 def overview(design: Design) -> dict[str, Any]:
-    """Return checks, figures of statics and rated items of a design at its load as JSON values.
+    """Return what the page shows of a design that it cannot draw or change, such as an RV reducer, as JSON values.
 
-    ``words`` says what the page cannot do with the design, and ``commands`` which commands support its layout.
+    Returns
+    -------
+    dict
+        ``title``; ``words``: a sentence on what the page cannot do with the design; ``commands``: the commands that
+        support its layout; ``checks``: their summary, and the reasons of failures and warnings; ``condition`` and
+        ``rows``: load, and name, value and note of each figure by statics; ``rating``: rated items at the load.
 
     Raises
     ------

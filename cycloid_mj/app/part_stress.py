@@ -31,9 +31,9 @@ COLOURS = ("#313695", "#4575b4", "#74add1", "#fdae61", "#f46d43", "#a50026")
 def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     """Compute the largest stress of each kind of part over a crank turn by finite elements, and compare it with yield.
 
-    A part that does not yield away from its contacts can still fail at its surface or by fatigue, so the result also
-    has these items of the rating at the same load. `values` is the design by its values of the page; `on_progress` is
-    called before each part with the parts so far.
+    A part that does not yield away from its contacts can still fail at its surface or by fatigue. The result therefore
+    also has the contact and fatigue stresses of the rating at the same load. `values` is the design as the page sends
+    it, see `parse_design`. `on_progress` is called before each part with the results of the ``parts`` so far.
 
     Returns
     -------

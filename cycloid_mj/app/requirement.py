@@ -121,7 +121,11 @@ def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
 
 
 def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
-    """Convert the result of a search to JSON values: drives with their verdicts, or the limit and alternatives."""
+    """Convert the result of a search to JSON values, with the covers of the drives for a motor.
+
+    These are the ``drives`` with their verdicts. If there are none, they are the largest feasible torque, what limits
+    it, and ``remedies``: changed requirements that are feasible.
+    """
     drives = [_drive_json(drive, answer.requirement, motor) for drive in answer.drives]
     return {
         "required": fill_form(answer.requirement),
@@ -138,7 +142,10 @@ def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
 
 
 def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[str, Any]:
-    """Convert a drive to JSON values, judged by the requirement with its covers for a motor."""
+    """Convert a drive to JSON values, and judge it by the requirement.
+
+    Its size and mass are those with covers for the motor; if these do not fit, the requirements on size are not met.
+    """
     form, reason = fill_form(required), ""
     design = drive.design.but(name=f"{required.process}-{required.ratio}", load={"torque": required.torque})
     # the backlash of parts without deviations, as in the header of the page: samples within the tolerances have less
@@ -163,7 +170,10 @@ def _drive_json(drive: SizedDrive, required: Requirement, motor: MotorName) -> d
 
 
 def _summary_json(drives: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Summarize how many of the drives meet the requirements: passed if all do, a warning if some do."""
+    """Return the common verdict on the drives, as ``judgement`` and ``words``.
+
+    It is passed if all drives meet the requirements, a warning if only some do, and failed if none does.
+    """
     met, count = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
     if met == count:
         return verdict(Judgement.PASSED, f"{count} drive{'s meet' if count > 1 else ' meets'} the requirements")

@@ -159,7 +159,10 @@ def start_values(design: Design) -> dict[str, Any]:
 
 
 def process_defaults(limits: ProcessLimits) -> dict[str, Any]:
-    """Return material, life, speed and share of the time that are usual for a process, by fields of the start form."""
+    """Return the usual values of a manufacturing process, by the fields of the start form.
+
+    These are the material, the life [h], the crank speed [rpm] and the share of the time under load [%].
+    """
     return {
         "material": limits.material,
         "life_h": limits.life_h,

@@ -97,7 +97,10 @@ def _component_json(component: PlacedPart, phases: Mapping[str, float], step: in
 
 
 def _parts_of_moves(moves: Sequence[Move]) -> Iterator[tuple[str, list[str]]]:
-    """Yield group and new parts of each move of the assembly; complete groups without new parts are skipped."""
+    """Yield, for each move of the assembly, the group that is joined and the names of the parts that are added to it.
+
+    Moves that only join groups which are already assembled are skipped.
+    """
     added_before, groups = set[str](), set[str]()
     for move in moves:
         new_parts = [name for name in move.parts if name not in added_before | groups]
@@ -113,7 +116,7 @@ def _number_steps(moves: Sequence[Move]) -> dict[str, int]:
 
 
 def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
-    """Yield each step of the assembly in words: families of its parts with numbers, and the group they join."""
+    """Yield each step of the assembly in words: its parts, like parts with their number, and the group they join."""
     for group_name, new_parts in _parts_of_moves(moves):
         counts = Counter(names.family(name).replace("_", " ") for name in new_parts)
         listed = ", ".join(f"{count} x {family}" if count > 1 else family for family, count in counts.items())

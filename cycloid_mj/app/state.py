@@ -73,10 +73,11 @@ def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
 
 
 def apply_changes(design: Design, changes: Any) -> Design:
-    """Return a design with changes, a mapping from keys of the design file to values, and with the values that follow.
+    """Return a design with changes, and with the values that depend on them; errors as from `parse_design`.
 
-    The hole radius follows from pin radius and eccentricity, unless it is changed itself. The page has a single
-    torque: load and nominal torque are set together, also where the ratio changes. Raises as `parse_design`.
+    `changes` maps keys of the design file to values. The hole radius follows from output-pin radius and eccentricity,
+    unless it is changed itself. The page has a single torque: if load or nominal torque changes, the other is set to
+    the same value. If the ratio changes, the load is kept, and the motor torque is adapted to it.
     """
     if not isinstance(changes, Mapping):
         raise UsageError(

@@ -102,10 +102,11 @@ def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the figures of a valid design by statics at its load as JSON values, judged by requirements.
+    """Return the figures of a valid design by statics at its load as JSON values; errors as from `quick_sheet`.
 
-    ``rows`` has name, value and note of each figure in `NAMES` that the sheet has; ``losses`` has the mean powers of
-    crank, output and each source of friction [W]. Raises as `quick_sheet`.
+    ``rows`` has name, value and note of each figure in `NAMES` that `quick_sheet` returns. ``losses`` has the mean
+    powers of crank and output, and of each source of friction [W]. ``verdicts`` compares the backlash with `required`,
+    the fields of the start form.
     """
     design = reducer.design
     sheet = quick_sheet(reducer)
@@ -137,10 +138,11 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 
 
 def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> dict[str, Any]:
-    """Rate a valid design at its load as JSON values: rated items, life, and the torque for its required life.
+    """Rate a valid design at its load; return rated items, life, and rated torque for its required life as JSON values.
 
-    Figures are judged by `required`, the requirements of the start form; the life by that of the design. Diameter and
-    length are those with covers for the motor: without covers no size is met.
+    Rated torque and size are judged by `required`, the fields of the start form. The life is judged by the required
+    life of the design. Diameter and length are those with covers for the motor. If these do not fit, the requirements
+    on diameter and length count as not met.
     """
     hours_required = reducer.design.service.life
     rating = rate_for_verdict(at_load(reducer))
@@ -172,7 +174,8 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
 def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str]:
     """Return the rated torque [N m] for the required life, and what limits it, as the data sheet states them.
 
-    With tolerances, it follows from `rating`, the rating at the load.
+    For a design with tolerances, the torque is extrapolated from `rating`, its rating at the load. Otherwise it is
+    searched for by further ratings. If they fail, the torque is 0, and the text of the error is returned.
     """
     if rating.parts == "toleranced":
         load, _ = load_of(reducer)
@@ -196,9 +199,9 @@ def rated_items(rating: Rating) -> list[dict[str, Any]]:
 
 
 def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str, float] | None, str]:
-    """Return diameter, length and mass with covers, bearings and screws, and an empty text.
+    """Return ``diameter_mm``, ``length_mm`` and ``mass_kg`` with covers, bearings and screws, and an empty text.
 
-    If the covers do not fit, return None and the reason.
+    If the covers or the motor do not fit, or a part cannot be built, return None and the reason.
     """
     try:
         manufactured = reducer_at_reference(reducer)
@@ -215,10 +218,10 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
         return None, str(error)
 
 
-def _failed_checks_json(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
-    """Convert the failed checks among some checks to JSON values.
+def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> list[dict[str, Any]]:
+    """Convert those of `evaluated_checks` that failed to JSON values.
 
-    Remedies of `KINDS` are left to `remedies`, as they take longer.
+    The ``remedy`` of a check in `KINDS` is empty: it takes longer to compute, and is requested by `remedies`.
     """
     return [
         {
@@ -231,7 +234,7 @@ def _failed_checks_json(reducer: Reducer, failed: Iterable[Check]) -> list[dict[
             "remedy": "" if check.name in KINDS else sentence_in_words(check.remedy),
             "changes": [_remedy_json(reducer, change) for change in _resolving_changes(reducer, check)],
         }
-        for check in failed
+        for check in evaluated_checks
         if not check.passed
     ]
 
