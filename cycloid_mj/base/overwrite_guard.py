@@ -137,12 +137,13 @@ def note_output(path: Path) -> None:
 
 
 def claim_outputs(*paths: Path, force: bool) -> None:
-    """Refuse output files that may not be written, before the work begins; `force` allows their replacement.
+    """Check before the work begins that output files may be written; `force` allows replacing existing files.
 
     Raises
     ------
     TakenError
-        The command reads a file, or it is of another kind than its name says, or it exists and `force` is False.
+        A file exists, and `force` is False, or it is an input of the command, or its content is of another type than
+        the ending of its name says.
     """
     command = _command.get()
     for path in paths:
@@ -152,7 +153,11 @@ def claim_outputs(*paths: Path, force: bool) -> None:
 
 
 def require_replaceable(path: Path) -> None:
-    """Raise TakenError if a file exists that the command reads, may not replace, or that is of another kind."""
+    """Raise TakenError if a file exists that the running command must not replace.
+
+    These are the files that the command reads, those that it was not allowed to replace (see `claim_outputs`), and
+    those with content of another type than the ending of the name says.
+    """
     command = _command.get()
     if command is None or not path.is_file():
         return
@@ -180,7 +185,7 @@ def require_ending(path: Path, ending: str) -> None:
 
 
 def describe_file(path: Path) -> str:
-    """Describe a file in words: its type, its subject if its head names one, and its time of change."""
+    """Describe a file in words: its type, the title or name in its first bytes if there is one, and when it changed."""
     head = _head(path)
     expected_kind = _own_kind(path)
     kind_name = expected_kind.name if _begins(head, expected_kind) else _kind(head) or expected_kind.name
@@ -193,7 +198,8 @@ def describe_file(path: Path) -> str:
 def _require_same_kind(path: Path) -> None:
     """Raise TakenError if an existing file is of another type than the ending of its name says.
 
-    Empty files, and files whose start does not identify a type, are accepted under a name without a fixed start.
+    Empty files are accepted. If the type of the ending has no fixed first bytes, such as CSV, files whose first bytes
+    identify no other type are accepted too.
     """
     head, wanted_kind = _head(path), _own_kind(path)
     if not head or (wanted_kind.start and _begins(head, wanted_kind)):

@@ -23,7 +23,11 @@ def serve_parent() -> None:
 
 
 def _exit_with_parent(parent_pid: int) -> None:
-    """Wait until the parent process, by its id, ends, then end this process; on Windows only a sentinel shows that."""
+    """Wait until the parent process with the id `parent_pid` ends, then terminate this process.
+
+    On POSIX `os.getppid` changes when the parent ends. On Windows it does not: there the end shows only in the
+    sentinel, a handle that becomes ready.
+    """
     sentinel = getattr(multiprocessing.parent_process(), "sentinel", None)
     while os.getppid() == parent_pid:
         if sentinel is None:
