@@ -197,7 +197,10 @@ class Calibration(Presented):
 
     @property
     def misfits(self) -> tuple[str, ...]:
-        """Sentences on deviations of the fitted model from the loops above its assumed error, and on a better model."""
+        """Sentences on where the loops deviate from the fitted model by more than the model error (`MODEL_ERROR`).
+
+        The last sentence reports the candidate model that explains the loops better, if there is one.
+        """
         best, sentences = self.preferred, list(self._worst_stretches())
         if best is None or best.key == model_selection.WRITTEN:
             return tuple(sentences)
@@ -434,8 +437,9 @@ def calibrate(
 def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
     """Fit the parameters of a problem to its loops, and return the calibration with values, intervals and notes.
 
-    If `with_candidates`, all of `model_selection.CANDIDATES` are fitted first. The model with the lowest Bayesian
-    information criterion then decides whether each loop has a zero offset of torque.
+    If `with_candidates`, all of `model_selection.CANDIDATES` are fitted first. Whether the final fit has an offset of
+    the torque's zero point for each loop is then taken from the candidate with the lowest Bayesian information
+    criterion.
 
     Raises
     ------

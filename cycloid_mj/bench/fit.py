@@ -192,7 +192,7 @@ def fit_loops(
         Whether to compute intervals by profile likelihood, which searches on from the values. Otherwise the intervals
         are those of the linearised model.
     torque_offset
-        Whether to fit an offset of the zero of torque for each loop; by default as the Bayesian criterion decides.
+        Whether to fit an offset of the torque's zero point for each loop; by default the Bayesian criterion decides.
 
     Raises
     ------
@@ -248,9 +248,10 @@ def _continue_search(
     fits
         Fits with their intervals; those of this search are added.
     offset_gain
-        Value of `Fitted.offset_gain`.
+        By how much the Bayesian information criterion is lower with torque offsets; stored in the fits.
     interval_searches
-        Number of searches for intervals by kind, for the progress; empty for no intervals by profile likelihood.
+        Expected number of searches for the intervals by kind (`TYPICAL_STEPS`), for the progress. If empty, no
+        intervals by profile likelihood are computed.
 
     Returns
     -------

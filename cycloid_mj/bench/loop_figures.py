@@ -180,11 +180,11 @@ def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
 
 
 def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
-    """Compute the hysteresis loss of a loop [rad], with its 95 % interval: the rotation at zero torque after unloading.
+    """Compute the hysteresis loss of a loop [rad], with its 95 % interval.
 
-    It is the distance of both unloading branches. A line through the points of a branch between 3 % and 0.5 % of
-    `rated_torque` [N m], where it has not yet crossed the play, is extended to zero torque. With too few points there,
-    the branch is interpolated at zero torque. NaN if a branch does not cross zero torque.
+    It is the distance in rotation between the two unloading branches at zero torque. Each branch is extrapolated to
+    zero torque by a line through its points between 3 % and 0.5 % of `rated_torque` [N m], before it crosses the play.
+    With too few points there, the branch is interpolated at zero torque. NaN if a branch does not cross zero torque.
     """
     readings = []
     for direction in (1, -1):
@@ -257,10 +257,11 @@ def _mean_stiffness(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
 
 
 def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coulomb: LoopFigure) -> LoopFigure:
-    """Compute the rotation between both loading lines at the Coulomb torque of their sides [rad], with 95 % interval.
+    """Compute the play [rad] from the lines through both loading branches, with its 95 % interval.
 
-    `positive_line` and `negative_line` are the lines of positive and negative torque; the result is NaN if either is
-    missing. The interval includes the scatter about both lines and the uncertainty of the Coulomb torque [N m].
+    It is the rotation of `positive_line` at the torque +Tc minus that of `negative_line` at -Tc, where Tc is the
+    Coulomb torque [N m]. NaN if a line is missing. The interval includes the scatter about both lines and the
+    uncertainty of the Coulomb torque.
     """
     if positive_line is None or negative_line is None or math.isnan(coulomb.value):
         return NO_FIGURE
@@ -272,10 +273,10 @@ def _compute_play(positive_line: _Line | None, negative_line: _Line | None, coul
 
 
 def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
-    """Compute falling less rising branch of a loop in `values`, at a level of `abscissa`, with its 95 % interval.
+    """Compute the value on the falling branch minus that on the rising branch of a loop, with its 95 % interval.
 
-    `abscissa` and `values` are torque and deflection of the loop, in either order, shape (n,). NaN if a branch does not
-    cross the level.
+    Both are read where `abscissa` equals `level`. `abscissa` and `values` are torque and deflection of the loop, or
+    vice versa, shape (n,). NaN if a branch does not cross the level.
     """
     crossings = _find_crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
     if crossings is None:

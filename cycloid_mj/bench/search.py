@@ -1,8 +1,9 @@
 """The least-squares problem of a calibration: residuals of measured loops by scaled values, and their minimisation.
 
-Each loop has an offset of its own in torque and in deflection, which does not belong to the drive. All values are
-scaled so that a change of 1 matters (`Parameter.to_scale`); "scaled values" are those of the parameters, followed by
-offset of torque and of deflection of each loop, shape (v,) with v = parameters + 2 loops.
+Each loop has an offset of its own in torque and in deflection, which does not belong to the drive. The unknowns are a
+vector of "scaled values", shape (v,) with v = parameters + 2 loops: first the parameters in their order, then torque
+offset and deflection offset of each loop. All are scaled so that a change of 1 matters: parameters by
+`Parameter.to_scale`, offsets by `offset_scales`.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -82,7 +83,10 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class FitProblem:
-    """Residuals of a model and their slopes as functions of the scaled values (see the module)."""
+    """Residuals of a model and their slopes as functions of the scaled values.
+
+    These are a vector (v,): the scaled parameters, then the scaled torque and deflection offsets of each loop.
+    """
 
     model: Model
     parameters: tuple[Parameter, ...]
@@ -140,7 +144,10 @@ class FitProblem:
 
     @cached_property
     def _cached_models(self) -> Callable[[tuple[float, ...]], Model]:
-        """Cached function from scaled values of the first parameters, or all, to the model with these values."""
+        """Cached function that maps the scaled values of the first k parameters to the model with these values.
+
+        k is the length of its argument, up to the number of parameters; the others keep their values of `model`.
+        """
 
         @lru_cache(maxsize=8 * len(self.parameters))
         def with_leading_values(scaled_values: tuple[float, ...]) -> Model:
@@ -171,8 +178,8 @@ class FitProblem:
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
         """Compute the signed distances [1] of each loop's points from the model's branches, shape (points,) by loop.
 
-        `scaled` are scaled values as in the module, shape (v,). Torque and deflection are divided by the loop's ranges.
-        Points before the loop are omitted. Without a static equilibrium of the model, residuals are
+        `scaled` are the scaled parameters and offsets, shape (v,). Torque and deflection are divided by the loop's
+        ranges. Points before the loop are omitted. Without a static equilibrium of the model, residuals are
         `SETTINGS.failed_residual`.
         """
         residuals = []
@@ -184,7 +191,7 @@ class FitProblem:
     def _modelled_loops(self, scaled: Array) -> Iterator[tuple[MeasuredLoop, Branches | None, tuple[float, float]]]:
         """Yield each loop, the model's branches or None, and the loop's offsets of torque [N m] and deflection [rad].
 
-        `scaled` are scaled values as in the module, shape (v,).
+        `scaled` are the scaled parameters and offsets, shape (v,).
         """
         count = len(self.parameters)
         values = tuple(scaled[:count].tolist())
@@ -195,7 +202,7 @@ class FitProblem:
     def residuals(self, scaled: Array) -> Array:
         """Compute the residuals [1] of all loops' points, then those of the priors, shape (points + priors,).
 
-        `scaled` are scaled values as in the module, shape (v,). Residuals of a loop are divided by the root of their
+        `scaled` are the scaled parameters and offsets, shape (v,). Residuals of a loop are divided by the root of their
         number, so that all loops have the same weight. A value that differs from its prior by one standard deviation
         has the weight of a loop with an rms residual of `MODEL_ERROR`.
         """
@@ -211,7 +218,7 @@ class FitProblem:
     def deflection_errors(self, scaled_values: Array) -> Array:
         """Compute (model deflection - measured deflection) / range of deflection [1] at each measured torque.
 
-        `scaled_values` are those of the module, shape (v,). The errors of all loops are concatenated, shape (points,),
+        `scaled_values` are the scaled parameters and offsets, shape (v,). The errors are concatenated, shape (points,),
         without the points before each loop. Those of a loop are divided by the square root of their number, so that all
         loops have the same weight in the sum of squares.
         """
@@ -239,7 +246,7 @@ class FitProblem:
         Parameters
         ----------
         scaled
-            Scaled values as in the module, shape (v,).
+            Scaled parameters and offsets, shape (v,).
         indices
             Indices of the values by which to differentiate.
         central
@@ -247,12 +254,12 @@ class FitProblem:
         limits
             Bounds within which the steps stay; by default those of the problem.
         residuals
-            Function to differentiate; by default `residuals`.
+            Function to differentiate, from scaled values (v,) to a vector (r,); by default `FitProblem.residuals`.
 
         Returns
         -------
         Array
-            Shape (points, len(indices)).
+            Shape (r, len(indices)).
         """
         low, high = limits or self.bounds
         compute, columns = residuals or self.residuals, []
@@ -269,11 +276,11 @@ class FitProblem:
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Return the start of each search: scaled values as in the module, shape (v,) each.
+        """Return the initial vector of each search: scaled parameters and offsets, shape (v,) each.
 
-        They are the starts of the parameters times the factors of `START_FACTORS`, and offsets at the centre of each
-        loop. If stiffness or play is fitted, the model is evaluated with several factors on them, and those with the
-        smallest residuals are used.
+        There is a search for each dict of `start_factors`. Its initial parameters are their values `Parameter.start`
+        times these factors. Offsets are initially those of the centre of each loop. If stiffness or play is fitted,
+        several factors are tried for them in addition, and those with the smallest residuals are used.
         """
         keys = {parameter.key for parameter in self.parameters}
         centres = [0.5 * float(loop.deflection.max() + loop.deflection.min()) for loop in self.loops]
@@ -313,7 +320,7 @@ class FitProblem:
         Parameters
         ----------
         start
-            Scaled values as in the module, shape (v,); clipped to the bounds.
+            Scaled parameters and offsets, shape (v,); clipped to the bounds.
         max_steps
             Largest number of steps.
         method

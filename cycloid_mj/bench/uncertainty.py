@@ -73,12 +73,13 @@ class FitUncertainty:
         return np.array([self.quantile_along(row, confidence) for row in np.eye(len(self.inverse))])
 
     def quantile_along(self, direction: Array, confidence: float) -> float:
-        """Compute the half width, in standard errors, of the interval of the sum of the values times `direction` (v,).
+        """Compute the half width of the confidence interval of a linear combination of the values, in standard errors.
 
-        It is the quantile of Student's t distribution. If few points determine the sum, its error is estimated from few
-        residuals. The degrees of freedom are therefore Satterthwaite's, (sum a)^2 / sum a^2, where a is the share of
-        each point (Bell and McCaffrey, Survey Methodology 28, 2002, 169-181; Imbens and Kolesar, Rev. Econ. Stat. 98,
-        2016, 701-712).
+        `direction` are its coefficients, shape (v,). The half width is the quantile of Student's t distribution. If few
+        points determine the combination, its error is estimated from few residuals. The degrees of freedom are
+        therefore Satterthwaite's, (sum a)^2 / sum a^2, where a is the share of each independent point in the variance
+        of the combination (Bell and McCaffrey, Survey Methodology 28, 2002, 169-181; Imbens and Kolesar, Rev. Econ.
+        Stat. 98, 2016, 701-712).
         """
         shares = (self.influence @ direction) ** 2
         squares = float(self.point_count @ shares**2)
