@@ -45,10 +45,10 @@ def _check_pins_in_sockets(reducer: Reducer) -> Check:
 
 
 def _check_assembly_gap(reducer: Reducer) -> Check:
-    """Check that the parts have a pose without overlap at every crank angle; a warning.
+    """Check that the parts have a pose without overlap at every crank angle; a failure is a warning.
 
-    Parts that overlap run under load only. The pose is the best fit at up to `MAX_POSES` crank angles. The remedy
-    widens all clearances of the disc together.
+    Parts that overlap without load can turn only if they deform. At up to `MAX_POSES` crank angles, the pose with the
+    largest minimum gap is computed (`best_fit`). The remedy widens all clearances of the disc together.
     """
     poses = min(MAX_POSES, reducer.design.ring.teeth)
     smallest_gap = min(best_fit(reducer, 2 * np.pi * pose / poses).min_gap for pose in range(poses))

@@ -14,11 +14,11 @@ def has_bare_rollers(reducer: Reducer) -> bool:
 
 
 def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
-    """Yield both parts that a cam roller presses on, with the pressure there.
+    """Yield the two parts that a cam roller presses on, each with its true pressure over the pressure of the model.
 
-    The contact ``cam`` is a roller on the cam, but with the modulus of shaft on disc. Hertz's
-    pressure is proportional to sqrt(curvature x modulus). On the cam a roller touches its own material, and in the bore
-    the curvature is smaller.
+    The model's contact ``cam`` has the curvature of a roller on the cam, but the modulus of shaft on disc. True
+    pressures differ: roller and cam are of the same material, and in the bore of the disc the curvature is smaller.
+    Hertz's pressure is proportional to sqrt(curvature x modulus).
 
     Yields
     ------

@@ -14,7 +14,7 @@ from cycloid_mj.reducer.sockets import is_drawn
 def casing_checks(reducer: Reducer) -> Iterator[Check]:
     """Yield the check that the drive with covers, bearings and screws can be assembled and turns freely.
 
-    Yields nothing for a design without a drawn drive, or whose drive has no feasible sizes.
+    Yields nothing for a design without solids of its parts (`is_drawn`), or which no covers fit (`casing_or_none`).
     """
     if not is_drawn(reducer.design):
         return

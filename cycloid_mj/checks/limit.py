@@ -159,10 +159,11 @@ def numbers(value: float, bound: float, unit: Unit) -> Numbers:
 
 
 def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
-    """Format a value and its limit [SI] in a unit, with at least four digits and as many as distinguish them.
+    """Format a value and its limit, both in SI units, in a unit of the design file.
 
-    Equal numbers are written with all digits, so that a remedy, which is slightly larger or smaller, differs from both.
-    `side` precedes the `bound`, such as "at most".
+    They are written with at least four digits, and as many as distinguish them. If value and limit are equal, all
+    digits are written: a remedy lies slightly beyond the limit, and can then be distinguished from it. `side` is the
+    text before the limit, such as "at most".
 
     Returns
     -------

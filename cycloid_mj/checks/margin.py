@@ -35,7 +35,7 @@ def margin_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _short_width_rule(reducer: Reducer) -> Rule:
-    """Return the rule that K1 = c N / E is within the usual range `MARGINS.k1_range`.
+    """Return the rule that the short-width coefficient K1 = c N / E is within the usual range `MARGINS.k1_range`.
 
     c is the eccentricity, N the number of ring teeth, and E the pin-circle radius; at K1 = 1 the path of a pin centre
     in the disc begins to have loops.

@@ -60,7 +60,11 @@ def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check
 
 
 def material_rules(table: str, material: Material) -> Iterator[Rule]:
-    """Yield the rules for the values of one material table, such as "pin_material"; their names begin with its part."""
+    """Yield the rules for the values of one material table, such as "pin_material".
+
+    Names of the rules begin with the part in the name of the table, such as "pin_yield_strength"; those of the table
+    "material" have no such prefix.
+    """
     part = table.removesuffix("material")
     yield Rule(
         f"{part}yield_strength",
@@ -152,10 +156,10 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
-    """Yield the check that the sum of the clearances from crank to output is small against the teeth.
+    """Yield the check that the clearances from crank to output are small compared with the teeth.
 
-    If the sum is larger, and the disc has a feasible shape (`has_shape`), a second check is that the disc cannot skip a
-    tooth.
+    Their sum is compared with the eccentricity and the pin radius. If it is too large, and the disc has a feasible
+    shape (`has_shape`), a second check is that the disc cannot skip a tooth.
     """
     design = reducer.design
     names = design.pair_kinds

@@ -21,7 +21,8 @@ class Rule:
     tied
         Whether the checked value depends on others, so that changing it alone is no remedy.
     failure
-        A rule on the same value whose violation is an error: then its check is returned, with the remedy of this rule.
+        A rule on the same value with a wider limit, whose violation is an error. If it is violated, its check is
+        returned instead, with the remedy of this rule.
     """
 
     name: str
@@ -45,14 +46,17 @@ def wall_rule(
 
     Parameters
     ----------
-    name, depends_on_others
-        As `name` and `tied` of `Rule`.
+    name
+        Name of the check.
     limits
-        Function that returns the limits which leave a wall of a share of `radius`; the first limits the checked value.
+        Function from a wall thickness, relative to `radius` [1], to the limits on those keys of the design each of
+        which can provide this wall. The first limit is that of the checked key; the others are alternative remedies.
     share, radius
         Assumed smallest wall over `radius` [1], and radius of the pin circle [m].
     location
         Position of the wall, in words.
+    depends_on_others
+        Whether the checked value depends on others, so that changing it alone is no remedy (`Rule.tied`).
     """
     limit, *other_limits = limits(share)
     explanation = (
@@ -72,7 +76,8 @@ def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]
 def _evaluate(reducer: Reducer, rule: Rule) -> Check:
     """Evaluate a rule on a reducer; return its check with value, limit and remedy.
 
-    If the `failure` of the rule is violated too, its check is returned, with the remedy of this rule.
+    If the wider limit of the rule `failure` is violated too, an error, the check of that rule is returned instead, with
+    the remedy of `rule`.
     """
     limit = rule.limit
     is_passed = limit.is_met(reducer)

@@ -139,21 +139,25 @@ def _pressure_checks(state: RatedLoad, part: str) -> Iterator[Check]:
         )
 
 
-def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strength: str) -> tuple[str, float, float]:
-    """Return the lower strength of the two surfaces of a kind of pair.
+def _weaker_strength(
+    reducer: Reducer, kind: str, body_attribute: str, surface_attribute: str
+) -> tuple[str, float, float]:
+    """Return the strength of the weaker of the two surfaces of a kind of pair, and the key that sets it.
 
     Parameters
     ----------
     kind
-        Kind of pair.
-    strength, surface_strength
-        Attributes of a material: the strength that a key sets, and the strength of its surface, which is compared.
+        Kind of pair, a key of `PARTNERS`.
+    body_attribute, surface_attribute
+        Attributes of `Material`: a strength of the body, such as "yield_strength", and the same of the surface.
 
     Returns
     -------
     tuple
-        Key of the design file, without unit (``surface_yield`` if it is set); strength over the pressure ratio [Pa];
-        and pressure ratio [1], which is 1 except for bare rollers (`roller_contacts`).
+        Key that sets the strength, as `Limit.key`: its attribute is `body_attribute`, or "surface_yield" if the
+        surface is hardened. Strength of the surface over the pressure ratio [Pa], which the pressure of the model
+        is compared with. Pressure ratio [1]: true pressure on this part over the pressure of the model; it is 1
+        except for bare rollers (`roller_contacts`).
     """
     design = reducer.design
     has_bare_rollers_on_disc = kind == "cam" and has_bare_rollers(reducer)
@@ -161,9 +165,9 @@ def _weaker_strength(reducer: Reducer, kind: str, strength: str, surface_strengt
     strengths = []
     for part, ratio in sides:
         material = design.material_of(part)
-        key = "surface_yield" if material.surface_yield else strength
+        key = "surface_yield" if material.surface_yield else body_attribute
         strengths.append(
-            (f"{design.material_table(part)}.{key}", float(getattr(material, surface_strength)) / ratio, ratio)
+            (f"{design.material_table(part)}.{key}", float(getattr(material, surface_attribute)) / ratio, ratio)
         )
     return min(strengths, key=lambda item: item[1])
 
