@@ -126,9 +126,10 @@ def application(names: Collection[str] | None = None) -> App:
 
 
 def _add_papers(app: App, group: Group, imported: bool) -> None:
-    """Add the command ``reproduce``: that of the one paper that is installed, or a group with a command for each paper.
+    """Add the command ``reproduce``, which the installed packages of papers provide.
 
-    Without `imported`, only the name is added, and no paper is imported.
+    If a single such package is installed, ``reproduce`` is its command, otherwise a group with a command for each.
+    Without `imported`, only the name ``reproduce`` is added, and no package is imported.
     """
     installed: Sequence[Paper] = ()
     if imported:

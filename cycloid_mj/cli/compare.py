@@ -310,14 +310,15 @@ def _compare_runs(
 
 
 def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
-    """Read a log, and measure the run.
+    """Read a log, and evaluate its run for a comparison.
 
-    `q` is the point of the disc whose motion is measured [m]; None: the default point.
+    `q` is the point of the disc whose motion is evaluated, in the disc's frame [m]; None: the default point.
 
     Returns
     -------
     tuple
-        The motion after settling, and the measures of the run.
+        The motion of the run, with its settling excluded from evaluation; and the design of the run with the figures
+        that are compared: findings, fluctuation, vibration and forces (`Measures`).
 
     Raises
     ------

@@ -163,8 +163,9 @@ def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, fl
 def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, flags: CommonFlags) -> int:
     """Write columns, shape (n,) each, as CSV to `file` or stdout, and return the exit code.
 
-    `title` and `page` are those of the outcome. If `file` is a path, ``--all`` among the `flags` also prints the range
-    of each column. With ``--json`` an object replaces this text; it has the values if `file` is stdout.
+    `title` and `page` are the title and the HTML page of the outcome. If `file` is a path, and ``--all`` is among the
+    `flags`, a table of the range of each column is printed. With ``--json``, a JSON object with the names of the
+    columns and the number of rows is printed. If `file` is stdout, it replaces the CSV, and also has the values.
     """
     destination, files = Destination(title, None, page), [] if file == STDOUT else [file]
     rows = len(next(iter(columns.values())))

@@ -79,9 +79,10 @@ def check(
     """Check a design, and summarize it.
 
     Each failed check or warning is printed with its value, limit, reason and remedy; --all adds passed checks. The
-    first checks decide whether the design can be built (errors). The others are warnings: how well it works at its
-    nominal torque (drive torque times ratio), by statics with the real clearances, friction and errors, and whether it
-    meets its life there: life, temperature, strength, and twice that torque as a peak.
+    first checks decide whether the design can be built (errors). The others are warnings. They evaluate how well
+    the design works at its nominal torque (drive torque times ratio), by statics with the real clearances, friction and
+    errors. They also evaluate whether it withstands this torque for its required life: shortest life of a part,
+    temperature, strength, and a peak of twice this torque.
 
     The summary lists ratio, size, mass, load sharing, backlash, capacity (torque at which a contact first yields),
     and the weakest item of `cycloid-mj rate` for service.life_h. The exit code is 1 if the design cannot be built,
