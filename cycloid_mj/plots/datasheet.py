@@ -149,9 +149,9 @@ def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
 
 
 def _draw_table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
-    """Draw a table with name, value, unit and condition of each quantity, and return the height below it [1].
+    """Draw a table with name, value, unit and condition of each quantity, and return the position below it.
 
-    `top` is the height of the heading; heights are relative to the page.
+    `top` is the position of the heading. Both are vertical positions as a fraction of the page height, from its bottom.
     """
     _draw_heading(figure, heading, top)
     name, unit, condition = (LAYOUT.left + share * (LAYOUT.right - LAYOUT.left) for share in LAYOUT.columns)

@@ -46,10 +46,10 @@ def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 
 @with_style
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
-    """Draw the section of a drive through its axis: assembled, and below with its families of parts apart.
+    """Draw the section of a drive through its axis: assembled, and below it exploded along the axis by kinds of parts.
 
-    Each part is rotated about the axis into the plane. Families are numbered in the order of `ALONG`; parts of
-    other families are left out of both views. `sizes` are those of the casing.
+    Each part is rotated about the axis into the plane. The kinds are those of `ALONG`, numbered in its order from input
+    to output; parts of other kinds are in neither view. `sizes` are those of the casing.
     """
     geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in geometry.items()}
@@ -94,10 +94,11 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
 
 
 def _draw_section(axes: Axes, component: PlacedPart, prisms: tuple[Prism, ...], shift: float) -> float:
-    """Draw the section of a part in the plane through the axis and the part's centre, in mm, the axis to the right.
+    """Draw the section of a part in a plane through the axis, in mm, with the axis to the right.
 
-    A part next to the axis is rotated into the plane, except for a disc, which is cut at its y. Return the largest
-    distance of the section from the axis [m].
+    A part next to the axis is rotated about it into the plane, so that its centre is above the axis. A disc is not
+    rotated: it is cut through its centre, and drawn at its y. Return the largest distance of the section from the axis
+    [m].
 
     Parameters
     ----------

@@ -132,9 +132,9 @@ def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: s
 
 
 def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
-    """Draw a line through points x and y, shape (n,), sorted by x, with markers up to `SWEEP.max_markers` points.
+    """Draw a line through points x and y, shape (n,) each, sorted by x.
 
-    `label` is its entry in the legend.
+    Every point has a marker if there are at most `SWEEP.max_markers`. `label` is the entry in the legend.
     """
     order = np.argsort(x, kind="stable")
     has_markers = len(x) <= SWEEP.max_markers
@@ -145,7 +145,10 @@ def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> 
 
 
 def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
-    """Label the x axis with an input, by its `key`; return its values, (points,); 0, 1, ... for words."""
+    """Label the x axis with the input `key`, and return the position of each point on it, shape (points,).
+
+    This is the value of the input; if the values are text, it is 0, 1, ... in the order of their first occurrence.
+    """
     axes.set_xlabel(_title(sweep, key))
     if key in sweep.frame.numbers:
         return sweep.frame.numbers[key]

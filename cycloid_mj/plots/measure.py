@@ -127,7 +127,10 @@ def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None
 
 
 def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
-    """Draw the curves of forces around a ring in polar axes, clockwise from +y, with markers if there are few."""
+    """Draw the curves of forces around a ring in polar axes, clockwise from +y.
+
+    A curve with at most `PanelStyle.max_markers` points is drawn as markers, other curves as lines.
+    """
     for number, curve in enumerate(curves):
         about, colour = np.radians(curve.x), COLOURS[number % len(COLOURS)]
         if len(curve.x) > PANEL.max_markers:
@@ -150,7 +153,7 @@ def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
 
 
 def _limit_axes(axes: Axes, curves: list[Curve]) -> None:
-    """Set the limits of the y axis to the values of the curves, with the smallest span of `PanelStyle.min_span`."""
+    """Set the limits of the axes to the values of the curves; the span of y is at least `PanelStyle.min_span`."""
     x, y = (np.concatenate([getattr(curve, name) for curve in curves]) for name in ("x", "y"))
     x, y = x[np.isfinite(x)], y[np.isfinite(y)]
     if not len(x) or not len(y):

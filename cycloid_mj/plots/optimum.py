@@ -40,10 +40,10 @@ COLUMNS = 3
 
 @with_style
 def tradeoff_figure(optimum: Optimum) -> Figure:
-    """Draw every evaluated point: one objective over the other, or over the evaluations, and over each varied key.
+    """Draw all evaluated points: one objective over the other, and below the first objective over each varied key.
 
-    At most `MAX_KEYS` real numbers have a panel; keys with a list of values have none. The axes cover the feasible
-    points and the start.
+    A single objective is drawn over the number of the evaluation. Keys with a list of values have no panel, nor have
+    keys beyond the first `MAX_KEYS`. The axes cover the feasible points and the starting design.
     """
     objectives, varied_ranges = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
     rows = -(-len(varied_ranges) // COLUMNS)
@@ -88,7 +88,7 @@ def _scatter(axes: Axes, optimum: Optimum, x: Array, y: Array) -> None:
     """Draw the n evaluated points of an optimisation at coordinates x and y, (n,), with start and best point marked.
 
     Points with a coordinate that is not finite are left out. The limits of the axes cover the feasible points and the
-    start.
+    starting design.
     """
     has_values = np.isfinite(x) & np.isfinite(y)
     is_feasible = np.zeros(len(x), dtype=bool)

@@ -59,11 +59,12 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
 
 
 def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) -> Array:
-    """Compute the curve that limits the position of a pin's centre [um], shape (2, n), in a closed seat or open socket.
+    """Compute the curve that limits the position of a pin's centre in its seat [um], shape (2, n).
 
-    On the arc of the socket it is the circle of the clearance. Beyond, the pin rolls over an edge of the socket: its
-    centre moves on a circle of its own radius about the edge, drawn up to `max_distance` [um] or to the contact with
-    both edges.
+    The origin is the centre of the seat, and y points outward. Within the arc of the seat, the curve is a circle with
+    the radius `clearance` [um]. At either end of the arc of an open socket, the pin rolls over an edge: its centre
+    moves on a circle with the radius of the pin about this edge. This part ends beyond the distance `max_distance` [um]
+    from the origin, or where the pin touches both edges.
     """
     design = reducer.design
     half_angle = socket_half_angle(design) if design.ring.has_sockets else np.pi
@@ -77,7 +78,10 @@ def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) ->
 
 
 def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:
-    """Draw the path of a centre, `position` (n, 2) [um], in its `limit` (2, m) [um]; `part` names the part."""
+    """Draw the path of the centre of a pin, `position` (n, 2) [um], and its `limit` (2, m) [um].
+
+    `part` is the name of the pin in the title.
+    """
     axes.plot(*limit, **CLEARANCE)
     axes.plot(*position.T, **SIMULATED)
     axes.plot(*position[0], marker="o", markersize=4, color=BLUE)

@@ -32,7 +32,10 @@ _LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
 
 @with_style
 def path_figure(motion: Series) -> Figure:
-    """Draw the path of point q over a crank turn with Eq. 16, a detail at its largest error, and the error (Fig. 7)."""
+    """Draw the path of point q of the disc over a crank turn, as Fig. 7 of Hsieh 2014.
+
+    The closed form, Eq. 16 there, is drawn as well. Further panels have a detail at the largest error, and the error.
+    """
     figure = create_figure(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
     degrees, position = turn_degrees(motion), motion.q_position.select(motion.one_turn)
@@ -46,7 +49,10 @@ def path_figure(motion: Series) -> Figure:
 
 @with_style
 def velocity_figure(motion: Series) -> Figure:
-    """Draw the velocity of point q over a crank turn with Eqs 17 and 18, and its error below (Fig. 8)."""
+    """Draw the velocity of point q of the disc over a crank turn, as Fig. 8 of Hsieh 2014.
+
+    The closed form, Eqs 17 and 18 there, is drawn as well. The lower panel has the error.
+    """
     figure = create_figure(4.2)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
     degrees, velocity = turn_degrees(motion), motion.q_velocity.select(motion.one_turn)
@@ -69,9 +75,9 @@ def velocity_figure(motion: Series) -> Figure:
 
 
 def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
-    """Draw simulated path and closed form of point q [mm], of which `position` has both [m].
+    """Draw the simulated path of point q and its closed form, in mm.
 
-    `q` is the point in the disc's frame [m], (2,).
+    `position` has both paths in m. `q` is the point in the frame of the disc [m], shape (2,).
     """
     axes.plot(*(1e3 * position.theory.T), **THEORY)
     axes.plot(*(1e3 * position.simulated.T), **SIMULATED)
@@ -84,9 +90,9 @@ def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
 
 
 def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
-    """Draw simulated path and closed form of a point around the sample with the index `worst` [um].
+    """Draw the simulated path of a point and its closed form around the sample with the index `worst`, in um.
 
-    `position` has both paths [m]; lines connect corresponding samples.
+    `position` has both paths in m. Lines connect corresponding samples.
     """
     centre = position.theory[worst]
     theory, simulated_path = (1e6 * (path - centre).T for path in (position.theory, position.simulated))

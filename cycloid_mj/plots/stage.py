@@ -54,7 +54,7 @@ class AnimatedFigure:
     clock
         Text with crank angle and time.
     parts
-        Part -> for each copy a list of artists that move together.
+        By name of the part a list with an entry for each copy (such as each pin): its artists, which move together.
     housing
         Patch of the housing or internal gear.
     arrows
@@ -203,10 +203,10 @@ def _update_ring(housing: Any, script: Script, row: int) -> None:
 
 
 def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]:
-    """Draw the parts from back to front, each copy in its own frame; dots on disc and shaft show their rotation.
+    """Draw the parts from back to front, each in its own coordinates; dots on disc and shaft show their rotation.
 
-    `poses` are those of all frames, for the sizes of the parts. Return lists of artists that move together, a list for
-    each copy, by part.
+    `poses` are those of the whole animation; the radii of the parts are taken from them. Return by name of the part a
+    list with an entry for each copy (such as each pin): the list of its artists, which move together.
     """
     design = reducer.design
     ring, output, gear, radii, disc = design.ring, design.output, design.gear, poses.radii, poses.gaps.disc
@@ -242,7 +242,7 @@ def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[
 
 
 def _dashed_outline(axes: Axes, reducer: Reducer, disc: int) -> Any:
-    """Draw the outline of the disc with the index `disc` as a dashed line, in its own frame, and return its patch."""
+    """Draw the outline of the disc with the index `disc` as a dashed line, in its own coordinates; return its patch."""
     outline = gear_solid(reducer, SCREEN_CHORD_ERROR, disc).prisms[0].outline
     patch_style = {
         "facecolor": "none",

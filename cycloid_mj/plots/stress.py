@@ -46,8 +46,8 @@ PANEL = 2.9
 def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     """Draw the largest von Mises stress of a part over the crank angle for each design.
 
-    The upper panel has the stress away from the contacts (bulk), the lower that below them by Hertz. A dashed line is
-    the upper end of the range in Hsieh 2014, for its designs without load as in the paper.
+    The upper panel has the stress away from the contacts (bulk), the lower panel that below the contacts by Hertz. A
+    dashed line marks the upper end of the range that Hsieh 2014 reports, for designs of that paper at its load.
     """
     studies = [
         (index, findings_of_design, findings_of_design[part])

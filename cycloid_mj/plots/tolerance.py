@@ -54,10 +54,10 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
 
 @with_style
 def budget_figure(tolerances: Tolerances) -> Figure:
-    """Draw the error budget: the share of each tolerance in the variance of a quantity (Sobol indices) as bars.
+    """Draw the error budget as bars: the share of each tolerance in the variance of a quantity (Sobol indices).
 
-    A wide bar is the total index with its 95 % interval, the narrow bar in it the first-order index (not below 0). The
-    axis ends at 1, or beyond the highest end of an interval.
+    The quantity is `Tolerances.budget_of`. A wide bar is the total index with its 95 % interval, the narrow bar in it
+    the first-order index (not below 0). The axis ends at 1, or beyond the highest end of an interval.
     """
     figure = create_figure(1.3 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()

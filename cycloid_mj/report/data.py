@@ -70,7 +70,7 @@ def curves(motion: Series) -> dict[str, Array]:
 
 
 def _panel_json(key: str, height: float) -> dict[str, Any]:
-    """Return label, names of curves, and height of a chart's panel as JSON values."""
+    """Return label, names of curves, and `height` of a chart's panel as JSON values; see `HEIGHTS` for the height."""
     signal = SIGNALS[key]
     return {
         "label": signal.label,
@@ -89,8 +89,9 @@ def _theory(key: str) -> str:
 def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
     """Return the data of one of `runs` runs on a page as JSON values: curves, paths, mechanism and spectrum.
 
-    Curves are decimated so that all runs have at most `CHARTS.max_values` values; ``time`` [s] is from ``start``.
-    ``spans`` are the first and last times [s] of the evaluated part, one crank turn, and the run.
+    Curves are decimated, so that those of all runs together have at most `CHARTS.max_values` values. ``time`` [s]
+    counts from the first sample, which is at the time ``start`` [s] of the run. ``spans`` has the first and last time
+    [s] of the evaluated part, of one crank turn, and of the run.
     """
     motion, signals = item.motion, curves(item.motion)
     max_samples = min(CHARTS.max_samples, CHARTS.max_values // (runs * len(signals)))

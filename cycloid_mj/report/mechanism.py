@@ -101,10 +101,15 @@ def _outlines_json(reducer: Reducer) -> dict[str, Any]:
 def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:
     """Return the motion and the forces on the first disc of n samples as JSON values, arrays of shape (n, ...).
 
-    `columns` are those of a run in the frame of the ring, `time` [s], shape (n,) each. Times [s] are from the first
-    sample, angles in rad, lengths in mm, and forces in N: ``force`` by the groups of `GROUPS`, ``deviation`` of the
-    disc from its ideal pose (x, y, angle), ``opening`` of the ring's gaps, ``outputAway`` of the output pins. Ring pins
-    also have ``away`` (position in the socket), ``pinAngle`` and the ``ideal`` force.
+    `columns` are those of a run in the frame of the ring, `time` [s], shape (n,) each. Keys of the result:
+
+    - ``time``: time from the first sample [s]; ``start``: time of the first sample [s]
+    - ``crank``: crank angle [rad]; ``deviation``: pose of the disc minus the ideal one, x, y [mm] and angle [rad]
+    - ``opening``: gap between the disc and each pin or arc of the ring, less the clearance [mm]
+    - ``outputAway``: distance of the centres of each output pin and its hole, less the eccentricity [mm]
+    - ``force``: forces x, y [N], by the groups of contacts in `GROUPS`
+    - with ring pins also ``away``: position of each pin in its socket, x, y [mm]; ``pinAngle``: its rotation [rad];
+      ``ideal``: force on each pin by ideal load sharing [N]
     """
     gap_values, forces = measure_gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
     deviation = gap_values.deviation * [MILLIMETRES, MILLIMETRES, 1.0]

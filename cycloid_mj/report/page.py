@@ -72,8 +72,8 @@ def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
 def _main_values(item: Reviewed) -> Iterator[tuple[str, str]]:
     """Yield name and text, with unit, of the main quantities of a run: efficiency, errors of output and disc, contacts.
 
-    The efficiency is a text without a load or in a ramp. Backlash and stiffness are those of the static equilibrium,
-    and are omitted if there is none.
+    Without a load, or if the run is a ramp only, a remark replaces the value of the efficiency. Backlash and stiffness
+    are those of the static equilibrium, and are omitted if there is none.
     """
     findings = item.findings
     no_value_text = "not evaluated in a ramp" if findings.condition.load else "no load"

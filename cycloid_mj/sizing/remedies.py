@@ -146,7 +146,7 @@ def _diameters(requirement: Requirement) -> Changes:
 
 
 def _processes(requirement: Requirement) -> Changes:
-    """List processes with stronger materials, then pins and bearings of any size."""
+    """List processes that allow larger torques, then pins and bearings of any size."""
     usual = requirement.but(material="", clearance=0.0, fit="")
     stronger = PROCESSES[requirement.process].stronger
     free = [] if requirement.custom else [FeasibleChange("free sizes of pins and bearings", usual.but(custom=True))]
@@ -157,8 +157,8 @@ def _processes(requirement: Requirement) -> Changes:
 def _combined(requirement: Requirement) -> Iterator[Changes]:
     """Yield larger diameters for each combination of a process, a length and a crank speed.
 
-    The process is the one with the strongest material, or that of the requirement; the length is the required one, or
-    twice the diameter; the speed is the required one, a quarter, or a sixteenth of it.
+    The process is the one that allows the largest torque, or that of the requirement. The length is the required one,
+    or twice the diameter. The speed is the required one, a quarter, or a sixteenth of it.
     """
     for process in (*PROCESSES[requirement.process].stronger[-1:], requirement.process):
         words = [] if process == requirement.process else [f"{process} in place of {requirement.process}"]
