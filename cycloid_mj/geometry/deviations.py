@@ -74,7 +74,7 @@ def deviations(design: Design) -> Deviations:
     Raises
     ------
     DesignError
-        A profile is measured, but that of the drawing is undercut.
+        The design has a measured profile, but its nominal profile is undercut.
     """
     errors, pin_count, hole_count = design.errors, design.ring.teeth, design.output.pins
     # standard deviations [m]

@@ -78,7 +78,8 @@ def expand(design: Design) -> Design:
     Raises
     ------
     DesignError
-        A clearance is lost, so that the parts jam; or a profile is measured, but that of the drawing is undercut.
+        A clearance is lost, so that the parts jam; or the design has a measured profile, but its nominal profile is
+        undercut.
     """
     if design.thermal.is_reference:
         return design

@@ -77,7 +77,7 @@ class Surfaces:
     names, bodies
         Name of each surface, and of its body.
     role
-        Role of all.
+        Kind of the surfaces.
     angle
         Clockwise angle from +y [rad], shape (n,): of its ideal place, or by which the teeth are turned on their disc.
     place
@@ -239,11 +239,11 @@ def phases(design: Design) -> tuple[float, ...]:
 
 
 def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
-    """Return whether all discs are identical parts, which differ only by how they are rotated on their holes.
+    """Return whether all discs are identical parts, which are only mounted at different angles on the output pins.
 
-    `discs`, `output_pins` and `lobes` (of a disc) are their numbers. The teeth of disc d of D are ahead
-    of its holes by d/D of a pitch. A rotation by j hole pitches moves them by j lobes/pins pitches; modulo 1 these are
-    the multiples of 1/m, with m = pins/gcd(pins, lobes). So the discs are identical if m is a multiple of D.
+    `discs`, `output_pins` and `lobes` (of a disc) are their numbers D, n and L. The teeth of disc d are ahead of its
+    holes by d/D of a tooth pitch. A rotation by j hole pitches is one by j L/n tooth pitches. The fractional parts of
+    these are the multiples of 1/m, with m = n/gcd(n, L). So the discs are identical if m is a multiple of D.
     """
     return output_pins // math.gcd(output_pins, lobes) % discs == 0
 
@@ -254,7 +254,7 @@ def build_mechanism(design: Design) -> Mechanism:
     Raises
     ------
     DesignError
-        A profile is measured, but that of the drawing is undercut.
+        The design has a measured profile, but its nominal profile is undercut.
     """
     errors, discs = deviations(design), range(design.gear.discs)
     pins, seats = ring_surfaces(design, errors)
@@ -308,7 +308,7 @@ def pin_bodies(design: Design, errors: Deviations, carrier: str = "") -> Iterato
 
 
 def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
-    """Return the surfaces of the ring that mate with the teeth (pins or lobes), and the matings of moving pins.
+    """Return the surfaces of the ring (pins or lobes) that mate with the discs, and the matings of moving pins.
 
     Moving pins mate with their seats: sockets of pins, or cores of sleeves. `errors` change positions and radii of the
     pins.
@@ -425,16 +425,16 @@ def surfaces_on_circle(
     play: float | Array = 0.0,
     disc: int | None = None,
 ) -> Surfaces:
-    """Return n equal round surfaces with centres on a circle about the axis of their body.
+    """Return n round surfaces with centres on a circle about the axis of their body.
 
     Parameters
     ----------
     surface_names, body
-        Name of each surface, and of the body of all or each.
+        Names of the n surfaces; name of the body of all, or of the body of each.
     role
-        Role of all.
+        Kind of the surfaces, see `Role`.
     circle_radius, radius
-        Radius of the circle, and of the surfaces, one for all or shape (n,) [m].
+        Radius of the circle [m], and of the surfaces, one for all or shape (n,) [m].
     error
         Displacement of the centres [m], shape (n, 2).
     angles

@@ -103,16 +103,17 @@ class Contact:
 
     @property
     def force(self) -> float:
-        """Working force of the pair [N], at which its stiffness is the secant; for a cam the total force.
+        """Working force of the pair [N], for which the secant stiffness is computed; for a cam the total force.
 
         The first of these values that the design sets is used:
 
         - ``working_force`` of the kind of pair;
         - ``contact.working_force`` for all pairs. A rolling cam has this force on its most loaded roller. A plain cam
           has N/4 times this force, as under ideal sharing with this force on the most loaded of N teeth;
-        - by default the force under ideal sharing of the torque T of a disc, `Contacts.working_load` over the discs:
-          4 T/(N c (N-1)) on the most loaded of N teeth, with the eccentricity c; 4 T/(n R) on the most loaded of n
-          output pins on the radius R; on a cam, the mean over a turn of the force that balances both.
+        - by default the force under ideal sharing of the torque T of a disc, which is `Contacts.working_load` divided
+          by the number of discs: 4 T/(N c (N-1)) on the most loaded of N teeth, with the eccentricity c; 4 T/(n R) on
+          the most loaded of n output pins on the radius R; on a cam, the mean over a turn of the force that balances
+          both.
         """
         design = self._reducer.design
         stated_force: float = getattr(design.working_force, self.kind)
@@ -165,7 +166,7 @@ class Contact:
     def impact(self) -> ImpactLaw | None:
         """Parameters of the Adams law IMPACT for each line contact of the pair; None with another ``contact.law``.
 
-        Two contacts in series act through a massless pin.
+        If a massless pin transmits the force, the parameters are those of its two contacts in series.
         """
         law, design = self._reducer.contacts.impact, self._reducer.design
         if law is None:
@@ -223,9 +224,9 @@ class Contact:
     def relative_curvature(self) -> float:
         """Relative curvature [1/m] of all contacts of this kind; not defined for teeth, where it varies.
 
-        A pin or a plain cam is in its bore. For a cam with rollers, the curvature is that of a roller on the cam, both
-        convex, where the pressure is higher than in the bore; the raceway of the cam is assumed to have the radius of
-        the bore.
+        For a pin or a plain cam, it is the curvature of a cylinder in its bore. For a cam with rollers, it is that of a
+        roller on the cam, both convex, where the pressure is higher than in the bore. The raceway of the cam is assumed
+        to have the radius of the bore.
         """
         design = self._reducer.design
         if self.kind == "cam" and self._has_rollers:
@@ -453,8 +454,8 @@ class Contacts:
     def impact(self) -> ImpactLaw | None:
         """Parameters of the Adams law IMPACT for a contact across the full disc; None with another ``contact.law``.
 
-        `ImpactLaw` is in SI units. In a design's file, the stiffness of the spring is in N/mm^e, its force at a depth
-        of 1 mm.
+        `ImpactLaw` is in SI units. In a design file, the stiffness is in N/mm^e, with the exponent e of the law: its
+        value is the force [N] at a depth of 1 mm.
         """
         contact = self._reducer.design.contact
         if contact.law != "impact":

@@ -116,10 +116,11 @@ def gaps(reducer: "Reducer", crank_angle: float) -> Gaps:
 
 
 def arc_gaps(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Gaps:
-    """Compute the gaps at crank angles [rad], shape (k,) or (), except those of an internal gear's flanks.
+    """Compute the gaps of all round contacts (pins or arcs of the ring, and output pins) at crank angles [rad].
 
-    Crank angles are in the frame of the ring. The contacts at each are the teeth of all discs, then their output pins;
-    in a ring of two halves, the contacts of a disc with the first half come first.
+    `crank_angle` is in the frame of the ring, shape (k,) or (). The contacts at each angle are those of all discs with
+    the ring, then those with the output pins. If the ring has two halves, the contacts of a disc with the first half
+    come first. The flanks of an internal gear between its arcs are not included; see `flank_gaps`.
     """
     angles = np.asarray(crank_angle, dtype=np.float64)
     discs = range(len(reducer.phases))
@@ -138,7 +139,7 @@ def _arc_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
 
 
 def flank_gaps(reducer: "Reducer", crank_angle: float, disc: int = 0) -> Gaps:
-    """Compute the gaps of a disc and the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5.
+    """Compute the 4 or 5 gaps between a disc and the flanks of an internal gear at a crank angle [rad], to first order.
 
     The crank angle is in the frame of the ring; `disc` is the index of the disc.
     """
@@ -155,10 +156,11 @@ def _gaps_with_each_half(reducer: "Reducer", disc: int, lines: envelope.RingCont
 def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half_index: int) -> Gaps:
     """Compute the gaps (n,) between a disc and the ring, or a half of it, at the contact lines of the ideal mesh.
 
-    A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A radius that is larger by r closes
-    the gap by r, as do flanks that are larger by r, and reduces the clearance in the socket. If the pin circle of a
-    disc is larger by x, its pins are closer to the centre by x. Flanks rotated by a are set back by a times the arm of
-    their normal. The curve of the disc is its trochoid, and that of a pin its centre.
+    A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A pin radius that is larger by r
+    closes the gap by r, and reduces the clearance in the socket by r; a disc profile that is larger by r closes the gap
+    by r. A disc that is generated with a pin circle larger by x has the gaps of ring pins that are closer to the centre
+    by x. Flanks rotated by a open the gap by a times the lever arm of the normal. `Gaps.distance` and `Gaps.curvature`
+    are those of the disc's trochoid and the centre of the pin, a point.
 
     Parameters
     ----------
@@ -171,14 +173,14 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
     """
     design = reducer.design
     gear, errors, modification = reducer.tooth_profile, reducer.deviations, design.modification
-    disc_normal, arm = lines.normals, profile.moment_arm(gear, lines.B)
+    inward_normal, arm = lines.normals, profile.moment_arm(gear, lines.B)
     radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
     preload_offset = design.ring.ahead[half_index] * gear.pin_circle_radius * quarter_turned(radial)
     displacement = errors.pin_displacement[lines.lobe] + preload_offset - modification.pin_circle * radial
     nominal_gap = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     flank_rotation = modification.rotation * np.sign(arm)
-    tangent = quarter_turned(disc_normal)
+    tangent = quarter_turned(inward_normal)
     sliding_arm = np.sum(tangent * quarter_turned(lines.points - centre), axis=-1)
     centre_arm = sliding_arm - gear.pin_radius
     curvature_before, middle_curvature, curvature_after = (
@@ -193,10 +195,10 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
         clearance=np.broadcast_to(nominal_gap, arm.shape),
         play=np.broadcast_to(play, arm.shape),
         distance=flank_rotation * arm
-        - np.sum(displacement * disc_normal, axis=-1)
+        - np.sum(displacement * inward_normal, axis=-1)
         + profile_error(errors.waves, lines.t)
         + worn,
-        slope=_by_unknown(reducer, disc, disc_normal, arm, np.zeros(arm.shape)),
+        slope=_by_unknown(reducer, disc, inward_normal, arm, np.zeros(arm.shape)),
         shift=np.sum(displacement * tangent, axis=-1) - flank_rotation * centre_arm,
         shift_slope=_by_unknown(reducer, disc, -tangent, -centre_arm, np.zeros(arm.shape)),
         curvature=middle_curvature,
@@ -210,9 +212,9 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
 def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
     """Compute the gaps between the holes of a disc and the n output pins at crank angles (...) [rad], shape (..., n).
 
-    Every pin is on the inner side of its hole, and pushes the disc inwards along the eccentric. A hole displaced by d
-    in the disc opens its gap by the component of d in this direction. Holes and pins rotate together, so the arm is the
-    same about the disc's centre and about the output's.
+    Every pin touches the inner side of its hole, and pushes the disc inwards along the eccentric. A hole displaced by d
+    in the disc opens its gap by the component of d in this direction. The lever arm of a contact is the same for a
+    rotation of the disc and of the output, as holes and pins are on equal circles.
     """
     gear, errors, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
     output_angle = crank_angle[..., np.newaxis] / gear.lobes
@@ -249,9 +251,10 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
 
 
 def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
-    """Compute the ideal displacement of the unknowns per crank rotation [m/rad], shape (..., 3 D + 1), at crank angles.
+    """Compute the ideal motion of the unknowns z per crank rotation [m/rad], shape (..., 3 D + 1).
 
-    Disc centres run on circles, discs and output rotate by -1/(N-1) of the crank (Hsieh 2014, Eqs 12 and 13,
+    `crank_angle` [rad] has the shape (...). z are x, y and R phi of each disc, then R psi of the output; see the
+    module. Disc centres move on circles, discs and output rotate by -1/(N-1) of the crank (Hsieh 2014, Eqs 12 and 13,
     corrected). The product with `Gaps.slip_slope` is the sliding distance of each contact per crank rotation [m/rad];
     the product with `Gaps.slope` is 0.
     """
@@ -277,10 +280,10 @@ def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
 
 
 def _by_unknown(reducer: "Reducer", disc: int, by_position: Array, by_rotation: Array, by_output: Array) -> Array:
-    """Return the gradient by z (..., n, 3 D + 1) [1] of gaps of one disc, from their derivatives by its motion.
+    """Return the gradient (..., n, 3 D + 1) [1] of n gaps of one disc with respect to the unknowns z of the module.
 
-    These are the derivatives by the position of the disc (..., n, 2) [1], and by the rotations of disc and output (...,
-    n) [m/rad].
+    `by_position` (..., n, 2) [1] are the derivatives with respect to x and y of the disc, `by_rotation` and `by_output`
+    (..., n) [m/rad] those with respect to the rotations of disc and output.
     """
     slope = np.zeros((*by_rotation.shape, unknowns(reducer)))
     slope[..., 3 * disc : 3 * disc + 2] = by_position

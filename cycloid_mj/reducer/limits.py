@@ -1,7 +1,9 @@
 """Limits of motion of rigid parts at a locked crank, by linear programming: best fit, and stops of the output.
 
-Rigid contacts only push, so every gap is a limit on the unknowns of ``gaps``. A cam's play is a circle: a polygon
-around it stands for it, larger than the circle by 1 - cos(pi/sides).
+Rigid contacts only push, so every gap is a limit on the unknowns. A pose is a vector of the unknowns z of the module
+``gaps``, in metres, shape (u,), u = 3 D + 1: x, y and R phi of each of the D discs, and R psi of the output, with the
+radius R of the circle of output pins. The clearance of a cam is a circle, represented by a polygon around it, which is
+larger by 1 - cos(pi/sides).
 """
 
 import math
@@ -70,16 +72,15 @@ def best_fit(reducer: "Reducer", crank_angle: float) -> Fit:
 
 
 def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
-    """Convert a pose (u,) [m], unknowns of ``gaps``, at a crank angle [rad] to a `Fit`; its `min_gap` is NaN."""
+    """Convert a pose (u,) [m] (see the module) at a crank angle [rad] to a `Fit`; its `min_gap` is NaN."""
     return _make_fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank_angle))), pose, math.nan)
 
 
 def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
-    """Convert a pose of the unknowns of ``gaps`` (u,) [m] to displacements [m] and rotations [rad] of the parts.
+    """Convert a pose (u,) [m] (see the module) to displacements [m] and rotations [rad] of the parts.
 
     The pose is relative to the ring; if the ring is the output, the rotations of `Fit` include the rotation of the
-    ring. `mesh_gaps` are the gaps at this crank angle, `min_gap` [m] is the smallest gap in this pose, for
-    `Fit.min_gap`.
+    ring. `mesh_gaps` are the gaps at this crank angle, `min_gap` [m] is the smallest gap in this pose.
     """
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
@@ -113,8 +114,8 @@ def _maximize_min_gap(reducer: "Reducer", crank_angle: float) -> tuple[Gaps, Arr
     Returns
     -------
     tuple
-        Gaps (n,) of teeth and output pins; pose (u,) [m] in the unknowns of ``gaps``; its minimum gap [m]; and the dual
-        values [1] of all limits: of the n gaps, then of the sides of each cam's polygon.
+        Gaps (n,) of teeth and output pins; pose (u,) [m] (see the module); its minimum gap [m]; and the dual values [1]
+        of all limits: of the n gaps, then of the sides of each cam's polygon.
     """
     from scipy.optimize import linprog
 
@@ -206,10 +207,10 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) ->
 
 
 def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Return the limits slope . z + gap >= 0 on the unknowns z (u,) [m] of ``gaps``, by contacts, then by cams.
+    """Return the inequalities slope @ z + gap >= 0 on a pose z (u,) [m]: one per contact, then one per side of a cam.
 
-    The clearance of a cam, displaced by `cams` (D, 2) [m], is a polygon of `sides` sides. `mesh_gaps` are the gaps of
-    teeth and output pins.
+    The clearance of each cam is a polygon of `sides` sides; its centre is displaced by `cams` (D, 2) [m]. `mesh_gaps`
+    are the gaps of teeth and output pins.
 
     Returns
     -------
@@ -237,7 +238,7 @@ def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Arra
     mesh_gaps
         Gaps at this crank angle.
     pose
-        Displacements of discs and output (u,) [m], the unknowns of ``gaps``.
+        Displacements of discs and output (u,) [m]; see the module.
     """
     design = reducer.design
     if not design.ring.has_moving_pins:

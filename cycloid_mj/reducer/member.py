@@ -68,14 +68,13 @@ class Member:
         return np.asarray(np.asarray(driven, dtype=np.float64) - np.asarray(ring))
 
     def ring_and_carrier(self, output: npt.ArrayLike) -> tuple[Array, Array]:
-        """Return the angles of ring and carrier at an angle of the output [rad], which is one of them; the other is 0.
-
-        Speeds map to speeds.
+        """Return the angles of ring and carrier for an angle of the output [rad]; for a speed, return their speeds.
 
         Returns
         -------
         tuple of Array
-            Angles of ring and carrier [rad], in the shape of `output`.
+            Angles of ring and carrier, in the shape of `output`: the output's for the member that is the output, and 0
+            for the other, which is fixed.
         """
         output = np.asarray(output, dtype=np.float64)
         fixed_angle = np.zeros_like(output)
@@ -88,17 +87,20 @@ class Member:
 
     @property
     def share(self) -> float:
-        """Torque on the carrier per torque on the output, without losses: 1, or (N-1)/N if the ring rotates.
+        """Ratio of the torque on the carrier to that on the output, without losses: 1, or (N-1)/N if the ring rotates.
 
-        At a locked crank, it is also the rotation of the output per rotation of the carrier seen from the ring. Torques
-        and rotations in statics are positive if they brake a crank that rotates counter-clockwise: counter-clockwise on
-        the carrier, clockwise on the ring; see `sense`.
+        At a locked crank, it is also the ratio of the output's rotation to that of the carrier relative to the ring. In
+        statics both ratios are positive, by the sign convention of `sense`.
         """
         return self.lobes / self.teeth if self.turns_ring else 1.0
 
     @property
     def sense(self) -> int:
-        """Sign of the output's torques and rotations in statics: 1 counter-clockwise, -1 clockwise."""
+        """Direction of positive output torques and rotations in statics: 1 counter-clockwise, -1 clockwise.
+
+        Positive torques brake a crank that rotates counter-clockwise: they act counter-clockwise on a carrier, and
+        clockwise on a ring.
+        """
         return -1 if self.turns_ring else 1
 
 

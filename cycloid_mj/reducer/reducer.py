@@ -117,10 +117,11 @@ class Reducer:
 
     @property
     def for_slices(self) -> Self:
-        """Reducer for the simulation with mesh contact, with stiffnesses for its nominal torque, or its load if larger.
+        """Reducer for simulations with mesh contact, in which working surfaces are divided into convex slices.
 
-        The stiffness does not follow a smaller load, because a contact of slices is softer at a small depth anyhow. The
-        creep speed is taken from the design, or `SLICES_CREEP`.
+        Its contact stiffnesses are those at the nominal torque, or at its load if that is larger. They are not adapted
+        to a smaller load, because the contact of slices is softer at a small depth by itself. The creep speed is that
+        of the design, or `SLICES_CREEP`.
         """
         stiffened_reducer = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
         return stiffened_reducer.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
@@ -148,7 +149,10 @@ class Reducer:
 
     @property
     def shape(self) -> Self:
-        """Reducer with the same parts and no load, speed or contact law, to cache what depends on parts only."""
+        """Reducer with the same parts, but without load, speed and contact law.
+
+        Results that depend on the parts only are cached on it, so that reducers with equal parts share them.
+        """
 
         def without_operation() -> Reducer | None:
             fields = Design.model_fields

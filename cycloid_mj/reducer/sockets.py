@@ -52,7 +52,9 @@ def is_drawn(design: Design) -> bool:
 
 
 def require_open_sockets(design: Design, feature: str) -> None:
-    """Raise an error if a `feature` needs solids of the parts, and the design has closed sockets, without solids.
+    """Raise an error if the sockets of a design are closed, as its parts have no solids then.
+
+    `feature` is the name of what needs the solids, for the message.
 
     Raises
     ------
