@@ -174,8 +174,9 @@ def _add_tuple(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[str])
 
 
 def _move_actuators_to_crank(spec: Any, reduced: ReducedJoint, joint: str) -> None:
-    """Move the actuators of a hinge to its crank, and multiply their gear by -coefficient (the signed ratio).
+    """Move the actuators of a hinge to its crank, and multiply their gear so that the torque on the hinge is the same.
 
+    The factor is the speed of the hinge over that of the crank, the signed inverse ratio ``-reduced.coefficient``.
     `reduced` is the reducer's joint, `joint` the name of the hinge.
     """
     kinds = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)

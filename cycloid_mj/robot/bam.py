@@ -1,4 +1,4 @@
-"""The joint's friction as the models M3 and M5 of BAM, which robot learners use, in BAM's own parameters.
+"""The joint's friction as the models M3 and M5 of BAM (Better Actuator Models), in the parameters of BAM.
 
 Duclusaud, Passault, Padois, Ly, "Extended Friction Models for the Physics Simulation of Servo Actuators", ICRA 2025
 (arXiv 2410.08650), and its code, Rhoban/bam, `bam/model.py`. With the motor's torque t_m and the external torque t_e at
@@ -32,11 +32,12 @@ WITHOUT_STRIBECK = {
 
 
 def fit_bam_models(reduced: ReducedJoint) -> dict[str, Any]:
-    """Fit the friction models M3 and M5 of BAM to a reduced joint; return them as JSON values.
+    """Fit the friction models M3 and M5 of BAM (Better Actuator Models) to a reduced joint; return JSON values.
 
-    The keys "m3" and "m5" have their parameters in N m, N m s/rad or 1, "largest_error_nm" their largest errors [N m],
-    and "fitted_nm" the range of loads. Nonnegative least squares (Lawson and Hanson) over the loads from
-    `MIN_FIT_SHARE` to 1 of the nominal torque, with crank or output driving, at the rated speed.
+    The keys "m3" and "m5" have the parameters of the models (see the module) in N m, N m s/rad or 1, "largest_error_nm"
+    their largest errors [N m], and "fitted_nm" the range of loads [N m]. The fit is by nonnegative least squares
+    (Lawson and Hanson) over loads from `MIN_FIT_SHARE` to 1 of the nominal torque, with the crank driving and with the
+    output driving, at the rated speed.
     """
     base_torque, viscous = reduced.no_load_torque_at_output, reduced.no_load_damping_at_output
     external, motor, friction = _friction_samples(reduced)

@@ -72,10 +72,10 @@ class LinkInertia:
 def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> dict[str, LinkInertia]:
     """Compute mass [kg] and inertia [kg m2] of the links `housing`, `drive` and `output` of a reduced joint.
 
-    They follow from the parts of the reducer. The housing is a solid cylinder with the drive's diameter and length, and
-    its mass without output and crank; covers are included if the casing fits. At the level `rigid` there is no `drive`,
-    and the output has its inertia. With `armature`, the simulator adds the crank's reflected inertia to the joint, so
-    that no link has it.
+    They follow from the parts of the reducer. The housing is a solid cylinder with the diameter and length of the whole
+    reducer; its mass is that of the reducer less output and crank. Covers are included if the casing fits. The link
+    `drive` has the crank's inertia reflected to the output; at the level `rigid`, there is no such link, and the output
+    has this inertia. With `armature`, the simulator adds it to the joint, and `drive` has the crank's own inertia only.
     """
     masses = moving_masses(reducer)
     output_body, crank = masses[reducer.mechanism.turning], masses[names.SHAFT]
@@ -212,7 +212,7 @@ def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
 
 
 def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
-    """Compute the DC motor at a reduced joint that has the joint's rated and peak torque, as parameters of BAM.
+    """Compute the DC motor at a reduced joint that has the joint's rated and peak torque, with the keys of BAM.
 
     Torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed. The
     motor stands in for that of the robot: its torque constant and resistance are those at the joint, not at the crank.
@@ -220,8 +220,8 @@ def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
     Returns
     -------
     dict
-        Torque constant ``kt`` [N m/A], ``resistance`` [ohm], ``error_gain``, the voltage over the supply per position
-        error [1/rad], and ``max_current`` [A].
+        Torque constant ``kt`` [N m/A]; ``resistance`` [ohm]; ``error_gain``, the ratio of motor voltage to supply
+        voltage per position error [1/rad]; and ``max_current`` [A].
     """
     stall_torque = MJCF.motor_peak * reduced.rated_torque
     no_load_speed = reduced.rated_speed / reduced.ratio / (1.0 - 1.0 / MJCF.motor_peak)

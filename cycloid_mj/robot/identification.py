@@ -64,7 +64,7 @@ Progress = Callable[[int, int], None]
 
 @shows_progress
 def reduce(design: Named, level: Level = "full", progress: Progress | None = None) -> ReducedJoint:
-    """Identify a design as a joint of a robot, by statics of the full model.
+    """Compute the parameters of a reduced robot joint that behaves like a reducer, by statics of the full model.
 
     Parameters
     ----------
@@ -216,8 +216,9 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
 def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
     """Compute the moments of inertia that turn with the crank and with the output.
 
-    The crank has shaft, rotor and the orbit of the discs. Otherwise the discs belong to the carrier of the output pins;
-    if the ring is the output, they do not turn, and the ring's pins turn with the ring.
+    The crank has the inertia of shaft and rotor, and that of the orbiting masses of the discs. If the carrier is the
+    output, the output also has the discs, which rotate with it. If the ring is the output, the discs do not rotate, and
+    the output is the ring with its pins.
 
     Returns
     -------
@@ -304,10 +305,10 @@ def _compute_friction_torque(reducer: Reducer, torque: float, on_step: Callable[
 def _compute_damping(reducer: Reducer) -> float:
     """Compute the damping of the wind-up [N m s/rad] between carrier and ring.
 
-    For slow motion, springs with parallel dampers in series have c = k^2 sum (C/K) s, with the stiffness k of all in
-    series, the time constant C/K of a contact (damping C, stiffness K) and its compliance s at the output [rad/(N m)].
-    Pin and seat in series have shares by compliance. Bending of pins and twist are in series with the contacts of the
-    output.
+    Each contact is a spring with a parallel damper, and all are in series. For slow motion, their damping is
+    c = k^2 sum(s C/K), with the stiffness k of all in series, the time constant C/K of a contact (damping C, stiffness
+    K), and its compliance s at the output [rad/(N m)]. The time constant of pin and seat together is their mean,
+    weighted by compliance 1/K. Bending of output pins and twist of the structure have that of the output contacts.
     """
     contact_laws_by_pair, rated_torque = contact_laws(reducer), reducer.design.rated_torque
     compliances = [
@@ -407,9 +408,10 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
 
 def _efficiency_error(reducer: Reducer, share: float) -> float:
-    """Compute the numerical error of the efficiency [1]: its change by `GRID.angles_factor` times the crank angles.
+    """Compute the numerical error of the efficiency [1] as its change with a larger number of crank angles.
 
-    `share` is the output torque over the nominal one, negative if the output drives.
+    The number is multiplied by `GRID.angles_factor`. `share` is the output torque over the nominal one, negative if the
+    output drives.
     """
     torque = share * reducer.design.rated_torque
     return abs(

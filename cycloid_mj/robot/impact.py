@@ -43,7 +43,7 @@ IMPACT = ImpactSettings()
 
 @dataclass(frozen=True)
 class ImpactLoad:
-    """Rated load cos(2 pi f t) on the output, from rest on the upper stop."""
+    """Load T cos(2 pi f t) on the output, with the nominal torque T, and its effect from rest on the upper stop."""
 
     frequency: float
     """Frequency f [Hz]."""
@@ -60,9 +60,10 @@ class ImpactLoad:
 def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     """Solve the impact of a joint under an alternating load by LSODA, as a reference for MuJoCo; results are cached.
 
-    The equation is J x'' = T cos(2 pi f t) - spring(x) - c x', with the rated torque T, the angle x of the output and
-    the inertia J of all that turns with it [kg m2], of which `inertia` is the external part. The damping c acts at the
-    level `full` beyond the stops only, as in `ReducedJoint.step`, at `backlash` within the play as well, as in MJCF.
+    The equation is J x'' = T cos(2 pi f t) - spring(x) - c x', with the nominal torque T, the angle x of the output,
+    and the inertia J of `inertia` [kg m2] and output together. At the level `full`, the damping c acts beyond the stops
+    only, as in `ReducedJoint.step`. At the level `backlash`, it acts within the play as well, as in MJCF. The frequency
+    f is reduced until the output crosses the play within half a cycle.
 
     Raises
     ------

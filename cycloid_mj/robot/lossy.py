@@ -71,7 +71,7 @@ class Shoe:
     friction: float
     """Friction torque about the axis over the force on the plate [m]."""
     leading: float
-    """Share t of its force by which friction presses it on, or lifts it: the force is S/(1 - t) or S/(1 + t)."""
+    """Share t of its force by which its friction presses it on, or lifts it: the friction is S/(1 - t) or S/(1 + t)."""
     armature: float
     """Axial armature [kg]."""
     creep: float
@@ -81,9 +81,11 @@ class Shoe:
 def fit_shoe(reduced: ReducedJoint) -> Shoe:
     """Fit a brake shoe in MJCF to the load-dependent friction of a reduced joint, with crank or output driving.
 
-    A leading shoe has the friction S/(1 - t), a trailing shoe S/(1 + t); their harmonic mean is S, a sum of the
-    springs' torques. S is fitted by nonnegative least squares at `SHOE.fitted` of the nominal torque, at the rated
-    speed, to the friction beyond that of no load. t is limited to `SHOE.max_leading`, beyond which the shoe could lock.
+    With S, the friction without self-energising, a leading shoe has the friction S/(1 - t), a trailing shoe S/(1 + t).
+    t is the share of the force on the shoe by which its own friction presses it on, or lifts it (`Shoe.leading`). S is
+    the harmonic mean of both, a weighted sum of the springs' torques. Its weights are fitted by nonnegative least
+    squares to the friction in excess of that without load, at `SHOE.fitted` of the nominal torque and the rated speed.
+    t is limited to `SHOE.max_leading`, as the shoe would lock at 1.
     """
     from scipy.optimize import nnls
 
@@ -185,7 +187,7 @@ class StockEfficiency(NamedTuple):
 def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
     """Compute efficiencies of the lossy joint in MuJoCo and of the full model, at `SHOE.compared` of nominal torque.
 
-    They are those of the reduced joint with the crank driving, then those with the output driving.
+    The list has all loads with the crank driving first, then all loads with the output driving.
     """
     return [
         StockEfficiency(

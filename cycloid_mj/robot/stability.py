@@ -285,8 +285,8 @@ def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, f
 def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> float:
     """Simulate the output from rest under nominal torque; return the relative error of its mean wind-up.
 
-    It replaces the middle of a vibration, which is not the rest if a transmission error that depends on the load makes
-    the spring nonlinear. `stop_angle` is the angle of the stop [rad].
+    It is used instead of the mean of a vibration, which differs from the position of rest if the spring is nonlinear,
+    as with a transmission error that depends on the load. `stop_angle` is the angle of the stop [rad].
     """
     torque = scene.reduced.rated_torque
     mujoco.mj_resetData(scene.model, scene.data)

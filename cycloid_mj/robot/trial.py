@@ -37,9 +37,10 @@ class TrialScene:
         )
 
     def hold(self, speed: float = 0.0) -> None:
-        """Force the crank to turn at a constant speed [rad/s], 0 to lock it; the output starts at the same ratio.
+        """Force the crank to turn at a constant speed [rad/s], or lock it at 0.
 
-        The crank gets an armature so large that no torque changes its speed.
+        The crank gets an armature so large that no torque changes its speed. The output starts at the ideal speed, the
+        crank speed divided by the ratio.
         """
         self.model.dof_armature[self.addresses.crank_speed] = 1e9 * self.reduced.rotor_inertia
         mujoco.mj_setConst(self.model, self.data)

@@ -47,7 +47,8 @@ def main(design: Named, load_nm: float | None = None) -> "Sheet":
     Returns
     -------
     Sheet
-        Backlash, stiffness, transmission error, loads and losses: `quantities` by key, as a table, and by `plot`.
+        Backlash, stiffness, transmission error, loads and losses. `quantities` has them by key; a notebook shows them
+        as a table, and `plot` draws them.
 
     Raises
     ------
