@@ -137,11 +137,11 @@ def contact_forces(
         1, 0, 2
     )
     direction = _direction(wrench[..., :2])
-    shift = _shift_to_action_line(wrench, direction, measured_geometry.surface(kind_by_pair, direction) - origin)
+    shift = _shift_to_action_line(wrench, direction, measured_geometry.contact_points(kind_by_pair, direction) - origin)
     return ContactForces(
         tuple(kind_by_pair),
         tuple(kind_by_pair.values()),
-        displayed_geometry.surface(kind_by_pair, direction) + shift,
+        displayed_geometry.contact_points(kind_by_pair, direction) + shift,
         wrench[..., :2],
     )
 
@@ -210,11 +210,12 @@ class _InnerParts:
     output_pins: Array
     radii: Radii
 
-    def surface(self, kind_by_pair: Mapping[str, str], direction: Array) -> Array:
-        """Compute the points of frictionless contacts (n, k, 2) [m], on the inner part, towards the loaded part.
+    def contact_points(self, kind_by_pair: Mapping[str, str], direction: Array) -> Array:
+        """Compute the contact points of k pairs without friction (n, k, 2) [m], on the surface of the inner part.
 
-        `kind_by_pair` has the kinds of the k pairs, `direction` the unit vectors of their forces (n, k, 2); a pin in
-        its socket is itself the loaded part, a sleeve is loaded from inside.
+        `kind_by_pair` has the kinds of the pairs by name, `direction` the unit vectors of the forces on the loaded
+        parts (n, k, 2). Discs and sleeves are loaded by the inner part, which touches them on the side towards which
+        the force acts. A pin in its socket is itself the loaded part, and touches the socket on the opposite side.
         """
         radius_by_kind = {
             "cam": self.radii.cam,
@@ -222,12 +223,12 @@ class _InnerParts:
             "pin_socket": -self.radii.pin,
             "pin_sleeve": self.radii.sleeve_bore,
         }
-        surface = np.empty_like(direction)
+        points = np.empty_like(direction)
         for row, (name, kind) in enumerate(kind_by_pair.items()):
             centres = {"cam": self.cams, "output": self.output_pins}.get(kind, self.ring)
             centre = centres[:, disc_of(name) if kind == "cam" else number_of(name) - 1]
-            surface[:, row] = centre + radius_by_kind.get(kind, self.radii.pin) * direction[:, row]
-        return surface
+            points[:, row] = centre + radius_by_kind.get(kind, self.radii.pin) * direction[:, row]
+        return points
 
 
 def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _InnerParts:
