@@ -56,15 +56,15 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
             "turns: set a speed other than 0, such as 2295 rpm"
         )
     torques = np.array([abs(point.torque) for point in points])
-    turns = np.array([_bearing_speed(reducer, point.speed) * point.share for point in points])
+    weighted_speeds = np.array([_bearing_speed(reducer, point.speed) * point.share for point in points])
     items = [
         *(
             item
             for row in _crank_bearing_rows(reducer, torques)
-            for item in _rate_bearing(reducer, row, torques, turns, duty.peak)
+            for item in _rate_bearing(reducer, row, torques, weighted_speeds, duty.peak)
         ),
-        *_rate_teeth(reducer, torques, turns, duty.peak),
-        *_rate_planets(reducer, torques, turns),
+        *_rate_teeth(reducer, torques, weighted_speeds, duty.peak),
+        *_rate_planets(reducer, torques, weighted_speeds),
     ]
     by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
     return Rating(
@@ -142,7 +142,7 @@ def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
 
 
 def _rate_bearing(
-    reducer: RvReducer, bearing_row: _Row, torques: Array, turns: Array, peak_torque: float
+    reducer: RvReducer, bearing_row: _Row, torques: Array, weighted_speeds: Array, peak_torque: float
 ) -> Iterator[RatedItem]:
     """Yield life (ISO 281) and static factor (ISO 76) of the most loaded bearing of a row.
 
@@ -150,15 +150,15 @@ def _rate_bearing(
     ----------
     bearing_row
         Equal bearings, with their forces at each torque.
-    torques, turns
+    torques, weighted_speeds
         Torques of the duty [N m], and speeds of the bearing times their shares of time [rad/s].
     peak_torque
         Torque of the static factor [N m].
     """
     settings = reducer.design.bearing
     means = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
-    load = settings.service_factor * rolling.mean_load(means, turns)
-    life = rolling.life_hours(bearing_row.dynamic, load, float(turns.sum()), settings.reliability)
+    load = settings.service_factor * rolling.mean_load(means, weighted_speeds)
+    life = rolling.life_hours(bearing_row.dynamic, load, float(weighted_speeds.sum()), settings.reliability)
     yield RatedItem(
         bearing_row.key,
         f"{bearing_row.name}, life",
@@ -170,7 +170,7 @@ def _rate_bearing(
         f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(settings.reliability):.3g}, P over a turn of the "
         "carrier, ISO 281:2007",
         f"C {bearing_row.source}, service factor {settings.service_factor:g}; "
-        f"{float(turns.sum()) / RPM:.4g} rpm mean speed; "
+        f"{float(weighted_speeds.sum()) / RPM:.4g} rpm mean speed; "
         "radial forces only",
         ItemKind.BEARING,
     )
@@ -191,14 +191,14 @@ def _rate_bearing(
     )
 
 
-def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak_torque: float) -> Iterator[RatedItem]:
+def _rate_teeth(reducer: RvReducer, torques: Array, weighted_speeds: Array, peak_torque: float) -> Iterator[RatedItem]:
     """Yield the safety against first yield and the pitting life of the cycloid teeth on their pins.
 
     Each lobe is loaded once per turn of a crank in its disc.
 
     Parameters
     ----------
-    torques, turns
+    torques, weighted_speeds
         Torques of the duty [N m], and speeds of the cranks times their shares of time [rad/s].
     peak_torque
         Torque at which first yield is rated [N m].
@@ -223,14 +223,14 @@ def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak_torque: f
         f"at the peak torque of {peak_torque:.4g} N m, pressure with the root of the torque",
         ItemKind.SURFACE,
     )
-    yield _rate_pitting(f"{kind}_pitting", "teeth on pins, pitting", reducer, kind, pressures, turns)
+    yield _rate_pitting(f"{kind}_pitting", "teeth on pins, pitting", reducer, kind, pressures, weighted_speeds)
 
 
-def _rate_planets(reducer: RvReducer, torques: Array, turns: Array) -> Iterator[RatedItem]:
+def _rate_planets(reducer: RvReducer, torques: Array, weighted_speeds: Array) -> Iterator[RatedItem]:
     """Yield the pitting life of the sun's teeth, by the pressure at the pitch point.
 
-    Each planet loads each tooth once per turn of the sun relative to the carrier. `turns` are the speeds of the cranks
-    times the shares of time [rad/s] at the `torques` of the duty [N m].
+    Each planet loads each tooth once per turn of the sun relative to the carrier. `weighted_speeds` are the speeds of
+    the cranks times the shares of time [rad/s] at the `torques` of the duty [N m].
     """
     planet, material = reducer.planet, reducer.design.material
     radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
@@ -240,12 +240,14 @@ def _rate_planets(reducer: RvReducer, torques: Array, turns: Array) -> Iterator[
     pressures = [
         float(hertz_line_contact(force, planet.face_width, curvature, modulus).peak_pressure) for force in forces
     ]
-    loads = turns * reducer.cranks.count * planet.planet_teeth / planet.sun_teeth
-    yield _rate_pitting("sun_pitting", "sun on planets, pitting", reducer, reducer.design.tooth_pair, pressures, loads)
+    load_rates = weighted_speeds * reducer.cranks.count * planet.planet_teeth / planet.sun_teeth
+    yield _rate_pitting(
+        "sun_pitting", "sun on planets, pitting", reducer, reducer.design.tooth_pair, pressures, load_rates
+    )
 
 
 def _rate_pitting(
-    key: str, name: str, reducer: RvReducer, kind: str, pressures: list[float], turns: Array
+    key: str, name: str, reducer: RvReducer, kind: str, pressures: list[float], load_rates: Array
 ) -> RatedItem:
     """Return the item of the life until steel surfaces pit (AGMA 2001-D04), by Miner's sum over the points of a duty.
 
@@ -257,11 +259,11 @@ def _rate_pitting(
         Kind of pair, for the materials.
     pressures
         Largest Hertz pressure at each point of the duty [Pa].
-    turns
-        Loads of a tooth, as angular speeds times shares of time [rad/s].
+    load_rates
+        Loads of a tooth per time at each point of the duty, times the point's share of time, in [rad/s]: 2 pi per load.
     """
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
-    hourly = turns / (2.0 * math.pi) * HOUR
+    hourly = load_rates / (2.0 * math.pi) * HOUR
     damage = sum(
         float(loads) / pitting_cycles(pressure, allowed) for loads, pressure in zip(hourly, pressures, strict=True)
     )
