@@ -128,13 +128,14 @@ class Sigma:
     @property
     def arc_length(self) -> Array:
         """Length [m] from the junction B0."""
-        return self._from_valley - Sigma(self.gear, self.gear.best_phase)._from_valley
+        return self._arc_integral - Sigma(self.gear, self.gear.best_phase)._arc_integral
 
     @property
-    def _from_valley(self) -> Array:
-        """Arc length up to a constant [m].
+    def _arc_integral(self) -> Array:
+        """Antiderivative of `arc_rate` by B [m]: the arc length plus a constant.
 
-        It is (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + moment arm] + rho times `normal_angle`.
+        It is (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + M] + rho psi, with the incomplete elliptic integral Ell of the
+        second kind (m of `profile.trochoid_ellipse`), `profile.moment_arm` M and `normal_angle` psi at the phase B.
         """
         N, _, _, rho = self.gear.symbols
         scale, m = profile.trochoid_ellipse(self.gear)
@@ -185,7 +186,7 @@ def perimeter(gear: CycloidGear) -> float:
 
 
 def area(gear: CycloidGear) -> float:
-    """Compute the area of the ring's bore [m^2], inside the lobes and the second envelope.
+    """Compute the area of the ring's bore [m^2], which the arcs of the lobes and the flanks `Sigma` enclose.
 
     Notes
     -----
@@ -224,10 +225,10 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
 
 
 def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline:
-    """Compute few points of the ring whose chords deviate from it by at most `chord_error` [m].
+    """Compute as few points of the ring as needed for chords that deviate from it by at most `chord_error` [m].
 
-    All lobes have the same points. The junctions are among them, so that each chord spans an arc or a Sigma only. The
-    order is as in `sample_ring`.
+    All lobes have the same points. The points at which an arc of a lobe meets a flank `Sigma` are included, so that no
+    chord spans parts of both. The order is as in `sample_ring`.
 
     Raises
     ------
