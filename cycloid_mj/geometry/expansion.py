@@ -42,15 +42,19 @@ def _expansion(design: Design, part: str) -> float:
 def warm_clearances(design: Design) -> dict[str, float]:
     """Compute the clearance [m] of each kind of pair at the temperatures of ``[thermal]``; negative if it is lost.
 
-    Keys are the kind of the teeth, ``pin_socket`` if the ring has sockets, ``cam`` and ``output``; the latter two are
-    missing for an RV reducer.
+    Keys are ``pin_gear`` or ``tooth`` (teeth of the disc on the ring), ``pin_socket`` if the ring has sockets, and
+    ``cam`` and ``output`` except for an RV reducer.
 
     Notes
     -----
-    With thermal strains s relative to the ring, pin radius rho, hole radius r, radius b of cam or output pin,
-    eccentricity c, offset q of the flanks beyond rho and clearances c_s of the socket, c_c of the cam and c_o of the
-    output: mesh q + (rho + q) s_disc - rho s_pin, socket c_s - rho s_pin, cam c_c + (b + c_c) s_disc - b s_shaft,
-    output c_o + (r + c_o - c) s_disc - b s_output.
+    Symbols: thermal strain s of a part relative to the ring, pin radius rho, offset q of the flanks beyond rho, radius
+    b of the disc's bore, radii r of the holes and p of the output pins, eccentricity c, and cold clearances c_s of the
+    socket, c_c of the cam and c_o of the output.
+
+    - teeth: q + (rho + q) s_disc - rho s_pin
+    - socket: c_s - rho s_pin
+    - cam: c_c + (b + c_c) s_disc - b s_shaft
+    - output: c_o + (r + c_o - c) s_disc - p s_output
     """
     ring, gear, output, clearance = design.ring, design.gear, design.output, design.clearance
     pin_strain = strain(design, "pin") if ring.kind == "pin" else 0.0
@@ -110,7 +114,9 @@ def _expand_rv(design: Design) -> Design:
     """Return an RV reducer as it is at the temperatures of ``[thermal]``; clearances that are lost become preloads.
 
     The change of the clearances of teeth and sockets becomes a modification of the flanks, which may press the discs
-    against the pins. Bores and carrier expand differently, as do eccentrics and their bores.
+    against the pins. The clearance of the crank bearings changes with bores and eccentrics. The different expansion of
+    discs and carrier is added to the position errors of the bores, that of discs and cranks to the radial errors of the
+    eccentrics.
     """
     import numpy as np
 
@@ -212,9 +218,9 @@ def _describe_jam(design: Design, pair: str, clearance: float) -> str:
 def jam_difference(design: Design) -> float:
     """Compute by how much a disc may be warmer than its ring until the teeth lose their clearance [K]; inf if never.
 
-    It is play/(alpha (E - rho)), with the expansion alpha [1/K] of the disc, the pin-circle radius E, the pin radius
-    rho, and the clearance of teeth and sockets, play: the flanks at the valleys expand towards the pins, which recede
-    by their clearance in the sockets. Errors of the parts are not included.
+    It is play/(alpha (E - rho)). `play` is the clearance of the teeth plus that of the pins in their sockets, alpha
+    [1/K] the thermal expansion of the disc, E the pin-circle radius and rho the pin radius. The flanks at the valleys
+    expand towards the pins, which recede by their clearance in the sockets. Errors of the parts are not included.
     """
     ring, alpha = design.ring, design.material_of("gear").expansion
     play = getattr(design.clearance, design.tooth_pair) + design.modification.equidistant + design.pin_play

@@ -185,8 +185,8 @@ def least_shift(teeth: int, pressure_angle: float) -> float:
 def shift_sum(teeth: int, module: float, pressure_angle: float, centre_distance: float) -> float:
     """Compute the sum of the profile shift coefficients [1] of a pair of gears without backlash.
 
-    ISO 21771, equation for a_w. At distances below the sum of the base radii no flanks touch; then the result for this
-    sum is returned.
+    ISO 21771, equation for a_w. If the centre distance is smaller than the sum of the base radii, no flanks touch; the
+    result is then that for a centre distance equal to the sum of the base radii.
 
     Parameters
     ----------

@@ -65,8 +65,8 @@ def profile_offset(design: Design) -> float:
 def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
     """Compute the ends of flanks that are rotated by `rotation` >= 0 [rad] towards the middle of their lobe.
 
-    The profile is at `offset` [m] from its trochoid. A rotated flank ends in the middle of tip and valley. On the
-    unrotated flank, the polar angle of such a point is smaller by `rotation`.
+    The profile is at `offset` [m] from its trochoid. A rotated flank is cut off where it crosses the centre lines of
+    tip and valley. Before the rotation, the polar angles of these two points are smaller by `rotation`.
 
     Raises
     ------

@@ -157,7 +157,8 @@ def conjugate_point(gear: CycloidGear, pin_angle: npt.ArrayLike, crank_angle_cw:
     """Compute the contact point of a pin and the gear in the frames of gear and ring [m] (Hsieh 2014, Eqs 2 and 7).
 
     `pin_angle` zeta and `crank_angle_cw` phi_1 [rad] are both clockwise from +y and broadcast; a counter-clockwise
-    crank angle theta is phi_1 = -theta. Eq. 2 is used with the angle alpha - zeta.
+    crank angle theta is phi_1 = -theta. Eq. 2 is printed with the angle alpha + zeta; this function uses the correct
+    angle alpha - zeta, with alpha of `conjugate_alpha`.
     """
     N, c, E, rho = gear.symbols
     zeta, phi = np.asarray(pin_angle, float), np.asarray(crank_angle_cw, float)
@@ -234,9 +235,10 @@ def arc_length(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None)
 
 
 def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
-    """Return the scale [m] and the parameter m of the arc element of the trochoid as that of an ellipse.
+    """Return scale [m] and parameter m [1] of the elliptic integral that is the arc length of the trochoid.
 
-    It is l = (E + c N) sqrt(1 - m cos^2(B/2)) at the phase B, with the scale E + c N; symbols as in `CycloidGear`.
+    The arc length per parameter t is the `pitch_distance` l = (E + c N) sqrt(1 - m cos^2(B/2)) at the phase B, like
+    that of an ellipse. The scale is E + c N; symbols as in `CycloidGear`.
     """
     N, c, E, _ = gear.symbols
     scale = E + c * N
@@ -315,9 +317,9 @@ def undercut_radius(gear: CycloidGear) -> float:
 
     Notes
     -----
-    The radius l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] is stationary at B = 0, B = pi and, if the following is a
-    cosine, at cos B = 3 (E^2 + c^2 N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N). Symbols as in `CycloidGear`; l is
-    the `pitch_distance` at the phase B.
+    The radius l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] is stationary at B = 0 and B = pi, and at cos B = 3 (E^2 + c^2
+    N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N) if this is between -1 and 1. Symbols as in `CycloidGear`; l is the
+    `pitch_distance` at the phase B.
     """
     N, c, E, _ = gear.symbols
     stationary_cosine = 3 * (E**2 + c**2 * N**3) / (E * c * N * (N + 1)) - (E**2 + (c * N) ** 2) / (E * c * N)

@@ -63,7 +63,11 @@ class RvKinematics:
 
     @property
     def orders(self) -> dict[str, Fraction]:
-        """Orders of periodic errors per turn of the output, as seen from ring and carrier, by their source."""
+        """Orders of periodic errors, in cycles per turn of the output, by the source of the error.
+
+        "crank against the ring" counts turns of the crank relative to the ring, "crank against the carrier" relative to
+        the carrier; likewise for the sun. "planet mesh" and "pin mesh" count pairs of teeth that pass each other.
+        """
         ring, bearing = abs(self.crank_per_carrier), self.bearing_turns
         return {
             "output": Fraction(1),
@@ -79,8 +83,9 @@ class RvKinematics:
 def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
     """Compute the largest misalignment of the teeth of identical planets at equal angles [pitches]; 0 if all mesh.
 
-    Without a ring gear, planet i has to be rotated on its crank by the fraction of i (z_s + z_p)/n pitches, with z_s
-    teeth of the sun, z_p of a planet, and `count` n of planets. All mesh if n divides z_s + z_p.
+    Planet i has to be rotated on its crank by the fractional part of i (z_s + z_p)/n pitches, because there is no ring
+    gear. z_s are the teeth of the sun, z_p those of a planet, and n is the `count` of planets. All mesh if n divides
+    z_s + z_p.
     """
     pitch_fractions = [Fraction(planet * (sun_teeth + planet_teeth), count) % 1 for planet in range(count)]
     return max(min(fraction, 1 - fraction) for fraction in pitch_fractions)
@@ -114,10 +119,11 @@ def are_one_part(pins: int, lobes: int, discs: int, cranks: int) -> bool:
 
 
 def flip_clockings(pins: int, lobes: int, cranks: int) -> tuple[Fraction, ...]:
-    """Return the angles from a lobe's axis to bore 1 at which a flipped disc is the second of two discs [lobe pitches].
+    """Return the angles between lobes and crank bores for which disc 2 is disc 1 turned over [lobe pitches].
 
-    Then both discs are identical parts. The angles q are from 0 to 1, in increasing order. A flip about the axis
-    through bore 1 changes the sign of q. With k = pins - lobes and n = `cranks` bores, q has to solve -q + j lobes/n =
+    With these angles, both discs of a drive are identical parts. An angle q leads from the axis of a lobe to bore 1;
+    the result contains all solutions from 0 to 1 in increasing order. Turning a disc over about the axis through bore 1
+    changes the sign of q. With k = pins - lobes and n = `cranks` bores, q has to solve -q + j lobes/n =
     q + k/2 (modulo 1) for a whole number j.
     """
     required_clocking = disc_clocking(pins, lobes, 2, 1)

@@ -265,8 +265,10 @@ def wear(
 ) -> WearLife:
     """Compute the wear of a drive over time, and its accuracy life with its 5 to 95 % interval.
 
-    Wear follows Archard's law with run-in; after each step, statics are solved with the worn gaps. A case ends after
-    `hours`, or when the lost motion has grown by `growth`. After Ctrl-C, the result has the finished cases and steps.
+    Wear follows Archard's law with run-in; after each step, statics are solved with the worn gaps. There are three
+    cases (`CASES`): wear coefficients and run-in depths are typical, or all at their 5 % or 95 % percentile. A case
+    ends after `hours`, or when the lost motion has grown by `growth`. After Ctrl-C, the result has the finished cases
+    and steps.
 
     Parameters
     ----------
@@ -279,7 +281,7 @@ def wear(
     settings
         Settings of the time steps.
     on_progress
-        Called after each step with the case and the finished part of it [1].
+        Called after each step with the case and the finished share of this case [1].
 
     Returns
     -------
@@ -290,10 +292,8 @@ def wear(
     ------
     UsageError
         Hours or growth are not positive.
-    DesignError
-        The crank does not turn, or no surface of the drive slides.
-    RunError
-        The new drive has no static equilibrium.
+    DesignError, RunError
+        The crank does not turn, or no surface of the drive slides; the new drive has no static equilibrium.
     """
     reducer = reducer_of(resolve(design))
     for name, value in (("hours", hours), ("growth", growth)):

@@ -170,7 +170,8 @@ def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
 def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iterator[Check]:
     """Yield a check for each of `KINDS` that has items: its weakest item against the limit.
 
-    The limit is a safety factor of 1, or the required life [h]. `decisive_items` are the items that count.
+    The limit is a safety factor of 1, or the required life [h]. `decisive_items` are the items of the rating that limit
+    the rated torque (`RatedItem.decisive`).
     """
     for kind, (about, explanation) in KINDS.items():
         items_of_kind = [item for item in decisive_items if _check_kind(item) == kind]

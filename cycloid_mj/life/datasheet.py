@@ -382,9 +382,10 @@ def _drive_efficiency(reducer: Reducer, condition: str) -> Quantity:
 
 
 def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the torque limit by the steady temperatures [N m], and the temperature of disc less ring [K].
+    """Yield the torque limit by the steady temperatures [N m], and the temperature difference of disc and ring [K].
 
-    The limit is missing if it is infinite. Yields nothing for a design whose dimensions are those of warm parts.
+    The limit is missing if it is infinite. Nothing is yielded for a design whose dimensions already include thermal
+    expansion (``thermal.applied``).
     """
     if reducer.design.thermal.applied:
         return

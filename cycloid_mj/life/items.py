@@ -49,10 +49,10 @@ def rate(
     ranges
         Part -> stress range of disc or ring from a finite-element study.
     compliance, give
-        Whether the cam load is also computed over the stiffness of its bearing (``life.cam``), and the torque that the
-        steady temperatures allow (``life.thermal``): half a second each. `give` is the former name.
+        Whether to compute the cam load for several stiffnesses of its bearing too (``life.cam``), and the torque that
+        steady temperatures allow (``life.thermal``), in half a second each. `give` is the deprecated name.
     poses, stops
-        Number of crank angles; whether emergency stops and joints are rated, which takes half of the time.
+        Number of crank angles; whether to rate emergency stops and joints too, which takes half of the time.
     parts
         Parts as designed, or samples within the tolerances of the design, see ``life.as_built``.
 

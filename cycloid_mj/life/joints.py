@@ -500,8 +500,9 @@ def _rate_press_fit(
 ) -> RatedItem:
     """Return the item of a press fit under a `turning_torque` [N m] on the pin in its hole (DIN 7190-1, Lame).
 
-    `key_and_name` are those of the item. `seat` contains radius and length of the joint [m], the part whose material
-    the pin has, and the material of the hole; `zones` are the tolerance zones of pin and hole, such as ``m6 in N7``.
+    `key_and_name` are those of the item. `seat` contains radius and length of the joint [m], the name of the part that
+    the pin belongs to (which determines its material), and the material around the hole. `zones` are the tolerance
+    zones of pin and hole, such as ``m6 in N7``.
     """
     radius, length, part, hub = seat
     pin = reducer.design.material_of(part)

@@ -68,10 +68,11 @@ class NoLoadTorque:
 def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoadTorque:
     """Compute the torque of bearings and seals referred to the crank [N m] without load, with its range.
 
-    `speed` is that of the crank [rad/s], 0: the torque that starts the drive; `temperature` [°C] is that of the grease.
-    Bearings have Palmgren's torque M0; seals have that of ISO/TR 14179-2, or none here if the design states it
-    (`drag`). Contacts of teeth and pins are not included, nor are cams and seals with the friction law ``film``:
-    statics includes these.
+    `speed` is that of the crank [rad/s]; at 0 the result is the torque that starts the drive. `temperature` [°C] is
+    that of the grease. The torque of bearings is Palmgren's M0, that of seals follows ISO/TR 14179-2.
+
+    Friction that statics includes is left out: contacts of teeth and pins; seals, if the design sets a torque in
+    ``[drag]``; and with the friction law ``film`` cam bearings and seals.
     """
     viscosity = grease_of(reducer.design).viscosity(temperature)
     crank_speed = abs(speed) or abs(reducer.design.drive.speed)
@@ -127,7 +128,7 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
 def _seal_torque(reducer: Reducer, crank_speed: float) -> float:
     """Return the torque of the seals referred to the crank [N m]; 0 if statics includes it.
 
-    `crank_speed` [rad/s] must not be 0; the result does not depend on it.
+    `crank_speed` [rad/s] serves to compute ratios of speeds, which do not depend on it; it must not be 0.
     """
     design = reducer.design
     if design.drag.crank or design.drag.output or design.has_film:

@@ -59,8 +59,9 @@ RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30),
 def hysteresis(reducer: Reducer) -> Quantity:
     """Compute the hysteresis loss [arcmin]: the width of the torque-rotation loop of the output near zero torque.
 
-    The crank is locked and the loop reaches plus and minus the nominal torque. The width is the rotation between
-    unloading to plus and to minus `loop_end` of that torque. The result is the mean over `loop_angles` crank angles.
+    The crank is locked and the loop reaches plus and minus the nominal torque. The width is the difference of rotation
+    between its two unloading branches, at plus and minus `loop_end` times the nominal torque. The result is the mean
+    over `loop_angles` crank angles.
     """
     torque = reducer.design.rated_torque
     widths = []

@@ -305,10 +305,10 @@ def _find_torque_limit(
     tightest: TightestTime | None,
     settings: ThermalSettings,
 ) -> _TorqueLimit:
-    """Return the largest output torque of a duty that heat allows [N m], what limits it, and that by share of the time.
+    """Return the largest torque of a duty that heat allows [N m], what limits it, and torque limits by duty factor.
 
-    The latter are torques at which the drive runs for a share of the time and then rests (S3). For these, and for the
-    times within a cycle, losses are taken as linear in the torque.
+    The first torque is for the duty as it is. Those by duty factor are for a drive that runs for this share of the time
+    and then rests (S3). For them, and for the times within a cycle, losses are taken as linear in the torque.
 
     Parameters
     ----------
@@ -317,8 +317,8 @@ def _find_torque_limit(
     steady_state
         Steady losses and temperatures of the duty.
     tightest
-        Time of a cycle with the least play, at which no limit is exceeded either; None for the limits of the mean
-        losses alone.
+        Time of a cycle with the least play. No limit may be exceeded at this time, as with the mean losses. None: mean
+        losses only.
     settings
         Settings of the search.
     """
@@ -494,7 +494,7 @@ def _friction_text(reducer: Reducer) -> str:
 
 
 def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Yield the item of the temperature of disc less ring [K], against the difference that closes the teeth.
+    """Yield an item that compares the temperature difference of disc and ring with that at which the teeth jam [K].
 
     `loadings` are the solved forces at each point of the duty. Losses and conductances are those at 20 °C, without the
     iteration of `thermal`.

@@ -300,8 +300,8 @@ def convection_source(design: Design, coefficient: float) -> str:
 def heat_capacities(reducer: Reducer) -> dict[str, float]:
     """Compute the heat capacity of each node of the thermal network [J/K], mass times specific heat.
 
-    The housing has the mass of the covers; it has at least a hundredth of the capacity of all other nodes, which is
-    that without covers.
+    The housing has the capacity of the covers, but at least a share `shell_share` (1 %) of the capacity of all other
+    nodes together. Without covers, it has this smallest capacity.
     """
     bodies = dict.fromkeys(HEATED, 0.0)
     mechanism = rv_masses(reducer) if isinstance(reducer, RvReducer) else masses(reducer)
