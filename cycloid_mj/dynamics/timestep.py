@@ -136,8 +136,9 @@ def describe_accuracy(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> st
 def step_limits(reducer: Reducer, must_follow: bool = False) -> dict[str, float]:
     """Return the longest step [s] that each criterion allows: stiffness of contacts, rolling, tooth passing, orbit.
 
-    Keys are the reasons of a `TimeStep`. Contacts of moving pins may settle within the step where `may_settle` permits
-    it, unless the step `must_follow` their oscillation.
+    Keys describe the criteria, such as "stiffness of cam"; `TimeStep.reason` states the one that is decisive. The
+    oscillation of moving pins on their contacts need not be resolved where `may_settle` is true, unless `must_follow`
+    is set.
     """
     limits = {
         f"stiffness of {kind}": math.sqrt(
@@ -153,9 +154,10 @@ def step_limits(reducer: Reducer, must_follow: bool = False) -> dict[str, float]
 
 
 def max_stiffness_ratio(reducer: Reducer, kind: str, must_follow: bool = False) -> float:
-    """Return the largest K dt^2/m [1] of a kind of pair, with the stiffness K, time step dt and effective mass m.
+    """Return the upper limit of K dt^2/m [1], with stiffness K, time step dt and effective mass m of a contact.
 
-    `must_follow` as in `step_limits`.
+    `kind` is a kind of pair in the design, such as ``pin_gear`` or ``cam``. `must_follow` is whether the step has to
+    resolve the oscillation of moving pins, as in `step_limits`.
     """
     design = reducer.design
     if may_settle(reducer, kind) and not must_follow:
@@ -166,11 +168,15 @@ def max_stiffness_ratio(reducer: Reducer, kind: str, must_follow: bool = False) 
 
 
 def may_settle(reducer: Reducer, kind: str) -> bool:
-    """Return whether contacts of a kind of pair may settle within a step that does not follow their oscillation.
+    """Return whether the time step may be too long to resolve the oscillation of contacts of a kind of pair.
 
-    This applies to contacts of moving pins that only weight and rotation press. It excludes loaded designs and
-    preloaded rings, whose step must follow the rolling of pins anyway; designs with a stated working load or force,
-    which will be loaded; the law IMPACT, which has its own step; and designs that set the time step.
+    This is true for contacts of moving pins that are pressed by weight and rotation alone; they then settle within a
+    step. It is false for
+
+    - designs with a load or a preloaded ring, whose step must resolve the rolling of the pins anyway;
+    - designs that set a working load or force, because they will be loaded;
+    - the contact law IMPACT, which has a time step of its own;
+    - designs that set the time step.
     """
     design, contact = reducer.design, reducer.design.contact
     is_loaded = design.load.torque or design.ring.preload or contact.working_load or contact.working_force
@@ -179,10 +185,11 @@ def may_settle(reducer: Reducer, kind: str) -> bool:
 
 
 def rolling_limits(reducer: Reducer) -> dict[str, float]:
-    """Return the longest step [s] that follows the rolling of each part in its clearance, by the name of its motion.
+    """Return the longest step [s] that resolves the rolling of each part in its clearance, by the name of the motion.
 
-    The limit is `SETTINGS.max_rolling_share` of the step at which a part of its mass diverges on the stiffness of its
-    rolling, under its working force (see the module).
+    Names are, for example, "the disc on its cam" and "pins in their clearance". The limit is
+    `SETTINGS.max_rolling_share` times the longest stable step 2 sqrt(m/k), with the mass m of the part and its rolling
+    stiffness k = F/(clearance + F/K) under the working force F, for the contact stiffness K.
     """
     design = reducer.design
     gear, _, pin = _masses(reducer)

@@ -159,8 +159,9 @@ def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], row
 def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:
     """Compute the terms of the variance estimators by sample, with the control variate of `_fit_control_variate`.
 
-    `figure` are the values of the quantity in all sample sets, `deviations` the standardised deviations in the sets A
-    and B, a list over the tolerances, shape (n, numbers) each.
+    Their means over the samples are the variance of the quantity, and the first-order and total variance of each
+    tolerance. `figure` are the values of the quantity in all sample sets, `deviations` the standardised deviations in
+    the sets A and B, a list over the tolerances, shape (n, numbers) each.
     """
     centre, linear, variances = _fit_control_variate(figure, deviations)
     values_a, values_b, values_mixed = figure.first - centre, figure.second - centre, figure.mixed - centre
@@ -208,10 +209,11 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
 
 
 def _choose_model_tolerances(figure: _FigureSets, deviations: list[Array]) -> list[int]:
-    """Return the indices of the tolerances in the linear model, in ascending order: those that change the figure.
+    """Return the indices of the tolerances in the linear model, in ascending order.
 
-    The number of columns is limited to `SobolSettings.max_columns` of the rows; tolerances with the fewest random
-    numbers are included first. `deviations` are standardised, of set A, shape (n, numbers) for each tolerance.
+    Only tolerances that change the value of at least one sample are included, those with the fewest random numbers
+    first. The number of columns of the fit is limited to the number of its rows times `SobolSettings.max_columns`.
+    `deviations` are standardised, of set A, shape (n, numbers) for each tolerance.
     """
     rows = 2.0 * figure.first.size * (1.0 - 1.0 / SOBOL.folds)
     free_columns = SOBOL.max_columns * rows - 1.0

@@ -64,8 +64,9 @@ class RunPlan:
     def trials(
         self, measures_by_design: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
-        """Return a `Trial` for each of some designs: the design with a variation, and the measures of all its starts.
+        """Return a `Trial` for each of `designs`: the varied design, and the measures of its runs from all starts.
 
+        The starts are the runs with different directions of gravity in `self.starts`. `variation` is applied to each.
         `measures_by_design` has the measures of every simulated design.
         """
         starts_by_design = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
@@ -159,7 +160,8 @@ def list_cases(
     """Return every design under the operating conditions of `first_design`, once without load and once under load.
 
     If a pin and a nonpin design are compared, the list also has the nonpin design with the total play and series
-    stiffness of the pin design at that load: it separates the effect of the design from that of the clearance.
+    stiffness of the pin design at that load. This third design separates the effect of the kind of ring from that of
+    the clearance.
 
     Parameters
     ----------
@@ -170,13 +172,14 @@ def list_cases(
     solver
         Solver of the runs.
     fixed_hold
-        Whether all runs last as long as that of `first_design` at constant speed, instead of a whole number of settled
-        crank turns.
+        Whether all runs have the hold time (``drive.hold_s``, at constant speed) of `first_design`. Otherwise the hold
+        time is set so that a whole number of crank turns follows after settling.
 
     Returns
     -------
     list
-        Designs, load by load. With the planar solver and no time step of their own, all have that of the stiffest case.
+        Designs, load by load. With the planar solver, all get the shortest time step that one of them requires, unless
+        `first_design` sets the time step.
 
     Raises
     ------
@@ -251,8 +254,9 @@ def name_run(design: Design, start: int = 0) -> str:
 
 
 def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
-    """Return designs of one load with a run time of whole crank turns after the slowest of them has settled.
+    """Return the designs, all under the same load, with a run time that ends after a number of settled crank turns.
 
+    Settling ends when the design with the longest settling time has settled; a whole number of crank turns follows.
     Designs are returned unchanged if the crank of one of them does not turn.
     """
     if any(design.drive.speed == 0.0 for design in designs):

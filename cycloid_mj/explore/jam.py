@@ -118,14 +118,15 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
 
 
 def _minimize_interference(reducer: Reducer, deviations: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
-    """Compute the least interference of rigid parts over crank angles for each sample, and which pairs cause it.
+    """Compute the smallest interference of rigid parts over crank angles for each sample, and which pairs cause it.
 
-    `deviations` from the nominal design [m], by tolerance, shape (samples, ...).
+    `deviations` are those from the nominal design [m], by tolerance, shape (samples, ...).
 
     Returns
     -------
     tuple
-        Interference of each sample [m], negative if the parts fit; and by contact pair its mean share in it [1].
+        Interference of each sample [m], negative if the parts fit; and the share [1] of each kind of contact pair in
+        causing it (`find_tightest_pairs`), as a mean over the samples, by the name of the pair.
     """
     count = len(next(iter(deviations.values()))) if deviations else 1
     samples = apply_deviations(reducer, identical_samples(reducer, count), deviations)

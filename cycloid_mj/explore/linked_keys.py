@@ -135,7 +135,7 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
 
 
 def default_links(requested: Iterable[Link], varied_keys: Iterable[str]) -> tuple[Link, ...]:
-    """Return the links by the `RULES` that apply to an optimisation without a request.
+    """Return the links that an optimisation adds by the `RULES`, beyond those that the user has `requested`.
 
     A rule applies if a key that it follows (`LinkRule.leaders`) is varied, and the key that it sets is neither varied
     nor linked by `requested`.

@@ -117,10 +117,10 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
 
 
 def _flatten_findings(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
-    """Yield all numbers and switches in nested findings as columns; nested keys are joined by underscores.
+    """Yield all numbers and booleans in nested findings as columns; nested keys are joined by underscores.
 
-    Entries of a list with a key ``pair`` have its value as prefix instead of the outer keys. Texts, other lists and
-    None are left out.
+    A list may contain dicts with a key ``pair``: names of their columns begin with the value of ``pair`` instead of
+    the outer keys. Texts, other lists and None are left out.
 
     Yields
     ------
@@ -150,8 +150,9 @@ def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
 def _list_checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     """Convert the results of all checks of a design to columns; the settings have no effect.
 
-    The columns are numbers of failed errors and warnings, names of failed checks, the values of checks that have a
-    value, and, for a design without errors, those of `_summarize_design`.
+    The columns are the numbers of failed checks with the severity error and warning, the names of failed checks, and
+    the values of checks that have a value. If no check with the severity error fails, the columns of
+    `_summarize_design` follow.
     """
     from cycloid_mj.checks import check
 

@@ -86,21 +86,21 @@ def optimize(
     design
         The start: a design, or the name of a preset or a file.
     vary
-        Key of the design file -> ``lo:hi`` or a pair, for real numbers; each whole number of a range is tried, and each
-        value of a list ``a,b,c`` of any key.
+        Key of the design file -> its range ``lo:hi`` (or a pair), or a list of values ``a,b,c``. A range of a whole
+        number stands for all whole numbers in it.
     minimize, maximize
-        Figures by their keys in the catalogue (`cycloid_mj.figures.FIGURES`), of geometry, statics and life: one in
-        total, or two for a front.
-    limits, strict
-        Limits on such figures, ``"backlash_arcmin<=1"``, in addition to the checks of a design; whether warnings of
-        these checks reject a point, too.
+        Keys of figures (`cycloid_mj.figures.FIGURES`) of geometry, statics and life: one in total, or two for a front.
+    limits
+        Limits on such figures, ``"backlash_arcmin<=1"``, in addition to the checks of a design.
+    strict
+        Whether failed checks with the severity warning reject a point, too.
     evaluations, starts, seed
         Approximate number of points; number of independent searches; random seed.
     follow
         Keys computed from others: ``KEY=FORMULA`` of numbers and keys, in the file's units; ``KEY=NUMBER`` fixes a key.
         By default the hole of an output pin follows pin and eccentricity, and the drive's torque follows the ratio.
     verify, solver
-        Whether to run the best design in full dynamics, with which solver, and to study its tolerances if it has some.
+        Whether to simulate the best design and to study its tolerances, if it has any; solver of the simulation.
     out
         Folder of the history, to which every point is added at once, and of the best design.
     engine, progress

@@ -250,9 +250,10 @@ class Optimum(Tabular):
 
     @property
     def active_bounds(self) -> tuple[str, ...]:
-        """Sentences that name the ends of ranges and the limits at which the best point lies, within `AT_END`.
+        """Sentences that name the ends of ranges and the limits at which the best point lies.
 
-        The range of a choice is that of its numbers; choices with words or switches have none.
+        It lies at an end within the share `AT_END` of the range, at a limit within the same share of the bound. A list
+        of numbers has the range from its smallest to its largest; lists with words or booleans have no range.
         """
         if self.best is None:
             return ()

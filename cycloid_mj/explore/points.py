@@ -237,7 +237,9 @@ def _parse_range(key: str, field: FieldInfo, text: str, parts: Sequence[str]) ->
 
 
 def axis_values(axis: Axis) -> tuple[Value, ...]:
-    """List the values of an axis: its list, or evenly spaced values of its range (both ends, if it is to be sampled).
+    """List the values of an axis: its list, or `count` evenly spaced values of its range; if that is 0, both ends.
+
+    A range ``lo:hi`` without a count is drawn from by a sampling method (`draw_points`).
 
     Raises
     ------

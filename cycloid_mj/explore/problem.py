@@ -226,8 +226,9 @@ def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float],
     Returns
     -------
     tuple
-        Figures by key; relative violations by the name of the check or limit; offset of their sum, which ranks the
-        stages that reject a point; text of an error, empty if none occurred.
+        Figures by key; relative violations by the name of the check or limit; a constant to add to their sum; text of
+        an error, empty if none occurred. The constant ranks rejected points by cause: it is smallest for a violated
+        limit, then follow a failed check, a figure without a value, and a value that the design file does not allow.
     """
     try:
         design = task.design_at(values)
@@ -250,8 +251,8 @@ def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float],
 def compute_rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
     """Return the failed checks that reject a design: name of the check -> its violation, relative to its bound.
 
-    These are the checks that make a design impossible to build, and walls thinner than assumed; with `strict` also all
-    warnings.
+    These are the checks with the severity error, which find a design that cannot be built, and the checks `WALLS` for
+    walls that are thinner than the model assumes; with `strict` also all warnings.
     """
     checks = check(reducer.design) if strict else soundness(reducer)
     failed_checks = [

@@ -148,10 +148,11 @@ def _transmission_errors(nominal: Array, responses: Array, deviations: Array) ->
 
 
 def _compute_responses(reducer: RvReducer, field: str, nominal: Array) -> dict[str, Array]:
-    """Compute the change of the output angle over a turn by a unit of each error of a field [rad/m], shape (m,) each.
+    """Compute the change of the output angle by a unit of each error of a field [rad/m], shape (m,) each.
 
-    `nominal` is the output angle without additional errors [rad], shape (m,). Keys are those of
-    `_columns_of_field`.
+    `field` is a field of `CrankErrors`, such as ``bore_x``. `nominal` is the output angle without additional errors
+    [rad] at m angles of a turn, shape (m,). Keys are the name of the field, or for a list, ``bore_x_1``, ``bore_x_2``
+    and so on (`_columns_of_field`).
     """
     length, micrometre = _list_length(reducer, field), 1.0 / MICROMETRES
     responses = {}
@@ -188,8 +189,8 @@ def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
 def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: int, rank: int) -> Design:
     """Return a sample as a design with its errors added to those of the nominal reducer.
 
-    `row` is the index of the sample in `deviations` [m], shape (samples,) by column of `_columns_of_field`; `rank`
-    numbers the name.
+    `row` is the index of the sample in `deviations` [m], shape (samples,) by column of `_columns_of_field`. The name
+    of the design ends in ``-worst-`` and the number `rank`.
     """
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):

@@ -48,8 +48,8 @@ WAVE = "profile_"
 def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
     """Collect the nonzero tolerance zones of a design by key; the key of a profile wave is `WAVE` and its order.
 
-    ISO grades refer to the diameter of the dimension [m]. A zone is left out if it is exactly zero, and so is that of
-    the seat (`Design.pin_play`) of pins without play.
+    The width of an ISO grade follows from the diameter of the feature. A zone is left out if it is exactly zero. The
+    zone ``seat`` is also left out if the pins have no play in their seats (`Design.pin_play`).
 
     Raises
     ------
@@ -103,9 +103,10 @@ class Batch:
 
 
 def list_batches(samples: int) -> list[Batch]:
-    """Split samples into batches of at most `SAMPLING.max_batch`, none of them across two random blocks.
+    """Split samples into batches of at most `SAMPLING.max_batch`, each of them within one block.
 
-    The first batch has `SAMPLING.first_batch` samples, or all if there are fewer.
+    A block contains the `SAMPLING.block` samples that are drawn from the same streams of random numbers. The first
+    batch has `SAMPLING.first_batch` samples, or all if there are fewer.
     """
     first_count = min(SAMPLING.first_batch, samples, SAMPLING.block)
     batches = [Batch(0, first_count)]

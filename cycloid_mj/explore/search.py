@@ -145,7 +145,8 @@ def search_minimum(
 ) -> None:
     """Search for the point of lowest cost: successive halving over combinations and starts, then CMA-ES with restarts.
 
-    Nothing is returned: the results are those that `evaluate` records.
+    A combination has one value of each key with a list of values or whole numbers; the ranges of real numbers are
+    searched at a fixed combination. Nothing is returned: the results are those that `evaluate` records.
 
     Parameters
     ----------
@@ -158,13 +159,13 @@ def search_minimum(
     budget
         Approximate number of evaluations.
     starts
-        Number of searches at the best combination: the search that reached it, and others from random starts.
+        Number of searches at the best combination of values: the one that found it, and others from random starts.
     seed
         Random seed.
     start_point
-        Start point of the first searches; by default the values of the design.
+        Start point of the first search of each combination; by default the values of the design.
     sigma
-        First standard deviation of these searches, relative to the ranges.
+        Initial standard deviation of these first searches, relative to the ranges.
     """
     run = _Run(task, evaluate, cost, budget, seed)
     remaining = run.select_combination(start_point or task.start, sigma)

@@ -148,11 +148,11 @@ def sweep(
     table
         The points, in place of `vary`: rows of key -> value.
     sample, points, seed
-        Method, number and seed of points drawn from the ranges: ``sobol``, ``lhs`` or ``random``. Without `sample` all
-        points of the grid are evaluated.
-    quick, real_pins, solver
-        Whether measures use fewer angles and runs; whether loaded runs of `simulate` keep the inertia of moving pins,
-        as they do where ``ring.pins`` is varied; solver of the runs.
+        Sampling method (``sobol``, ``lhs``, ``random``; None: the full grid), number of points, and random seed.
+    quick, solver
+        Whether measures use fewer angles and runs; solver of the runs.
+    real_pins
+        Whether loaded runs of `simulate` keep the inertia of moving pins, as they always do if ``ring.pins`` is varied.
     follow
         Keys computed from others: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY`` with a rule:
         `output.hole_radius_mm` keeps the clearance of the design, `drive.torque_nm` the nominal torque on the output.

@@ -156,9 +156,9 @@ class Tolerances(Tabular):
 
     @property
     def yield_interval(self) -> tuple[float, float]:
-        """Bounds (0 to 1) of the 95 % confidence interval of the share of good samples.
+        """Bounds (0 to 1) of the 95 % confidence interval of the yield, the share of samples that satisfy all limits.
 
-        Wilson, J. Am. Stat. Assoc. 22, 1927.
+        Jammed samples do not. The formula is by Wilson, J. Am. Stat. Assoc. 22, 1927.
         """
         count, good_share = self.samples, float(self.good.mean())
         weight = NormalDist().inv_cdf(0.975) ** 2 / count
@@ -313,10 +313,10 @@ def tolerance(
     verify: int = 0,
     solver: Solver = "planar",
 ) -> Tolerances:
-    """Compute distributions of figures, share of good samples and error budget of a design within its tolerances.
+    """Compute distributions of figures, yield and error budget of a design within its tolerances.
 
     This is a Monte Carlo study: each sample is a drive with random errors, whose static equilibrium is solved. Equal
-    seeds yield equal bits, on any machine and with any number of workers.
+    seeds give bit-identical results, on any machine and with any number of workers.
 
     Parameters
     ----------
@@ -326,11 +326,11 @@ def tolerance(
         Number of samples, and random seed.
     limits
         Limits on figures of the catalogue, such as ``"backlash_arcmin<=1"``; the error budget is that of the first
-        limit's figure. Figures that are not in `SAMPLED` are computed for each sample as a design, which takes longer.
+        limit's figure. Figures that are not in `SAMPLED` take longer, because a design is made of each sample.
     progress
-        Called with the numbers of balanced samples and of all, including those of the budget.
+        Called with the numbers of solved samples and of all, including those of the budget.
     engine
-        Where the samples are balanced.
+        Where the equilibria of the samples are solved, such as threads or processes.
     verify, solver
         Number of the worst samples that are run in full dynamics, and the solver of these runs.
 
@@ -381,10 +381,10 @@ def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress,
 def _study_rv_reducer(
     reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str], verify: int
 ) -> Tolerances:
-    """Return the tolerance study of an RV reducer from its closed form: no sample jams, and none can be simulated.
+    """Return the tolerance study of an RV reducer from its closed form, in which no sample jams.
 
-    The arguments are those of `tolerance`, and so are the errors; UsageError also for a limit on another figure than
-    that of `rv_samples`, or if `verify` is set.
+    Arguments and errors are those of `tolerance`. A UsageError is also raised for a limit on any figure but the
+    transmission error (`rv_samples.FIGURE`), and if `verify` is set, because the samples cannot be simulated.
     """
     parsed_limits = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed_limits)

@@ -67,14 +67,14 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     key
         Key or alias, as a user writes it.
     needs
-        Needs of the figures that can be computed here.
+        Kinds of computation (`Need`) that the caller can carry out, such as statics.
     reducer
         A reducer that must have the figure; None for any.
 
     Raises
     ------
     UsageError
-        The figure does not exist, the reducer does not have it, or it needs more than can be computed here.
+        The figure does not exist, the reducer does not have it, or it requires a computation that is not in `needs`.
     """
     row = find_figure(key)
     if row is None:
