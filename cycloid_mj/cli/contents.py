@@ -61,7 +61,7 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
         "app": Listed("Open the browser app: from requirements to a finished design.", "serve:app"),
     },
     "Design": {
-        "figures": Listed("List all figures that commands print, limit and vary, by key.", "figures:figures"),
+        "figures": Listed("List all quantities that commands print, limit and vary, by key.", "figures:figures"),
         "rate": Listed("Rate life, fatigue, wear and heat, the weakest item first.", "rate:rate"),
         "thermal": Listed("Compute temperatures, warm-up and thermal limits of a drive.", "thermal:thermal"),
         "wear": Listed("Compute the wear of a drive over its running hours, and its accuracy life.", "wear:wear"),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 NeedFlag = Annotated[
     Literal["geometry", "statics", "life", "stress", "run"] | None,
-    Parameter(name="--need", help="Only figures that are computed from this. Default: all."),
+    Parameter(name="--need", help="Only quantities that are computed from this. Default: all."),
 ]
 
 EXAMPLES = """Examples:
@@ -28,9 +28,9 @@ HEADER = ("key", "unit", "needs", "definition")
 
 
 def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
-    """List all figures that commands print, limit and vary, by key.
+    """List all quantities that commands print, limit and vary, by key.
 
-    A key ends in its unit and denotes the same figure in `statics`, `sweep --measure`, `optimize`, `tolerance` and
+    A key ends in its unit and denotes the same quantity in `statics`, `sweep --measure`, `optimize`, `tolerance` and
     the data sheet. The column "needs" shows the cost: geometry takes milliseconds, statics tenths of a second, life
     a second, stress (finite elements) and run (simulation) minutes. JSON includes former keys, which are still
     accepted.

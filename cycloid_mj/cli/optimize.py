@@ -49,19 +49,19 @@ MinimizeFlag = Annotated[
     Parameter(
         name="--minimize",
         metavar="QUANTITY",
-        help=f"Figure to minimize: {FIGURES}. Two objectives yield a Pareto front.",
+        help=f"Quantity to minimize: {FIGURES}. Two objectives yield a Pareto front.",
     ),
 ]
 MaximizeFlag = Annotated[
     tuple[str, ...],
-    Parameter(name="--maximize", metavar="QUANTITY", help="Figure to maximize; counts as an objective."),
+    Parameter(name="--maximize", metavar="QUANTITY", help="Quantity to maximize; counts as an objective."),
 ]
 LimitFlag = Annotated[
     tuple[str, ...],
     Parameter(
         name="--limit",
         metavar="'KEY<=NUMBER'",
-        help="Upper (<=) or lower (>=) limit of a figure. May be repeated. The design checks always apply.",
+        help="Upper (<=) or lower (>=) limit of a quantity. May be repeated. The design checks always apply.",
     ),
 ]
 StrictFlag = Annotated[

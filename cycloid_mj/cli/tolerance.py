@@ -37,8 +37,8 @@ LimitFlag = Annotated[
     Parameter(
         name="--limit",
         metavar="'KEY<=NUMBER'",
-        help="Upper (<=) or lower (>=) limit of a figure of geometry, statics or life listed by `cycloid-mj figures`. "
-        "May be repeated.",
+        help="Upper (<=) or lower (>=) limit of a quantity of geometry, statics or life listed by `cycloid-mj "
+        "figures`. May be repeated.",
     ),
 ]
 VerifyFlag = Annotated[
@@ -85,12 +85,12 @@ def tolerance(
     yield only. If 99 % or more of the first 200 samples jam, the command names the pair that interferes and ends with
     exit code 1.
 
-    The error budget ("tighten first") is the share of each tolerance in the variance of a figure, by Sobol indices. The
-    figure is that of the first --limit, or the backlash. The budget needs at least 64 samples.
+    The error budget ("tighten first") is the share of each tolerance in the variance of a quantity, by Sobol indices.
+    The quantity is that of the first --limit, or the backlash. The budget needs at least 64 samples.
 
     The five worst samples that do not jam are written as design files. --verify simulates them at speed under the
     nominal torque, with friction and inertia. The CSV file has the deviations of each sample in um (drawn_cam_um, ...)
-    and its figures. Ctrl-C writes the samples that are finished.
+    and its quantities. Ctrl-C writes the samples that are finished.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.explore.constraints import parse_limit

@@ -121,8 +121,8 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied_keys: I
                 "single numeric value"
             )
         if key in varied_keys or key in links:
-            problem = "is varied by --vary" if key in varied_keys else "is repeated"
-            raise UsageError(f"{option}: {key} {problem}, but it can have only one value. Remove one of the two")
+            setting = "--vary" if key in varied_keys else "another --follow"
+            raise UsageError(f"{option}: {key} is already set by {setting}. Remove one of the two flags")
         if not formula and key not in RULES:
             raise UsageError(
                 f"{option}: the formula is missing; only {' and '.join(RULES)} have a built-in rule and need no "

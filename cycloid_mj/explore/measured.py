@@ -236,8 +236,8 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
             _require_figure(name)
     if not measure_names:
         raise UsageError(
-            f"no measure is given (--measure): choose at least one of {', '.join(MEASURED)}, or a figure listed by "
-            "`cycloid-mj figures`"
+            f"no measure is given (--measure): choose at least one of {', '.join(MEASURED)}, or a quantity listed "
+            "by `cycloid-mj figures`"
         )
     return measure_names
 
@@ -248,6 +248,6 @@ def _require_figure(name: str) -> None:
         figure(name)
     except UsageError as error:
         raise UsageError(
-            f"unknown measure {name!r:.80}: choose one of {', '.join(MEASURED)}, or a figure listed by "
+            f"unknown measure {name!r:.80}: choose one of {', '.join(MEASURED)}, or a quantity listed by "
             f"`cycloid-mj figures` ({error})"
         ) from error

@@ -149,7 +149,7 @@ def define_problem(
     """
     if not vary:
         raise UsageError(
-            "no key varies: name at least one with --vary KEY=LO:HI, e.g. --vary gear.eccentricity_mm=0.5:1.1"
+            "no key is varied: name at least one with --vary KEY=LO:HI, e.g. --vary gear.eccentricity_mm=0.5:1.1"
         )
     variables = [_parse_variable(key, range_text) for key, range_text in vary.items()]
     ranges = tuple(variable for variable in variables if isinstance(variable, SearchRange))
@@ -160,8 +160,8 @@ def define_problem(
     )
     if not 1 <= len(objectives) <= 2:
         raise UsageError(
-            f"the number of objectives is {len(objectives)}, but a search has one, or two for a Pareto front: name "
-            "figures with --minimize or --maximize (`cycloid-mj figures` lists them)"
+            f"a search needs one objective (two for a Pareto front), but {len(objectives)} are given: name "
+            "quantities with --minimize or --maximize (`cycloid-mj figures` lists them)"
         )
     for objective in objectives:
         figure(objective.key, COMPUTED, reducer)

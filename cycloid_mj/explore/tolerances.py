@@ -390,8 +390,8 @@ def _study_rv_reducer(
     require_consistent(parsed_limits)
     if other := [limit.key for limit in parsed_limits if limit.key != rv_samples.FIGURE]:
         raise UsageError(
-            f"--limit {other[0]}: this figure is not computed for samples of an RV reducer. Limit {rv_samples.FIGURE} "
-            "instead"
+            f"--limit {other[0]}: this quantity is not computed for samples of an RV reducer. Use --limit with "
+            f"{rv_samples.FIGURE} instead"
         )
     if verify:
         raise UsageError(

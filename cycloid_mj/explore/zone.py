@@ -111,8 +111,9 @@ def wave_zones(text: str, highest_order: int, size: float) -> dict[int, Zone]:
         number = int(order) if order.strip().isdecimal() else 0
         if not colon or not 1 <= number <= highest_order or number in zones:
             raise DesignError(
-                f"tolerance.profile = {text!r}: {part.strip()!r} is not an order with its tolerance. Write orders from "
-                f'1 to {highest_order}, each once, as in "2: normal 1, {highest_order - 1}: uniform 2" (in um)'
+                f"tolerance.profile = {text!r}: {part.strip()!r} is not valid. Write ORDER: TOLERANCE in um for each "
+                f"harmonic of the profile, with orders from 1 to {highest_order}, each once, as in "
+                f'"2: normal 1, {highest_order - 1}: uniform 2"'
             )
         if zone := parse_zone(zone_text, "profile", size):
             zones[number] = zone

@@ -79,23 +79,24 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     row = find_figure(key)
     if row is None:
         raise UsageError(
-            f"unknown figure {key!r:.60}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
+            f"unknown quantity {key!r:.60}; {_suggest_keys(key, needs, reducer)}choose one listed by "
+            "`cycloid-mj figures`"
         )
     if key in row.deprecated:
         warnings.warn(
-            f"the figure {key} is deprecated: use {row.key}; the old key will be removed in the next release",
+            f"the quantity {key} is deprecated: use {row.key}; the old key will be removed in the next release",
             CycloidWarning,
             stacklevel=2,
         )
     if row.need not in needs:
         possible = " or ".join(NEED_NAMES[need] for need in Need if need in needs)
         raise UsageError(
-            f"the figure {key} requires {NEED_NAMES[row.need]}, but this command computes only figures that require "
-            f"{possible}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
+            f"the quantity {key} is computed from {NEED_NAMES[row.need]}, but this command accepts only quantities "
+            f"computed from {possible}; {_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
         )
     if reducer is not None and not row.applies_to(reducer):
         raise UsageError(
-            f"the figure {key} does not apply to the design {reducer.design.name!r}; "
+            f"the quantity {key} does not apply to the design {reducer.design.name!r}; "
             f"{_suggest_keys(key, needs, reducer)}choose one listed by `cycloid-mj figures`"
         )
     return row

@@ -91,7 +91,7 @@ def test_an_optimisation_takes_formulas_over_its_own_rules() -> None:
         ("output.hole_radius_mm=ring.kind", r"ring\.kind is not a number"),
         ("output.hole_radius_mm=errors.pin_x_um", r"errors\.pin_x_um is not a number"),
         ("ring.kind=1", r"ring\.kind is not a number"),
-        ("gear.eccentricity_mm=1", "is varied by --vary"),
+        ("gear.eccentricity_mm=1", "is already set by --vary"),
     ],
 )
 def test_wrong_wishes_are_refused(given: str, message: str) -> None:

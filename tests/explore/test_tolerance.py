@@ -575,7 +575,7 @@ def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monke
         ([], "has no tolerances"),
         (["--set", 'tolerance.cam="normal 1"', "--samples", "1"], "--samples 1"),
         (["--set", 'tolerance.cam="normal 1"', "--seed", "-1"], "--seed -1"),
-        (["--set", 'tolerance.cam="normal 1"', "--limit", "play<=1"], "unknown figure 'play'"),
+        (["--set", 'tolerance.cam="normal 1"', "--limit", "play<=1"], "unknown quantity 'play'"),
     ],
 )
 def test_wrong_wishes_are_refused(tmp_path: Path, capsys, flags: list[str], message: str) -> None:
@@ -600,5 +600,7 @@ def test_a_limit_accepts_a_figure_evaluated_design_by_design() -> None:
 
 
 def test_a_limit_on_no_figure_proposes_near_names() -> None:
-    with pytest.raises(UsageError, match="--limit 'tooth_force<=1': unknown figure 'tooth_force'; did you mean tooth"):
+    with pytest.raises(
+        UsageError, match="--limit 'tooth_force<=1': unknown quantity 'tooth_force'; did you mean tooth"
+    ):
         parse_limit("tooth_force<=1")

@@ -77,12 +77,12 @@ def test_an_old_key_is_the_same_figure() -> None:
 @pytest.mark.parametrize(
     ("key", "needs", "words"),
     [
-        ("te_loaded", Need, "unknown figure 'te_loaded'; did you mean .*te_loaded_arcsec"),
+        ("te_loaded", Need, "unknown quantity 'te_loaded'; did you mean .*te_loaded_arcsec"),
         ("tooth_force", Need, "did you mean tooth_force_n"),
         ("baklash_arcmin", Need, "did you mean backlash_arcmin"),
-        ("xyz", Need, "unknown figure 'xyz'; choose one listed by `cycloid-mj figures`"),
-        ("life_h", [Need.STATICS], "the figure life_h requires a life rating, but .* require statics;"),
-        ("tooth_pressure", Need, "the figure tooth_pressure does not apply to the design 'pin'"),
+        ("xyz", Need, "unknown quantity 'xyz'; choose one listed by `cycloid-mj figures`"),
+        ("life_h", [Need.STATICS], "the quantity life_h is computed from a life rating, but .* computed from statics;"),
+        ("tooth_pressure", Need, "the quantity tooth_pressure does not apply to the design 'pin'"),
     ],
 )
 def test_a_figure_that_does_not_exist_is_reported_with_near_names(key: str, needs: list[Need], words: str) -> None:
