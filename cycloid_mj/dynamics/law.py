@@ -191,7 +191,7 @@ def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParamete
 
 
 def solver_parameters(
-    law: ContactParameters, inverse_weight: float, impratio: float = FRICTION.impratio
+    law: ContactParameters, inverse_weight: float, impratio: float = FRICTION.impratio, contact: str = ""
 ) -> SolverParameters:
     """Translate a contact law to the attributes of a MuJoCo contact pair.
 
@@ -204,6 +204,8 @@ def solver_parameters(
         impedance d.
     impratio
         Ratio of frictional to normal impedance of the model [1].
+    contact
+        Name of the contact, for an error message.
 
     Returns
     -------
@@ -223,10 +225,10 @@ def solver_parameters(
     impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), MIN_IMPEDANCE)
     if not impedance <= MAX_IMPEDANCE:
         raise ContactError(
-            f"a contact with a stiffness of {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at "
-            f"this time step, {law.added_mass * inverse_weight:.3g} times the mass of its bodies, but MuJoCo allows at "
-            f"most {MAX_IMPEDANCE / (1.0 - MAX_IMPEDANCE):.3g} times. Reduce settings.timestep_us, or reduce the "
-            "stiffness of the contact by a smaller gear.face_width_mm"
+            f"{contact or 'a contact'} is too stiff ({law.stiffness:.3g} N/m) for this time step: it needs an added "
+            f"mass (MuJoCo's regularisation) of {law.added_mass * inverse_weight:.3g} times the mass of its bodies, "
+            f"but at most {MAX_IMPEDANCE / (1.0 - MAX_IMPEDANCE):.3g} times is possible. Reduce settings.timestep_us, "
+            "or reduce gear.face_width_mm to make contacts less stiff"
         )
     regularisation = (1.0 - impedance) / impedance * inverse_weight
     scale = regularisation * impedance

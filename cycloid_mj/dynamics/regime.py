@@ -137,7 +137,7 @@ def _step_warning(reducer: Reducer, tooth_rate: float, min_steps: float) -> Iter
             f"settings.timestep_us = {1e6 * timestep_s:g}: a tooth passes in only "
             f"{1.0 / (tooth_rate * timestep_s):.3g} time steps "
             f"({math.degrees(abs(reducer.design.drive.speed)) * timestep_s:.3g} deg of crank rotation per step), so "
-            f"forces and ripple are wrong and peaks are cut; shorten it to {_below(1e6 * max_step)} or lower "
+            f"forces and ripple are wrong and peaks are cut; reduce it to {_below(1e6 * max_step)}, or reduce "
             "drive.speed_rpm"
         )
 
@@ -153,7 +153,7 @@ def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
         yield (
             f"settings.log_rate_hz = {design.settings.log_rate:g}: only {rate / tooth_rate:.2g} samples per passing "
             f"tooth ({tooth_rate:.4g} teeth per second), so transmission error, peaks and rms values may be too low; "
-            f"raise it to {_above(min_rate)} or more, or lower drive.speed_rpm"
+            f"raise it to {_above(min_rate)} or more, or reduce drive.speed_rpm"
         )
 
 
@@ -204,7 +204,7 @@ def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
         if timestep_s > max_step * (1.0 + ROUNDING):
             yield (
                 f"settings.timestep_us = {1e6 * timestep_s:g} is too long for the rolling of {part}: speeds and losses "
-                f"are wrong; shorten it to {_below(1e6 * max_step)}, or set it to 0 for the automatic choice"
+                f"are wrong; reduce it to {_below(1e6 * max_step)}, or set it to 0 for the automatic choice"
             )
 
 
@@ -215,8 +215,8 @@ def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, time
         max_step = timestep_s * math.sqrt(max_ratio / ratio)
         yield (
             f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too high for a time step of {1e6 * timestep_s:g} us: "
-            f"results are valid up to K dt^2/m = {max_ratio:g}, and it is {ratio:.3g}; shorten settings.timestep_us to "
-            f"{_below(1e6 * max_step)} or lower stiffness.{kind}_n_m"
+            f"results are valid up to K dt^2/m = {max_ratio:g}, and it is {ratio:.3g}; reduce settings.timestep_us to "
+            f"{_below(1e6 * max_step)}, or reduce stiffness.{kind}_n_m"
         )
 
 
@@ -230,7 +230,7 @@ def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
     if kind and lead_by_kind[kind] > LIMITS.max_friction_lead:
         yield (
             f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead_by_kind[kind])):.3g} deg of crank "
-            f"rotation at this speed and working force, so losses are too low; shorten settings.timestep_us to "
+            f"rotation at this speed and working force, so losses are too low; reduce settings.timestep_us to "
             f"{_below(1e6 * model.model.opt.timestep * LIMITS.max_friction_lead / lead_by_kind[kind])}"
         )
 
@@ -263,8 +263,8 @@ def _orbit_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
     if timestep_s > max_step * (1.0 + ROUNDING):
         yield (
             f"settings.timestep_us = {1e6 * timestep_s:g} is too long for discs that orbit at this crank speed: mean "
-            "transmission error and efficiency may be wrong by more than 0.3 %; shorten it to "
-            f"{_below(1e6 * max_step)} or lower drive.speed_rpm"
+            "transmission error and efficiency may be wrong by more than 0.3 %; reduce it to "
+            f"{_below(1e6 * max_step)}, or reduce drive.speed_rpm"
         )
 
 

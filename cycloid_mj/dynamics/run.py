@@ -471,7 +471,7 @@ class _Stepping:
             return ()
         return (
             f"in {unconverged_count} of {plan.steps} time steps the planar solver's contact geometry did not converge "
-            f"in {CONTACT_SEARCH.max_searches} searches: contact forces at these times may be wrong; shorten "
+            f"in {CONTACT_SEARCH.max_searches} searches: contact forces at these times may be wrong; reduce "
             f"settings.timestep_us (now {1e6 * plan.timestep:g})",
         )
 
@@ -603,7 +603,7 @@ class _Recorder:
         sensor_values = rows[:, self.steps.copied]
         _, penetration, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T
         is_finite = np.isfinite(sensor_values).all(axis=1) & np.isfinite(acceleration_sum)
-        divergence = "the simulation diverged (NaN); shorten settings.timestep_us or lower the contact stiffness"
+        divergence = "the simulation diverged (NaN); reduce settings.timestep_us or the contact stiffness"
         yield ~is_finite, lambda sample: divergence
         if warning := self._warning:
             yield warnings > 0.0, lambda sample: warning()
@@ -623,14 +623,14 @@ class _Recorder:
             penetration > self._max_penetration,
             lambda sample: (
                 f"a contact penetrates by {penetration[sample] * 1e6:.1f} um, more than contact.max_penetration_um = "
-                f"{self._max_penetration * 1e6:g}; shorten settings.timestep_us or reduce the load"
+                f"{self._max_penetration * 1e6:g}; reduce settings.timestep_us or the load"
             ),
         )
         yield (
             iterations >= self._iteration_limit,
             lambda sample: (
                 f"the constraint solver did not converge in {iterations[sample]:.0f} iterations; "
-                "shorten settings.timestep_us"
+                "reduce settings.timestep_us"
             ),
         )
         if len(self._free_pins):

@@ -139,7 +139,7 @@ def test_without_load_a_run_warns_and_dynamic_figures_are_refused(capsys):
     require_pin_bodies(Reducer(PIN), "vibration")
     for command in (("measure", "vibration", "--design", "pin"), ("compare", "pin", "nonpin", "--workers", "1")):
         assert main([*command, "--set", 'ring.pins="massless"']) == 1
-        assert "supported only for mean values under load" in capsys.readouterr().err
+        assert "valid only for averages over a crank turn under load" in capsys.readouterr().err
 
 
 def test_pins_are_drawn_where_the_gear_presses_them():

@@ -188,7 +188,7 @@ def test_a_step_too_long_for_circling_discs_is_warned_of() -> None:
     assert told(10) == []
     (warning,) = told(20)
     assert warning.startswith("settings.timestep_us = 20 is too long for discs that orbit")
-    assert "shorten it to 10 " in warning
+    assert "reduce it to 10, " in warning
 
 
 @pytest.mark.slow

@@ -84,7 +84,7 @@ def test_every_unsuitable_contact_regime_has_its_warning(made: tuple[str, ...], 
 def test_to_follow_a_warning_silences_it(made: tuple[str, ...]) -> None:
     found = told(*made)
     assert found
-    steps = [float(number) for text in found for number in re.findall(r"shorten \S*?(?: to|it to) ([\d.]+)", text)]
+    steps = [float(number) for text in found for number in re.findall(r"reduce \S*?(?: to|it to) ([\d.]+)", text)]
     raised = [f"{key}={n}" for text in found for key, n in re.findall(r"^(\S+) = .* raise it to (\S+) or more", text)]
     assert steps or raised
     shorter = [f"settings.timestep_us={min(steps)!r}"] if steps else []
@@ -168,7 +168,7 @@ def test_a_remedy_lies_well_within_the_limit() -> None:
     stiffness = 0.612e-3 * SETTINGS.max_settling_ratio / 1.98e-6**2
     design = override(PRESETS["pin"], [f"stiffness.pin_socket_n_m={stiffness!r}", "settings.timestep_us=2"])
     found = model_warnings(Reducer(design), build(design))
-    assert [text for text in found if "shorten settings.timestep_us to 1 or" in text] == list(found) != []
+    assert [text for text in found if "reduce settings.timestep_us to 1, or" in text] == list(found) != []
     shorter = override(design, ["settings.timestep_us=1"])
     assert model_warnings(Reducer(shorter), build(shorter)) == ()
 
@@ -247,7 +247,7 @@ def test_steps_and_samples_are_counted_from_tooth_to_tooth(design: Design) -> No
 def test_to_follow_a_warning_of_pace_silences_it(changes: tuple[str, ...]) -> None:
     design = override(PRESETS["pin"], [FIXED, *changes])
     found = pace_warnings(Reducer(design))
-    remedies = [re.search(r"^(settings\.\w+) .*(?:shorten|raise) it to ([\d.e+]+)", text) for text in found]
+    remedies = [re.search(r"^(settings\.\w+) .*(?:reduce|raise) it to ([\d.e+]+)", text) for text in found]
     assert remedies
     assert pace_warnings(Reducer(override(design, [f"{one[1]}={one[2]}" for one in remedies if one]))) == ()
 

@@ -196,7 +196,7 @@ def test_springs_too_stiff_for_the_step_are_refused() -> None:
     reducer = rv(784.0, drive={"rotor_inertia": 0.0}).for_slices
     spec = mujoco.MjSpec()
     spec.option.timestep = 1e-5
-    with pytest.raises(ContactError, match=r"planet_mesh: springs of stock MuJoCo .* shorten settings.timestep_us to"):
+    with pytest.raises(ContactError, match=r"planet_mesh: with MuJoCo's own springs .* reduce settings.timestep_us to"):
         add_springs(spec, reducer, stiffest(laws_of_discs(reducer)))
 
 

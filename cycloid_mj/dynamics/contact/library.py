@@ -54,8 +54,8 @@ def library() -> ctypes.CDLL:
         if shared_library.mj_versionString().decode() == mujoco.mj_versionString():
             return shared_library
     raise ContactError(
-        f"the shared library of MuJoCo {mujoco.__version__} is missing in {', '.join(map(str, folders))}. Reinstall it "
-        "with: pip install --force-reinstall mujoco"
+        f"the shared library of MuJoCo {mujoco.__version__} was not found in {', '.join(map(str, folders))}. Reinstall "
+        "it with: pip install --force-reinstall mujoco"
     )
 
 

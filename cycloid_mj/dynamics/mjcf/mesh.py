@@ -111,7 +111,8 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
     if isinstance(reducer, RvReducer):
         raise DesignError(
             f"{design.name}: --contact mesh does not support RV reducers, because it cannot log the forces in their "
-            "crank bearings. Use --contact profile, or `cycloid-mj build`, which writes a model that MuJoCo runs alone"
+            "crank bearings. Use --contact profile, or `cycloid-mj build`, which writes a model "
+            "that runs in MuJoCo without cycloid-mj"
         )
     if design.contact.law == "impact":
         raise DesignError(
@@ -314,7 +315,7 @@ def _add_slices(
     for number, part in enumerate(surface.slices):
         name = f"{surface.name}_{number + 1}"
         factor = curvature_law.factor(part.curvature) if kind == design.tooth_pair else 1.0
-        parameters = solver_parameters(slice_law(law, factor, part, force), weight, spec.option.impratio)
+        parameters = solver_parameters(slice_law(law, factor, part, force), weight, spec.option.impratio, name)
         default = _sub_default(spec, names.of_disc(name, disc, copies))
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
         if has_friction:

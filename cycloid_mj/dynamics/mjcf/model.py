@@ -221,7 +221,7 @@ def _add_pairs(spec: Any, pairs: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
     for pair, element in zip(pairs, elements, strict=True):
         bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
-        parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio)
+        parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio, pair.name)
         pair_id = model.pair(pair.name).id
         for name in ("friction", "solref", "solreffriction", "solimp"):
             value = getattr(parameters, name)

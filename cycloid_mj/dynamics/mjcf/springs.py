@@ -39,9 +39,9 @@ def add_springs(spec: Any, reducer: RvReducer, laws: Mapping[str, ContactParamet
         if ratio > MAX_STIFFNESS_RATIO:
             longest = spec.option.timestep * (MAX_STIFFNESS_RATIO / ratio) ** 0.5
             raise ContactError(
-                f"{kind}: springs of stock MuJoCo with a stiffness of {laws[kind].stiffness:.3g} N/m diverge at a time "
-                f"step of {1e6 * spec.option.timestep:g} us: shorten settings.timestep_us to {1e6 * longest:.3g} or "
-                "less, or increase drive.rotor_inertia"
+                f"{kind}: with MuJoCo's own springs ({laws[kind].stiffness:.3g} N/m), the simulation diverges at a "
+                f"time step of {1e6 * spec.option.timestep:g} us: reduce settings.timestep_us to {1e6 * longest:.3g} "
+                "or less, or increase drive.rotor_inertia_kg_m2"
             )
     for disc, plane in enumerate(reducer.design.gear.disc_planes):
         mating = reducer.mechanism.mating(names.CRANK_BEARING, disc)
