@@ -494,7 +494,7 @@ def _expand_list(sparse: Mapping[str, Any], counts: Sequence[Any], source: str) 
     parts = [str(part) for part in range(1, part_count + 1)]
     for part in sparse:
         if part not in parts:
-            raise DesignError(f"{source}: part {part:.40} does not exist: use part numbers from 1 to {len(parts)}")
+            raise DesignError(f"{source}: there is no value number {part:.40}: use numbers from 1 to {len(parts)}")
     return tuple(sparse.get(part, 0.0) for part in parts)
 
 

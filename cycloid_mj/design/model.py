@@ -1302,7 +1302,7 @@ class Design(Section, Presented):
                 )
             if self.ring.kind == "nonpin" and name.startswith("pin_") and (any(value) if counts else value):
                 raise ValueError(
-                    f"{key} is set, but an internal gear (ring.kind = 'nonpin') has no pins: remove it, or set "
+                    f"{key} is set, but an internal gear (ring.kind = 'nonpin') has no pins: remove this key, or set "
                     "ring.kind = 'pin'"
                 )
 
@@ -1313,7 +1313,7 @@ class Design(Section, Presented):
         if count and self.ring.kind == "nonpin":
             raise ValueError(
                 f'measured.pins = "{self.measured.pins}" has pins, but an internal gear (ring.kind = "nonpin") has '
-                "none: remove it, or set ring.kind = 'pin'"
+                "none: remove this key, or set ring.kind = 'pin'"
             )
         if count not in (0, teeth):
             raise ValueError(

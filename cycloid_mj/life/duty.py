@@ -92,7 +92,7 @@ def read_duty(path: Path, peak_torque: float | None = None) -> Duty:
     total = sum(point.share for point in points)
     if not total > 0.0:
         raise UsageError(
-            f"{path}: the sum of the column share is {total:g}, but must be greater than 0. Enter a positive share "
+            f"{path}: the column `share` sums to {total:g}, but the sum must be greater than 0. Enter a positive share "
             "for at least one point"
         )
     if not any(point.speed and point.share for point in points):

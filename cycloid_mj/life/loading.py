@@ -181,7 +181,7 @@ def solve_loading(
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
         raise RunError(
-            f"{design.name}: no static equilibrium at {condition}: {error}. Rate the drive at another torque with "
+            f"{design.name}: no static equilibrium at {condition}: {error}. Rate the drive at a lower torque with "
             "--load-nm"
         ) from error
     cam = contact_loads.cam.reshape(crank_angles, -1, 2)

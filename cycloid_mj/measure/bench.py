@@ -214,9 +214,9 @@ def run_with_step_retries(
         except (RunError, ContactError) as error:
             problem = error
     raise RunError(
-        f"{reducer.design.name}, crank locked at {math.degrees(crank_angle):.1f} deg, up to {max_torque:.4g} N m on "
-        f"the output: {problem} (even at a time step of {1e6 * shortest:.3g} us, halved {BENCH.max_halvings} times). "
-        "Reduce the torque"
+        f"{reducer.design.name}: the simulation with the crank locked at {math.degrees(crank_angle):.1f} deg and up to "
+        f"{max_torque:.4g} N m on the output failed, even after halving the time step {BENCH.max_halvings} times to "
+        f"{1e6 * shortest:.3g} us: {problem}. Reduce the torque"
     ) from problem
 
 

@@ -104,8 +104,9 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
             return tuple(Spline(fit.t, fit.c) for fit in splines)
         spans *= 2
     raise DesignError(
-        f"a spline of {FIT.max_spans} spans deviates from the flank by more than the {SPLINE_ERROR:g} m allowed: "
-        "increase the size of the design (ring.pin_circle_radius_mm)"
+        f"the curvature of a tooth flank changes too fast for a spline: even with {FIT.max_spans} spans, the largest "
+        f"number allowed, it deviates by more than {SPLINE_ERROR:g} m. Reduce ring.pin_radius_mm or "
+        "gear.eccentricity_mm"
     )
 
 

@@ -170,7 +170,8 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
         if gear.fault:
             raise DesignError(
                 f"planet.{name}_teeth = {gear.teeth}: with the profile shift {gear.shift:.3g} these teeth are "
-                f"{gear.fault}; use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm to 0"
+                f"{gear.fault}: use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm = 0 "
+                "(no profile shift)"
             )
     half_width = reducer.planet.face_width / 2.0
     yield Part(PLANET, (Segment(PLANET, SpurGearContour(planet), (journal,), -half_width, half_width),), density)

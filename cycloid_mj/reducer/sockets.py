@@ -63,8 +63,8 @@ def require_open_sockets(design: Design, feature: str) -> None:
     """
     if design.ring.has_sockets and design.ring.socket == "closed":
         raise DesignError(
-            f'{design.name}: ring.socket = "closed" cannot be combined with {feature}, because bores in end '
-            'plates are not drawn. Set ring.socket = "half_open"'
+            f'{design.name}: ring.socket = "closed" cannot be combined with {feature}, because closed sockets are '
+            'bores in end plates, whose solids cannot be generated. Set ring.socket = "half_open"'
         )
 
 

@@ -273,15 +273,15 @@ def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
         raise RunError(f"{failure}; {remedy}")
     limit = friction_limit(springs.contacts, residual.angle, load[residual.angle])
     if limit < JAM.max_friction:
-        near_limit = "; close to this limit, forces are many times the load" * (limit >= 1.0)
+        near_limit = ", and close to this limit, forces are many times the load" * (limit >= 1.0)
         raise RunError(
-            f"no static equilibrium {location}: friction jams the drive under this load at any crank torque (without "
-            f"clearance, equilibrium exists only up to {limit:.0%} of the friction{near_limit}). Reduce the friction "
-            "coefficients (friction.*)"
+            f"no static equilibrium {location}: friction jams the drive under this load at any crank torque. Even "
+            f"without clearance, the parts are in equilibrium only up to {limit:.0%} of the friction coefficients of "
+            f"the design{near_limit}. Reduce the friction coefficients (friction.*)"
         )
     raise RunError(
-        f"{failure}. Friction is not the cause, because without clearance the parts are in equilibrium up to "
-        f"{JAM.max_friction:.0%} of the friction. {remedy[0].upper()}{remedy[1:]}"
+        f"{failure}. Friction is not the cause, because without clearance, the parts are in equilibrium even with "
+        f"{JAM.max_friction:.0%} of the friction coefficients of the design. {remedy[0].upper()}{remedy[1:]}"
     )
 
 

@@ -53,9 +53,9 @@ def preloaded(design: Named) -> Design:
         angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, upper, rtol=1e-4))
     except RunError as error:
         raise DesignError(
-            f"{design.name}: ring.preload_torque_nm = {torque:g} is not possible, because a preload angle on the way "
-            f"to it has no equilibrium ({error}). Reduce this torque, or set ring.preload_arcmin from 0 to "
-            f"{MAX_ANGLE / ARCMINUTE:g} instead"
+            f"{design.name}: ring.preload_torque_nm = {torque:g} cannot be converted to a preload angle, because the "
+            f"ring has no equilibrium at one of the angles tried ({error}). Reduce this torque, or set "
+            f"ring.preload_arcmin from 0 to {MAX_ANGLE / ARCMINUTE:g} instead"
         ) from error
     return rotate_halves(angle)
 

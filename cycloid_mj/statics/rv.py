@@ -386,8 +386,9 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RvFricti
         if largest_change <= FRICTION.rtol:
             return _loads_at(springs, displacements)
     raise RunError(
-        f"no static equilibrium with friction found: friction forces still change by {largest_change:.3g} of the load, "
-        f"but at most {FRICTION.rtol:.0e} is allowed. Reduce the friction coefficients (friction.*, planet.friction)"
+        f"no static equilibrium with friction found: the friction forces of the last two iterations differ by "
+        f"{largest_change:.3g} times the load, but at most {FRICTION.rtol:.0e} is allowed. Reduce the friction "
+        "coefficients (friction.*, planet.friction)"
     )
 
 

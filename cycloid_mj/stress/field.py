@@ -293,8 +293,8 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     reducer = reducer_of(design)
     if not 0 <= index < len(loads.angle):
         raise UsageError(
-            f"index = {index} (of the crank angle of the loads) is out of range: choose an index from 0 to "
-            f"{len(loads.angle) - 1}"
+            f"index = {index} is out of range: the loads have {len(loads.angle)} crank angles, so choose an index from "
+            f"0 to {len(loads.angle) - 1}"
         )
     return evaluate_map(assemble_part(reducer, grid, loads), index, distance)
 

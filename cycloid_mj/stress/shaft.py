@@ -168,8 +168,8 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
     if loads.part != "shaft" or loads.labels != cams:
         raise CycloidError(
-            f"the shaft needs the loads of {', '.join(cams)}, but these loads are {', '.join(loads.labels) or 'none'} "
-            f"on the {loads.part}: use the loads of the shaft"
+            f"the stress of the shaft needs loads on {', '.join(cams)}, but the loads given act on the {loads.part} at "
+            f"{', '.join(loads.labels) or 'no contact'}: pass the loads on the shaft"
         )
     steel = reducer.design.material_of("shaft")
     pads = bearing_pads(grid, shaft, MODEL.bearing_stiffness * steel.youngs_modulus * shaft.radius)

@@ -103,8 +103,11 @@ def test_errors_survive_the_round_trip() -> None:
         (["errors.pin_x_um=[1, 2]"], r"errors\.pin_x_um has 2 values, but ring\.teeth is 36"),
         (["errors.hole_y_um=[1]"], r"errors\.hole_y_um has 1 values, but output\.pins is 8"),
         (["errors.pin_x_um={1 = 1}", "ring.teeth=30"], r"give one value for each, or only"),
-        (["errors.pin_x_um={37 = 1}"], r"part 37 does not exist: use part numbers from 1 to 36"),
-        (["errors.pin_x_um={a = 1}"], r"part a does not exist"),
+        (
+            ["errors.pin_x_um={37 = 1}"],
+            r"there is no value number 37: use numbers from 1 to 36",
+        ),
+        (["errors.pin_x_um={a = 1}"], r"there is no value number a"),
         (["errors.pin_x_um=3"], r"errors\.pin_x_um = 3 is not allowed: it must be a list such as"),
         (
             ["errors.pin_x_um={2 = 2000}"],

@@ -419,7 +419,7 @@ def test_a_crank_at_rest_has_no_life_to_rate(capsys) -> None:
 
 @pytest.mark.slow
 def test_a_torque_without_equilibrium_is_reported() -> None:
-    with pytest.raises(RunError, match=r"pin: no static equilibrium at 9e\+05 N m at 1640 rpm: .*another torque"):
+    with pytest.raises(RunError, match=r"pin: no static equilibrium at 9e\+05 N m at 1640 rpm: .*lower torque"):
         rate(PIN, constant_duty(9e5, PIN.drive.speed))
 
 

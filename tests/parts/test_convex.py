@@ -205,7 +205,7 @@ def test_coacd_fills_what_is_not_convex() -> None:
 
 
 def test_lobes_too_wide_for_their_hub_are_refused() -> None:
-    with pytest.raises(DesignError, match=r"ring\.teeth = 5, the base of a half lobe lies"):
+    with pytest.raises(DesignError, match=r"ring\.teeth = 5, the pieces of the teeth reach inwards"):
         sectors(Reducer(override(PIN, ["ring.teeth=5"])), SETTINGS)
 
 

@@ -180,7 +180,7 @@ def test_a_massless_pin_pressed_into_the_opening_has_no_contact():
 
 @pytest.mark.parametrize("make", [lambda design: build_mesh(Reducer(design)), lambda design: export(design, "stl")])
 def test_parts_that_are_not_drawn_are_refused(make):
-    with pytest.raises(DesignError, match="bores in end plates are not drawn"):
+    with pytest.raises(DesignError, match="bores in end plates, whose solids cannot be generated"):
         make(PIN.but(ring={"socket": "closed"}))
 
 

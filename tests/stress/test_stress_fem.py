@@ -508,13 +508,13 @@ def test_wrong_input_is_reported() -> None:
         solve(PIN, grid, outside)
     with pytest.raises(CycloidError, match="loads act on the gear, but the mesh is that of the pin_1"):
         solve(PIN, grid, replace(outside, part="gear"))
-    with pytest.raises(UsageError, match=r"index = 5 \(of the crank angle of the loads\) is out of range"):
+    with pytest.raises(UsageError, match=r"index = 5 is out of range: the loads have"):
         stress_map(PIN, grid, outside, 5)
     with pytest.raises(UsageError, match=r"no planar part 'pin_1': choose one of gear, ring, output"):
         part_grid(NONPIN, "pin_1")
     with pytest.raises(UsageError, match="refinement is 0"):
         GridSettings(refinement=0)
-    with pytest.raises(CycloidError, match="needs the loads of cam, but these loads are pin_1"):
+    with pytest.raises(CycloidError, match="needs loads on cam, but the loads given act on the pin_1 at pin_1"):
         solve(PIN, part_grid(PIN, "shaft", GridSettings(refinement=0.5)), replace(outside, labels=("pin_1",)))
 
 

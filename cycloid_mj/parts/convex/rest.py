@@ -110,9 +110,10 @@ def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, S
     edge = float(np.sum(base_outline[-1] * unit(pitch)))
     if edge <= waist:
         raise DesignError(
-            f"the convex pieces of the disc cannot be generated: with ring.teeth = {design.ring.teeth}, the base of a "
-            f"half lobe lies {1e3 * edge:.4g} mm from the axis, within the hub of {1e3 * waist:.4g} mm around the "
-            "holes. Increase ring.teeth, or reduce output.pin_circle_radius_mm or output.hole_radius_mm"
+            f"the convex pieces of the disc cannot be generated: with ring.teeth = {design.ring.teeth}, the pieces of "
+            f"the teeth reach inwards to a radius of {1e3 * edge:.4g} mm, but the material around the output holes "
+            f"reaches outwards to {1e3 * waist:.4g} mm. Increase ring.teeth, or reduce output.pin_circle_radius_mm or "
+            "output.hole_radius_mm"
         )
     outer = np.concatenate([edge * unit([-pitch]), base_outline, edge * unit([pitch])])
     inner_arc = _arc(waist, -pitch, pitch, error)

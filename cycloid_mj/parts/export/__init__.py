@@ -264,11 +264,13 @@ class _Encoding:
         """Raise UsageError if arcs or polylines do not apply to the format."""
         if self.arcs is not None and (self.polylines or self.file_format != "dxf"):
             raise UsageError(
-                "arcs apply to the format dxf without polylines only: choose dxf without polylines, or omit arcs"
+                "arcs can be used only with the format dxf, and not together with polylines: choose dxf without "
+                "polylines, or omit arcs"
             )
         if self.polylines and self.file_format != "dxf":
             raise UsageError(
-                f"polylines apply to the format dxf only, not to {self.file_format}: choose dxf, or omit polylines"
+                f"polylines can be used only with the format dxf, not with {self.file_format}: choose dxf, or omit "
+                "polylines"
             )
 
     @property

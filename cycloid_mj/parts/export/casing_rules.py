@@ -143,8 +143,9 @@ def stock_screw_length(bolt: stock.Bolt, min_length: float) -> float:
     length = stock.bolt_length(bolt.thread, min_length)
     if length is None:
         raise DesignError(
-            f"the casing needs {bolt.designation} screws {1e3 * min_length:.4g} mm long, but the longest standard "
-            "screw is shorter: reduce housing.outer_radius_mm"
+            f"the casing needs {bolt.designation} screws at least {1e3 * min_length:.4g} mm long, but the longest "
+            "standard screw is shorter: reduce housing.outer_radius_mm, because thinner screws and walls need shorter "
+            "screws"
         )
     return length
 

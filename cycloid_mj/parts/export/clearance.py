@@ -152,7 +152,7 @@ def _checked_clearance(reducer: Reducer, pair: str, values: Array) -> OutlineCle
     if max(item.asked - item.least, item.most - item.asked) > TOLERANCE:
         raise DesignError(
             f"the clearance {item.pair} of the exported outline is {1e6 * item.least:.4g} to {1e6 * item.most:.4g} um "
-            f"instead of {1e6 * item.asked:.4g} um, so it is not written: please report this design"
+            f"instead of {1e6 * item.asked:.4g} um, so the file is not written: please report this design"
         )
     return item
 

@@ -49,31 +49,32 @@ def choose_motor_flange(
     def reach(flange: MotorFlange) -> tuple[float, float]:
         return (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole(flange) + wall, outer)
 
-    def fits(flange: MotorFlange) -> bool:
+    def misfits(flange: MotorFlange) -> list[str]:
+        problems, crank = [], reducer.design.shaft.radius
         needed_radius, available_radius = reach(flange)
-        return (
-            flange.circle - hole(flange) - wall >= seat
-            and needed_radius <= available_radius
-            and _fits_shaft(reducer, flange, wall)
-        )
+        if needed_radius > available_radius:
+            needs = "its screw heads need" if flange.tapped else "it needs a cover with"
+            sizes = f"{1e3 * needed_radius:.4g} mm, but only {1e3 * available_radius:.4g} mm"
+            problems.append(f"{needs} a radius of {sizes} is available")
+        if flange.circle - hole(flange) - wall < seat:
+            sizes = f"{2e3 * (flange.circle - hole(flange) - wall):.4g} mm, but the bearing has {2e3 * seat:.4g} mm"
+            problems.append(f"it needs a shaft bearing with an outside diameter of at most {sizes}")
+        if flange.shaft > crank - 2.0 * wall:
+            sizes = (
+                f"{2e3 * (flange.shaft + 2.0 * wall):.4g} mm around the motor shaft, but it has {2e3 * crank:.4g} mm"
+            )
+            problems.append(f"it needs a crank with a diameter of at least {sizes}")
+        return problems
 
     drive = reducer.design.drive
     if motor == "auto":
-        flange = next((frame for frame in frames_for(drive.torque, drive.speed) if fits(frame)), None)
+        flange = next((frame for frame in frames_for(drive.torque, drive.speed) if not misfits(frame)), None)
     else:
         flange = motor if isinstance(motor, MotorFlange) else MOTORS.get(motor)
-    if flange and fits(flange):
-        return flange
+    if flange and (problems := misfits(flange)):
+        raise DesignError(f"the motor flange {flange.name} does not fit: {'; '.join(problems)}. Choose another motor")
     if flange:
-        needed_radius, available_radius = reach(flange)
-        feature = "room for its screw heads up to" if flange.tapped else "a cover with"
-        raise DesignError(
-            f"the motor flange {flange.name} does not fit. It needs {feature} a radius of {1e3 * needed_radius:.4g} mm "
-            f"(actual: {1e3 * available_radius:.4g} mm), a bearing with a diameter of at most "
-            f"{2e3 * (flange.circle - hole(flange) - wall):.4g} mm (actual: {2e3 * seat:.4g} mm), and a crank with a "
-            f"diameter of at least {2e3 * flange.shaft + 4e3 * wall:.4g} mm around the motor shaft (actual: "
-            f"{2e3 * reducer.design.shaft.radius:.4g} mm). Choose another motor"
-        )
+        return flange
     thread = thickest_bolt(RULES.thread_share * outer, inserted=is_plastic(reducer)).thread
     circle = outer - thread_radius(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
@@ -101,8 +102,3 @@ def motor_floor_thickness(reducer: Reducer, motor: MotorFlange, wall: float) -> 
     if motor.tapped:
         return motor_grip(motor, wall) + thickest_bolt(motor.thread).head_height
     return hole_depth(reducer, motor.thread, RULES.engagement * motor.thread) + wall
-
-
-def _fits_shaft(reducer: Reducer, motor: MotorFlange, wall: float) -> bool:
-    """Return whether the crank is thick enough for a bore for the shaft of the motor."""
-    return motor.shaft <= reducer.design.shaft.radius - 2.0 * wall
