@@ -120,10 +120,14 @@ def periodic_orders(
     points = round(cycles * period / increment)
     uneven = np.abs(np.diff(crank_angle) - increment).max() > SPECTRUM.step_rtol * increment
     if cycles < 1 or uneven or abs(points * increment - cycles * period) > SPECTRUM.step_rtol * period:
+        problem = f"have steps of {np.degrees(increment):.6g} deg, which do not divide full cycles"
+        if uneven:
+            problem = "are not equally spaced"
+        elif cycles < 1:
+            problem = f"cover only {np.degrees(len(crank_angle) * increment):.6g} deg"
         raise UsageError(
-            f"the spectrum needs equally spaced crank angles over full cycles of {np.degrees(period):.6g} deg, with a "
-            f"whole number of samples per cycle. The {len(crank_angle)} angles span "
-            f"{np.degrees(crank_angle[-1] - crank_angle[0]):.6g} deg: sample the signal again at such angles"
+            "the spectrum needs equally spaced crank angles whose step divides full cycles of "
+            f"{np.degrees(period):.6g} deg, but the {len(crank_angle)} angles {problem}: sample the signal again"
         )
     amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
     order = cycles_per_turn * np.arange(amplitude.size) / cycles

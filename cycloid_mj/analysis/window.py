@@ -45,7 +45,7 @@ def require_hold(reducer: Reducer, time: Array) -> None:
         raise LogError(
             f"the run of {reducer.design.name} has {count} samples at constant crank speed, but at least "
             f"{WINDOW.min_samples} are needed: {end_text}, and the speed ramp ends at {reducer.design.drive.ramp:.6g} "
-            "s. Simulate the design again without interruption"
+            "s. Simulate the design again with a longer --hold-s, or without interrupting the run"
         )
 
 

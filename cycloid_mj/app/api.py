@@ -86,8 +86,8 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     magnification = content.get("play", 1.0)
     if not isinstance(magnification, int | float) or not 1.0 <= magnification <= QUESTIONS.magnification:
         raise UsageError(
-            f"the magnification of the clearances is {magnification!r}, which is out of range: choose a number from 1 "
-            f"to {QUESTIONS.magnification:g}"
+            f"the factor by which the drawing magnifies clearances is {magnification!r}, which is out of range: choose "
+            f"a number from 1 to {QUESTIONS.magnification:g}"
         )
     reducer = Reducer(design)
     return {

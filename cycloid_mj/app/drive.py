@@ -225,8 +225,8 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
     sizes, reason = casing_or_none(reducer, options.motor)
     if sizes is None:
         raise CycloidError(
-            f"{reducer.design.name}: the files of the drive cannot be written, because no covers fit: {reason}. Single "
-            "parts can still be downloaded"
+            f"{reducer.design.name}: the files of the complete drive cannot be written, because no covers fit: "
+            f"{reason}. Individual parts can still be downloaded"
         )
     settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
     on_step("laying out the plate and the bill", 0.0)

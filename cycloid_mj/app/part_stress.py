@@ -58,8 +58,8 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
             parts[kind]["bulk"].append(_bulk_row(entry.name, largest, limit, entry.definition))
     if not any(part["bulk"] for part in parts.values()):
         raise CycloidError(
-            "the stress cannot be computed for any part of this design: choose a preset such as pin, or check the "
-            "design with `cycloid-mj design check`"
+            "the finite-element analysis found no stress away from the contacts in any part of this design: check the "
+            "design with `cycloid-mj design check`, or choose a preset such as pin"
         )
     return {"parts": [part for part in parts.values() if part["rated"] or part["bulk"]]}
 

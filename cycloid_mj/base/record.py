@@ -127,10 +127,7 @@ class Run(Presented):
     def __getitem__(self, name: str) -> Array:
         """Return the column `name`, shape (n,); raise LogError if there is none."""
         if name not in self.columns:
-            raise LogError(
-                f"{self.label}: no column {name!r}; choose one of its {len(self.columns)} columns; "
-                f"{_nearest_columns(name, list(self.columns))}"
-            )
+            raise LogError(f"{self.label} has no column {name!r}; {_nearest_columns(name, list(self.columns))}")
         return self.columns[name]
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -249,7 +246,7 @@ def _check_time(time: Array) -> None:
     if not np.isfinite(time).all():
         sample = int(np.argmin(np.isfinite(time)))
         raise LogError(
-            f"array of times: sample {sample} (the first is 0) is {time[sample]} s, but all times must be finite. "
+            f"array of times: sample {sample} (counting from 0) is {time[sample]} s, but all times must be finite. "
             "Correct or remove this sample"
         )
     backward = np.flatnonzero(np.diff(time) <= 0.0)
@@ -276,7 +273,7 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
     if surplus := [name for name in units if name not in columns]:
         raise LogError(
             f"the argument `units` has the key {surplus[0]!r}, but the log has no such column. Remove the key or "
-            f"correct its name: {_nearest_columns(surplus[0], list(columns))}"
+            f"correct its name; {_nearest_columns(surplus[0], list(columns))}"
         )
 
 
@@ -290,7 +287,7 @@ def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, 
     if unknown := [name for name in listed_columns if name not in columns]:
         raise LogError(
             f"the argument `topics` lists {unknown[0]!r}, but the log has no such column. Remove it or correct its "
-            f"name: {_nearest_columns(unknown[0], list(columns))}"
+            f"name; {_nearest_columns(unknown[0], list(columns))}"
         )
     if len(set(listed_columns)) < len(listed_columns):
         repeated_column = next(name for name in listed_columns if listed_columns.count(name) > 1)
@@ -304,7 +301,8 @@ def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, 
 
 
 def _nearest_columns(name: str, names: list[str]) -> str:
-    """Return the columns with the most similar names, in words, for an error message."""
-    nearest = get_close_matches(name, names, n=3) or names[:3]
-    listed = ", ".join(nearest) if nearest else "none, the run has no columns"
-    return f"nearest: {listed}"
+    """Return up to three columns with similar names, else the first columns, in words, for an error message."""
+    if similar := get_close_matches(name, names, n=3):
+        return f"columns with similar names: {', '.join(similar)}"
+    more = ", ..." if len(names) > 3 else ""
+    return f"its columns are {', '.join(names[:3])}{more}" if names else "the run has no columns"

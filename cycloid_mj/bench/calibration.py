@@ -424,7 +424,7 @@ def calibrate(
     """
     reducer = Reducer(resolve(design))
     if not loops:
-        raise UsageError("no measured loop is given: add at least one CSV file with --loop LOOP.csv")
+        raise UsageError("no measured hysteresis loop is given: add at least one CSV file with --loop LOOP.csv")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
     model = Model(reducer, Losses(drag), needs_contact_friction(keys))
     bench = LoopCondition(held, crank, max(loop.most for loop in loops))
@@ -702,13 +702,13 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
             raise UsageError(
                 f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but the model "
                 f"predicts {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in radians, multiply it by "
-                "57.2958; if not, set the clearances of the design closer to those of the drive"
+                "57.2958; if not, set the clearances of the design closer to those of the measured drive"
             )
         if loop.height > LIMITS.arcminutes_factor * expected:
             raise UsageError(
                 f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but the model "
                 f"predicts {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in arcminutes, divide it by 60; "
-                "if not, set the clearances and the stiffness of the design closer to those of the drive"
+                "if not, set the clearances and the stiffness of the design closer to those of the measured drive"
             )
 
 

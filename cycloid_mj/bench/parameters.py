@@ -442,15 +442,15 @@ def _file_parameter(reducer: Reducer, key: str) -> Parameter:
     names = {file_key(item, declared): item for item, declared in section.model_fields.items()} if section else {}
     if name not in names:
         raise UsageError(
-            f"--fit: unknown parameter {key!r}. Choose from {', '.join(NAMED)}, and numbers of the design file, such "
-            "as clearance.output_um"
+            f"--fit: unknown parameter {key!r}. Choose from {', '.join(NAMED)}, or any numeric key of the design file, "
+            "such as clearance.output_um"
         )
     declared: FieldInfo = section.model_fields[names[name]]
     value = getattr(getattr(reducer.design, table) or reducer.design.material, names[name])
     if not isinstance(value, float):
         raise UsageError(
-            f"--fit: {key} is {value!r}, but only real numbers of the design file can be fitted. Choose another key, "
-            "such as clearance.output_um"
+            f"--fit: {key} is {value!r}, but only keys with a single real (non-integer) value can be fitted. Choose "
+            "another key, such as clearance.output_um"
         )
     unit = unit_of(declared)
     start = unit.from_si(value)

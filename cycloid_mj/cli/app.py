@@ -67,7 +67,9 @@ def main(argv: Sequence[str] | None = None) -> int:
                 app.help_print(words, console=page.console(stderr=True))
                 commands = ", ".join(page.commands(app[group]))
                 if not commands:
-                    raise UsageError(f"{group} has no commands: install a package that provides one")
+                    raise UsageError(
+                        f"{group} has no commands: install a package that provides one, as described above"
+                    )
                 raise UsageError(f"{group} needs a command: choose one of {commands}")
             command, bound = parse(app, words)
             with at_most(_workers(bound)):

@@ -163,8 +163,8 @@ def calibrate(
     except KeyboardInterrupt as stop:
         write(_calibration_outcome(calibration, destination), destination, quiet_delivery)
         raise RunError(
-            f"stopped by {signal_name(stop)}; the calibration is in {destination.folder}, but its design was not "
-            "tested. Test it with `cycloid-mj design check`, `statics` and `reduce`"
+            f"stopped by {signal_name(stop)}; the calibration is in {destination.folder}, but the calibrated design "
+            "was not tested. Test that design with `cycloid-mj design check`, `statics` and `reduce`"
         ) from stop
     return deliver(_calibration_outcome(calibration, destination, unusable), destination, delivery)
 

@@ -78,9 +78,7 @@ def build(
 
     reducer = reducer_of(design_options.resolve_checked([(TIMESTEP, timestep_us)]))
     if plain_coacd and isinstance(reducer, RvReducer):
-        raise UsageError(
-            f'--plain-coacd does not support layout = "rv" ({reducer.design.name}), only a central crank: remove it'
-        )
+        raise UsageError(f'--plain-coacd does not support layout = "rv" ({reducer.design.name}): remove --plain-coacd')
     _require_writable(out)
     claim_outputs(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-model")

@@ -118,8 +118,8 @@ def claim_page(
         )
     if page_names and page_names[0] in PRESETS:
         raise UsageError(
-            f"--html {page_names[0]} would name the page after a preset: name the page {page_names[0]}.html, or move "
-            f"the design {page_names[0]} in front of the flags"
+            f"--html takes the next word, {page_names[0]}, as the name of the page, but {page_names[0]} is a preset: "
+            f"write --html {page_names[0]}.html, or put the design {page_names[0]} before the flags"
         )
     path = (
         Path(page_names[0])

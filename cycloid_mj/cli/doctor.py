@@ -137,8 +137,8 @@ def _simulate_self_test() -> str:
     error = float(abs(run["gear_angle"] + run["crank_angle"] / design.lobes).max())
     if not error < MOST_ERROR:
         raise CycloidError(
-            f"self-test: the angle of the disc differs by {error:.3g} rad from the closed form (allowed: "
-            f"{MOST_ERROR:.0e} rad). Reinstall cycloid-mj, and report the problem if it remains"
+            f"self-test: the angle of the disc differs by {error:.3g} rad from its closed-form value, but at most "
+            f"{MOST_ERROR:.0e} rad is allowed. Reinstall cycloid-mj; report the problem if it persists"
         )
     return f"{len(run.time)} samples, disc angle within {error:.1g} rad of the closed form"
 

@@ -198,7 +198,7 @@ class MotorInterface:
         motor = replace(MOTORS.get(self.motor, custom), **changes)
         if not (motor.circle and motor.thread):
             raise UsageError(
-                "a motor of another size needs both --motor-circle-mm and --motor-thread-mm: give both, or choose a "
+                "a custom motor size needs both --motor-circle-mm and --motor-thread-mm: give both, or choose a listed "
                 "motor with --motor"
             )
         threads = [bolt.thread for bolt in stock.bolts()]
@@ -269,7 +269,7 @@ class ExportFlags:
         """Raise UsageError for a flag that does not support the layout of the reducer."""
         if isinstance(reducer, RvReducer) and (self.plate or self.drawings):
             name = "--plate" if self.plate else "--drawings"
-            raise UsageError(f'{name} does not support layout = "rv" ({reducer.design.name}): remove it')
+            raise UsageError(f'{name} does not support layout = "rv" ({reducer.design.name}): remove {name}')
 
     def print_settings(self, reducer: Reducer) -> "PrintSettings":
         """Return accuracy, offset, seat of the cam bearing and bed size of a print plate [m]."""

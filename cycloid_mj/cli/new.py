@@ -263,7 +263,8 @@ class SizeFlags:
         """Raise UsageError for a flag that the search for RV reducers does not support."""
         for name in ("ratio_range", "motor", "backlash_arcmin", "process", "material", "fit", "custom", "discs"):
             if getattr(self, name) != getattr(SIZE, name):
-                raise UsageError(f"--{name.replace('_', '-')} does not support --layout rv: remove it")
+                flag = f"--{name.replace('_', '-')}"
+                raise UsageError(f"{flag} does not support --layout rv: remove {flag}")
 
     def _crank_speed(self, ratio: int) -> float | None:
         """Return the required crank speed [rpm] at a ratio; None if no speed is required and no motor is set.
@@ -285,8 +286,8 @@ class SizeFlags:
         required = self.output_rpm * ratio if self.output_rpm is not None else self.speed_rpm
         if required is not None and required > largest * (1.0 + 1e-9):
             raise UsageError(
-                f"--motor {self.motor} delivers {torque:.4g} N m up to {largest:.4g} rpm of the crank, but "
-                f"{required:.4g} rpm are required: reduce --speed-rpm or --output-rpm, or choose another motor"
+                f"--motor {self.motor} delivers {torque:.4g} N m only up to a crank speed of {largest:.4g} rpm, but "
+                f"{required:.4g} rpm is required: reduce --speed-rpm or --output-rpm, or choose another motor"
             )
         usual = PROCESSES[self.process].speed_rpm if _frame(self.motor) != "auto" else largest
         return min(largest, usual) if required is None else required

@@ -46,7 +46,8 @@ def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
     if file == STDOUT:
         return
     if file.startswith("-") or not file:
-        raise UsageError(f"{flag} {file!r} is not a file name: give a file name, or - for stdout")
+        problem = "begins with a dash, as flags do" if file else "is empty"
+        raise UsageError(f"the file name after {flag}, {file!r}, {problem}: give another file name, or - for stdout")
     require_ending(Path(file), ".csv")
     claim_outputs(Path(file), force=force)
 

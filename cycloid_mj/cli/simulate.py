@@ -128,7 +128,7 @@ def simulate(
     require_runnable(design, solver)
     has_page = not delivery.json
     if design.layout != "central" and contact == "mesh":
-        raise UsageError(f'--contact mesh is not supported for layout = "{design.layout}": omit this flag')
+        raise UsageError(f'--contact mesh is not supported for layout = "{design.layout}": remove --contact')
     force = delivery.force
     folder = claim_folder(delivery.out or RUNS, "the log", (), force)
     page = claim_page(delivery, design.name, folder)
@@ -425,8 +425,7 @@ def _open_unused_log(name: str, names: Iterable[Path], open_log: Callable[[Path]
     from cycloid_mj.log import LogTakenError
 
     last_error: LogError = LogError(
-        f"no unused file name is left in the folder for the log of the design {name!r}: choose another folder with "
-        "--out"
+        f"no unused file name is left for the log of the design {name!r}: choose another folder with --out"
     )
     for path in names:
         try:

@@ -316,7 +316,7 @@ def _write_springs(designs: Sequence[Design], load: float | None, mounts: str | 
 
     for design in designs:
         if design.layout != Reducer.LAYOUT:
-            raise UsageError(f'--springs does not support layout = "{design.layout}" ({design.name}): remove it')
+            raise UsageError(f'--springs does not support layout = "{design.layout}" ({design.name}): remove --springs')
     mounting = None if mounts is None else read_mounts(Path(mounts))
     _require_runnable(designs)
     names = [f"{design.name}-springs.toml" for design in designs]

@@ -162,7 +162,7 @@ def sweep(
     for error, count in list(swept.errors.items())[:MOST_ERRORS]:
         tell(f"{count} of {len(swept.points)} points failed: {error}")
     if (more := len(swept.errors) - MOST_ERRORS) > 0:
-        tell(f"{more} more types of error: see the column error of the files in {directory}")
+        tell(f"{more} more types of error: see the column `error` of the files in {directory}")
     return code
 
 

@@ -53,8 +53,8 @@ class ColumnGroup:
         for name in self.units:
             if not _SNAKE.fullmatch(name) or name == TIME:
                 raise LogError(
-                    f"column {name!r} of {self.topic} is not valid: use a name other than 'time' in lower-case "
-                    "letters, digits and underscores, such as gear_angle"
+                    f"column {name!r} of {self.topic} is not valid: use lower-case letters, digits and underscores, "
+                    "such as gear_angle, but not the name 'time'"
                 )
 
     @property

@@ -147,8 +147,8 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
     narrowest, widest = ANIMATION.widths
     if not narrowest <= width <= widest:
         raise UsageError(
-            f"width = {width} pixels (of the animation) is out of range: choose a width from {narrowest} to {widest} "
-            "pixels"
+            f"the width of the animation is {width} pixels, which is out of range: choose a width from {narrowest} to "
+            f"{widest} pixels"
         )
     motion = samples.motion
     columns = {name: values[samples.rows] for name, values in motion.run.columns.items()}

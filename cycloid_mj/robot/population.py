@@ -174,8 +174,9 @@ def draw_population(
     assembled_drives = [item for item in drives if item is not None]
     if len(assembled_drives) < 2:
         raise RunError(
-            f"{reducer.design.name}: only {len(assembled_drives)} of {samples} drawn drives can be assembled, but at "
-            "least 2 are needed. Reduce the tolerances in [tolerance], or increase the clearances (clearance.*)"
+            f"{reducer.design.name}: only {len(assembled_drives)} of {samples} randomly sampled drives can be "
+            "assembled, but at least 2 are needed. Reduce the tolerances in [tolerance], or increase the clearances "
+            "(clearance.*)"
         )
     values, drawn_values = (
         {key: np.array([item[part][key] for item in assembled_drives]) for key in assembled_drives[0][part]}

@@ -172,8 +172,8 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
     largest = largest_magnification(reducer)
     if not 1.0 <= magnification <= largest:
         raise UsageError(
-            f"the magnification of the clearances is {magnification:g}, which is out of range for {design.name}: "
-            f"choose a value from 1 to {np.floor(largest):g}"
+            f"the factor by which the drawing magnifies clearances is {magnification:g}, which is out of range for "
+            f"{design.name}: choose a value from 1 to {np.floor(largest):g}"
         )
     excess, clearance = magnification - 1.0, design.clearance
     ring = design.ring.pin_radius - excess * tooth_clearance(reducer)

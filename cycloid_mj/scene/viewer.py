@@ -18,7 +18,8 @@ def require_display() -> None:
     """Raise UsageError if there is no display for a window."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise UsageError(
-            "there is no display to open a window: use `cycloid-mj render` or `cycloid-mj animate`, which need none"
+            "there is no display on which to open a window: use `cycloid-mj render` or `cycloid-mj animate`, which "
+            "need none"
         )
 
 

@@ -261,9 +261,9 @@ class DisplacedSprings:
                 return pose
             pose = pose + np.linalg.solve(stiffness_matrix, residual)
         raise RunError(
-            "the reference solution of the validation, with gaps measured between the displaced curves of the parts, "
-            f"does not converge: the residual force is {np.abs(residual).max():.3g} N, but at most {tolerance:.3g} N "
-            "is allowed. Reduce the load or the clearances of the design"
+            "the reference solution (gaps measured between the displaced curves of the parts) does not converge: the "
+            f"residual force is {np.abs(residual).max():.3g} N, but at most {tolerance:.3g} N is allowed. Reduce the "
+            "load or the clearances of the design"
         )
 
 

@@ -124,8 +124,12 @@ def test_a_window_of_mesh_periods_suffices_for_mesh_periodic_values():
 
 def test_periodic_orders_refuse_unsuitable_samples():
     even = 2.0 * np.pi * np.arange(100) / 100
-    for crank in (even[:90], even + 1e-3 * np.sin(even), 2.0 * np.pi * np.arange(107) / 106.5):
-        with pytest.raises(UsageError, match="needs equally spaced crank angles over full cycles"):
+    for crank, problem in (
+        (even[:90], "the 90 angles cover only 324 deg"),
+        (even + 1e-3 * np.sin(even), "the 100 angles are not equally spaced"),
+        (2.0 * np.pi * np.arange(107) / 106.5, "have steps of 3.38028 deg, which do not divide full cycles"),
+    ):
+        with pytest.raises(UsageError, match=f"step divides full cycles of 360 deg, but .*{problem}"):
             periodic_orders(crank, np.ones(len(crank)))
 
 

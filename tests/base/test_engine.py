@@ -120,7 +120,8 @@ def test_other_versions_are_refused() -> None:
     require_same_versions(versions(), "a worker")
     other = tuple((name, "0.0.1" if name == "numpy" else version) for name, version in versions())
     with pytest.raises(
-        RunError, match=r"a worker has other package versions: numpy is 0\.0\.1 there and .* here\. Install"
+        RunError,
+        match=r"has different package versions from this computer: numpy is 0\.0\.1 there and .* here\. Install",
     ):
         require_same_versions(other, "a worker")
 

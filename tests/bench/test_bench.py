@@ -803,7 +803,7 @@ def test_a_calibration_whose_design_was_not_tried_is_in_its_folder(
     monkeypatch.setattr("cycloid_mj.statics.sheet.sheet", pressed)
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
     assert main([*words, "--out", str(tmp_path), "--quiet"]) == 130
-    assert "its design was not tested" in capsys.readouterr().err
+    assert "the calibrated design was not tested" in capsys.readouterr().err
     found = json.loads((tmp_path / "printed-calibrated.json").read_text())
     assert found["complete"] is True
     assert found["unusable"] is None
@@ -971,7 +971,7 @@ def test_a_bad_loop_is_refused(change, told: str, tmp_path: Path, capsys: pytest
     ("fit", "told"),
     [
         ("mesh_plai", "unknown parameter 'mesh_plai'"),
-        ("ring.teeth", "only real numbers"),
+        ("ring.teeth", "only keys with a single real"),
         ("play,play", "listed twice"),
         ("drive.power_kw", "none of these parameters affects"),
         ("friction,hysteresis", "hysteresis and friction describe the same friction"),

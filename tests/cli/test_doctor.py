@@ -45,4 +45,4 @@ def test_missing_components_are_reported_with_remedies(capsys, monkeypatch: pyte
 def test_a_gear_off_its_closed_form_is_a_failure(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "MOST_ERROR", 0.0)
     assert main(["doctor"]) == 1
-    assert "from the closed form" in capsys.readouterr().out
+    assert "from its closed-form value" in capsys.readouterr().out

@@ -40,7 +40,7 @@ def test_export_writes_the_parts(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", "rv80e", "--format", "svg", "--chord-error-um", "20", "--out", "parts", "--quiet"]) == 0
     assert {path.stem for path in Path("parts").glob("*.svg")} >= {"gear_1", "crank", "planet", "sun", "carrier_2"}
     assert main(["export", "rv80e", "--plate", "--out", "plate"]) == 2
-    assert '--plate does not support layout = "rv" (rv80e): remove it' in capsys.readouterr().err
+    assert '--plate does not support layout = "rv" (rv80e): remove --plate' in capsys.readouterr().err
 
 
 def test_statics_has_the_figures_of_the_rv80e(capsys: pytest.CaptureFixture[str]) -> None:

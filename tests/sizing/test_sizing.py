@@ -641,7 +641,7 @@ def test_the_command_states_the_largest_feasible_torque(tmp_path: Path, monkeypa
         ),
         (
             [*["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "4", "--motor", "nema17", "--output-rpm", "300"]],
-            "--motor nema17 delivers 0.2 N m up to 4775 rpm of the crank, but 6000 rpm are required",
+            "--motor nema17 delivers 0.2 N m only up to a crank speed of 4775 rpm, but 6000 rpm is required",
         ),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema99"],

@@ -31,6 +31,6 @@ def require_same_versions(worker_versions: Versions, worker: str) -> None:
     ]
     if differing:
         raise RunError(
-            f"{worker} has other package versions: {'; '.join(differing)}. Install the same versions on all machines, "
-            "because results depend on them"
+            f"{worker} has different package versions from this computer: {'; '.join(differing)}. Install the same "
+            "versions on all machines, because results depend on them"
         )
