@@ -31,8 +31,9 @@ from cycloid_mj.base.array import Array
 def gear_part(reducer: Reducer, disc: int = 0) -> Part:
     """Return a cycloid disc as exact outlines in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
 
-    The teeth of a disc ahead on the crank are rotated clockwise against its holes. The profile has the modification of
-    the design; the holes have no errors. The profile is smaller, holes and bore are larger by their clearances.
+    If the phase of the disc on the crank is p [rad] counter-clockwise, its teeth are rotated clockwise relative to its
+    holes by p over the number of lobes. The profile has the modification of the design; the holes have no errors. The
+    profile is smaller, holes and bore are larger by their clearances.
 
     Parameters
     ----------

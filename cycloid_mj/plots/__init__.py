@@ -28,7 +28,8 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
     run
         A run, or its series if they have been computed already.
     q
-        Point of the disc, in its frame [m]. Default: centre of hole 1. Not used for series, which have their own.
+        Point of the disc whose path and velocity are drawn, (x, y) in the frame of the disc [m]. Default: centre of
+        hole 1. Not used for series, which have their own point.
 
     Raises
     ------

@@ -193,7 +193,7 @@ def drive_files(
 ) -> dict[str, bytes]:
     """Encode all manufactured parts of an assembled drive, one file per part; return the contents by file name.
 
-    They are covers and flange, and ring, output and shaft with their holes and seats.
+    These are the parts of ``printing.manufactured_parts``, including covers and flange.
 
     Parameters
     ----------
@@ -206,8 +206,8 @@ def drive_files(
     chord_error
         Largest distance of chords from the curve [m], in meshes and polylines.
     cam_seat
-        Radius of the cams in meshes [m], as in ``printing.manufactured_parts``; other formats have the radius in
-        the assembly.
+        Radius of the bore of the cam bearing [m], for which the cams in meshes are made, as in
+        ``printing.manufactured_parts``. In other formats the cams are those of the assembly.
     polylines, arcs
         Closed polylines in place of splines, and tolerance of arcs that replace the splines [m], as in `export`.
 

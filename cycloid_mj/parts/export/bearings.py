@@ -51,9 +51,10 @@ def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
 def cam_seat(reducer: Reducer) -> float:
     """Return the bore radius [m] of the bearing of the cam, or the bore radius of the disc if the cam slides there.
 
-    Where no bearing in stock fits, rollers that touch each other fill the bore of the disc, which is their outer ring.
-    There are ``contact.cam_rollers`` of them. Where these leave no cam around the shaft, the rollers are thinner and
-    take half of the gap between the bore and the shaft.
+    If no stock bearing fits, ``contact.cam_rollers`` rollers that touch each other run directly in the bore of the
+    disc, and the result is the radius inside the rollers. This radius must exceed eccentricity plus shaft radius, so
+    that there is a cam around the shaft. Otherwise the rollers are thinner, and the result is the mean of that sum and
+    the bore radius of the disc.
     """
     gear, stock_bearing = reducer.design.gear, cam_bearing(reducer)
     if stock_bearing:
@@ -161,10 +162,11 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
 
 
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
-    """Return the radius [m] of the cam in a drive, for a bearing whose bore has the radius `seat` (`cam_seat`).
+    """Return the radius [m] of the cam in a drive, for a bearing whose bore has the radius `seat`.
 
-    For a bearing in stock it is the seat minus the cam clearance, but at least eccentricity plus shaft radius if the
-    seat is that large. Otherwise it is the seat, because the bore of the disc includes the clearance.
+    By default, `seat` is `cam_seat`. In a stock bearing, the cam is smaller than the seat by the cam clearance. It is
+    not smaller than eccentricity plus shaft radius, unless the seat is. Without a stock bearing, the cam is as large as
+    the seat, because the bore of the disc includes the clearance.
     """
     design, seat = reducer.design, cam_seat(reducer) if seat is None else seat
     flush = design.gear.eccentricity + design.shaft.radius

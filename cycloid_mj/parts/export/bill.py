@@ -111,16 +111,17 @@ def bill(
 ) -> tuple[BillLine, ...]:
     """Return the bill of materials of a design: manufactured parts (`printing.manufactured_parts`), then bought parts.
 
-    The motor and the `consumables` are not included. Bearings out of stock have the dimensions of their seats.
+    The motor and the `consumables` are not included. Where no stock bearing fits, the line has the dimensions of the
+    bearing's seats.
 
     Parameters
     ----------
     cam_seat
-        Radius of the bore of the cam bearing [m]; 0: not chosen yet.
+        Radius of the bore of the cam bearing [m]; 0: not chosen yet, the bearing is that of the design.
     sizes
         Casing of the drive; None: the mechanism only.
     torques
-        Tightening torques [N m] by item, which replace the fit in their lines.
+        Tightening torques [N m] by item of the bill. The fit in the line of such an item is replaced by its torque.
 
     Raises
     ------
@@ -222,7 +223,7 @@ def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None)
     reducer
         The reducer.
     cam_seat
-        Radius of manufactured cams [m]; 0: not chosen yet.
+        Radius of the bore of the cam bearing [m], for which the cams are made; 0: not chosen yet.
     sizes
         Casing of the drive; None: the mechanism only.
     """
@@ -413,9 +414,10 @@ def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
 
 
 def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
-    """Yield the lines of the bearings of cams and shaft; bearings out of stock have the dimensions of their seats.
+    """Yield the lines of the bearings of cams and shaft.
 
-    `cam_seat` is the radius of the bore of the cam bearing [m]; 0: not chosen yet.
+    Where no stock bearing fits, the line has the dimensions of the bearing's seats. `cam_seat` is the radius of the
+    bore of the cam bearing [m]; 0: not chosen yet, the bearing is that of the design.
     """
     gear, shaft = reducer.design.gear, reducer.design.shaft
     if gear.bearing == "rolling":

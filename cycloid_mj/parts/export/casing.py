@@ -186,7 +186,8 @@ class Casing:
 def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> Casing:
     """Choose the sizes of covers, bearings, screws and flanges around a mechanism, for a motor.
 
-    `cover_material` is a metal of the library, ``auto``: `LIGHT_METAL` for a ring of a heavier metal.
+    `cover_material` is the name of a metal of the library. With ``auto``, the covers are of `LIGHT_METAL` if the ring
+    is of a metal more than twice as dense, and otherwise of the material of the ring.
 
     Raises
     ------

@@ -172,7 +172,7 @@ def _fit_crank_segments(reducer: Reducer, sizes: Casing, family: str, segments: 
 
 
 def _add_collars(segment: Segment, collars: Sequence[CrankRing]) -> Iterator[Segment]:
-    """Yield the pieces of a segment of the crank along z, with a collar in place of each length that has one."""
+    """Split a segment of the crank at the ends of its collars; yield the pieces along z, collars included."""
     low = segment.z0
     for collar in collars:
         if segment.z0 - SAME_LENGTH < collar.low and collar.high < segment.z1 + SAME_LENGTH:
@@ -193,9 +193,10 @@ def _split_spacer(reducer: Reducer, sizes: Casing, segments: Sequence[Segment]) 
 
 
 def _motor_cover_rounds(sizes: Casing) -> tuple[Round, ...]:
-    """Return the cylinders of the motor cover: one up to the ring or around it, and a slimmer one next to the motor.
+    """Return the cylinders of the motor cover along z: a slimmer one next to the motor, if possible, then the wide one.
 
-    The rim around a ring is lower than the ring, which the other cover clamps.
+    The wide cylinder ends at the ring, or, with screws outside of the ring, continues around it as a rim. The rim ends
+    below the other end of the ring by the axial play, so that the other cover clamps the ring and not the rim.
     """
     top = sizes.end - sizes.play if sizes.screws.outside else -sizes.end
     if sizes.step - sizes.face > 2.0 * sizes.wall and sizes.slim + sizes.wall < sizes.outer:

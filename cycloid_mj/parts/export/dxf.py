@@ -71,9 +71,12 @@ def dxf_bytes(
 def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] = ()) -> list[tuple[str, list[Loop]]]:
     """Group the outlines of a part by layer of its DXF; return (name, outlines) of each layer.
 
-    Each outline is drawn once, from its lowest to its highest end along z. A layer has the name of a section. Where
-    sections at several heights share the name, it is ``z low to high`` [mm]. The thread precedes this for tapped holes,
-    and the name of the segment for holes within a segment of a crank.
+    Each outline is drawn once, from its lowest to its highest end along z. Its layer has one of these names:
+
+    - the name of its section, such as ``journal``, if the outline spans all sections with this name,
+    - ``z 0.0 to 5.0``, its ends [mm], in a part whose sections all have the same name at several heights,
+    - ``journal z 0.0 to 5.0`` for an outline that spans only some of the sections with this name, as in a crank,
+    - ``M4 z 0.0 to 5.0`` with the thread, for tapped holes.
     """
     heights: dict[str, set[tuple[float, float]]] = {}
     spans: dict[tuple[str, object], list[tuple[float, float]]] = {}

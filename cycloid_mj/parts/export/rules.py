@@ -22,9 +22,14 @@ from cycloid_mj.reducer import Reducer
 def describe_violations(reducer: Reducer, sizes: Casing) -> Iterator[str]:
     """Yield a sentence with the remedy for each rule that the joints of a drive violate.
 
-    The rules: parts that move against each other are the axial play apart. Each part can pass those that are mounted
-    before it. Dowels centre the covers and keep a plastic ring from turning. Threads in a plastic have an insert.
-    Pressed and turning parts have a fit. Bearings reach their shoulders. A motor is not bolted to a cover that turns.
+    The rules are:
+
+    - Between parts that move relative to each other, there is at least the axial play.
+    - Each part can be moved to its place past the parts that are mounted before it.
+    - Dowels centre the covers, and keep a plastic ring from turning.
+    - Threads in a plastic have an insert. Pressed and turning parts have a fit.
+    - Bearings reach their shoulders.
+    - A motor is not bolted to a cover that turns.
     """
     for gap in running_gaps(reducer, sizes):
         if not gap.keeps(sizes.play):
