@@ -43,12 +43,12 @@ class Planes:
         return np.stack([-y, x], axis=1)
 
     def reactions_at(self, far_position: float, near_position: float) -> tuple[Array, Array]:
-        """Compute the forces of two bearings on a part under these forces: a beam on two supports.
+        """Compute the reactions of two bearings that balance the forces on a part, as a beam on two supports.
 
         Parameters
         ----------
         far_position, near_position
-            Axial positions of the bearings [m].
+            Axial positions of the far and of the near bearing [m], in the coordinate of `place`.
 
         Returns
         -------
@@ -105,10 +105,11 @@ def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) 
 
 
 def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
-    """Compute the bearing reactions to forces of each disc on shaft, output and ring [N], shape (m, D, 2) each.
+    """Compute the bearing reactions to known forces of each cycloid disc on shaft, output and ring, as `Reactions`.
 
-    The output is supported by bearings of its two discs. With a single output disc (``output.support``), the reactions
-    of these bearings are None in the result.
+    The forces are `shaft`, `output` and `ring` [N], shape (m, D, 2) each. They act in the planes of the discs, so that
+    the bearings also support their moments. If ``output.support`` is "both_ends", the output has a bearing in each of
+    its two end discs; otherwise the reactions of the output's bearings are None.
     """
     design = reducer.design
     gear = design.gear

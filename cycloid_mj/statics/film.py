@@ -127,7 +127,7 @@ class FilmSurfaces:
     inputs: FilmInputs = DESIGN_INPUTS
 
     def at(self, selected: Mask) -> "FilmSurfaces":
-        """Return the surfaces of selected contact lines only, by a mask in the shape of the phases."""
+        """Return the surfaces of only those contact lines that the mask `selected`, in the shape of `radius`, marks."""
         flank, seat = (
             None if speeds is None else SurfaceSpeeds(speeds.moving[selected], speeds.fixed[selected])
             for speeds in (self.flank, self.seat)
@@ -148,9 +148,11 @@ class FilmSurfaces:
         return line_friction(law, force, self.flank.entrainment, self.flank.sliding, self.radius, length, modulus)
 
     def seat_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction of the seats of rolling pins, as a coefficient at the flank; None without seats.
+        """Compute the friction of the seats of rolling pins, as the equivalent at the flank; None without seats.
 
-        `force` is the normal force of each contact [N], shape (m, teeth).
+        The equivalent coefficient is the friction force at the flank that turns a pin in its seat, over the normal
+        force: the coefficient of the seat times `seat_scale`. `force` is the normal force of each contact [N], shape
+        (m, teeth).
         """
         design, seat = self.reducer.design, self.seat
         if seat is None:
@@ -280,7 +282,8 @@ class FilmContacts:
         Parameters
         ----------
         teeth, output
-            Normal forces [N], shape (m, teeth) and (m, studs).
+            Normal forces of the contacts with the ring [N], shape (m, teeth), and of the contacts of output pins, shape
+            (m, `studs`).
         cam
             Magnitude of the force of each cam [N], shape (m, D).
         """
@@ -325,7 +328,8 @@ def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: 
     mesh_gaps, teeth
         Gaps of all contacts, and the number of contact lines with the ring among them, which come first.
     motion
-        Rate of the unknowns z of ``reducer.gaps`` [m/s], shape (m, u), which determines the sliding directions.
+        Velocities of the unknowns of ``reducer.gaps`` [m/s], shape (m, 3 D + 1), which determine the sliding
+        directions: x, y and rotation of each disc, then rotation of the output; rotations as arc lengths.
     """
     gear = reducer.tooth_profile
     owner, disc = mesh_gaps.owner[:teeth] % gear.ring_teeth, mesh_gaps.disc[:teeth]
@@ -358,8 +362,8 @@ def lubricant_temperature(reducer: Reducer, pair: str) -> float:
 def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
     """Return the film law of a kind of mating pair at the temperature of its lubricant.
 
-    `pair` is "cam", "output" or the kind of the teeth. `inputs` are factors on viscosity, roughness, boundary friction,
-    film thickness, film share and shear stresses.
+    `pair` is "cam", "output" or the kind of the teeth, "pin_gear" or "tooth". `inputs` are factors on viscosity,
+    roughness, boundary friction, film thickness, film share and shear stresses.
     """
     friction, temperature = reducer.design.friction, lubricant_temperature(reducer, pair)
     oil = lubricant(friction.lubricant)
@@ -386,7 +390,7 @@ def film_text(reducer: Reducer) -> str:
 
 
 def film_assumption(reducer: Reducer) -> str:
-    """Describe the mixed friction of a rotating crank, in a sentence."""
+    """Return a sentence about the assumed mixed friction, which acts while the crank rotates."""
     friction = reducer.design.friction
     return (
         f"mixed friction of a rotating crank with {friction.lubricant}: film thickness by {friction.film_formula}, "
@@ -434,8 +438,8 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
 def state_seals(reducer: Reducer) -> Reducer:
     """Return the reducer with the seal torques of the law ``film`` as `drag.crank` and `drag.output` of its design.
 
-    A reducer with another law, or with a `drag`, is returned unchanged. Reducers of the same parts at other speeds and
-    temperatures then need no search for covers, which takes 0.05 s.
+    A reducer with another law, or with a `drag`, is returned unchanged. The seals follow from the covers of the drive,
+    whose design takes 0.05 s. Copies of the result at other speeds and temperatures do not repeat it.
     """
     drag = reducer.design.drag
     if not reducer.design.has_film or drag.crank or drag.output:

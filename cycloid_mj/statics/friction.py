@@ -9,17 +9,17 @@ from cycloid_mj.reducer.gaps import Gaps
 
 
 def compute_friction_per_force(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
-    """Compute the generalised Coulomb friction of n contacts per normal force [1], on u unknowns, shape (..., n, u).
+    """Compute the generalised friction force of each contact per normal force [1], shape (..., n, u).
 
-    Friction opposes the sliding of the ideal parts: its generalised force is -mu sign(s) ds/dz, with the sliding speed
-    s.
+    Coulomb friction opposes the sliding of the ideal parts. Its generalised force on an unknown z is -mu sign(v) ds/dz,
+    with the sliding distance s and the sliding velocity v of the contact.
 
     Parameters
     ----------
     mesh_gaps
         The contacts, with unknowns z as in ``reducer.gaps``.
     motion
-        Rate of z [m/s], shape (..., u): `reducer.gaps.ideal_motion` times the crank's speed against the ring.
+        Velocities of z [m/s], shape (..., u): `reducer.gaps.ideal_motion` times the crank's speed against the ring.
     """
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
     coefficient = np.where(
@@ -56,12 +56,12 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     sliding = np.abs(profile.pitch_distance(gear, phases) - gear.pin_radius) * speed / gear.lobes
     hole_speed = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
     total_loss, missing_loss = 0.0, 0.0
-    contacts = [(design.tooth_pair, design.mesh_friction, teeth, sliding, _creeping_contacts(reducer))]
+    contacts = [(design.tooth_pair, design.mesh_friction, teeth, sliding, _creep_speed_factor(reducer))]
     if design.layout == "central":
         contacts.append(("output", design.friction_of("output"), pins, np.full_like(pins, hole_speed), 1.0))
-    for kind, friction, force, slip, contact_count in contacts:
+    for kind, friction, force, slip, speed_factor in contacts:
         loss = friction * force * slip
-        full_speed = contact_count * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
+        full_speed = speed_factor * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
         total_loss += float(np.mean(np.sum(loss, axis=1)))
         missing_loss += float(
             np.mean(np.sum(loss * np.maximum(1.0 - slip / np.maximum(full_speed, 1e-12), 0.0), axis=1))
@@ -69,13 +69,14 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     return (missing_loss / total_loss, missing_loss * gear.lobes / (torque * speed)) if total_loss else (0.0, 0.0)
 
 
-def _creeping_contacts(reducer: Reducer) -> float:
-    """Compute the effective number of contacts in series that creep below the full friction of a tooth [1].
+def _creep_speed_factor(reducer: Reducer) -> float:
+    """Compute the factor by which moving pins raise the speed below which teeth creep at less than full friction [1].
 
-    It is 1 for fixed pins, and without friction. A moving pin of radius R in a socket or on a core of radius r
-    transmits a friction force f between disc and pin if the force at its seat is f', with r f' = R f. With the limits
-    mu F at the disc and mu' F at the seat, each contact creeps in proportion to the share of its limit. The pin's
-    surface moves by R/r times the sliding at the seat.
+    It is 1 for fixed pins, and without friction. A moving pin divides the sliding between two contacts in series, at
+    the disc and at its seat, and both creep. The pin has the radius R, its socket or core the radius r. A friction
+    force f at the disc is in equilibrium with the force f' at the seat if r f' = R f. With the limits mu F at the disc
+    and mu' F at the seat, each contact creeps in proportion to the share of its limit. The pin's surface moves by R/r
+    times the sliding at the seat.
     """
     design = reducer.design
     ring, seat = design.ring, design.seat_pair

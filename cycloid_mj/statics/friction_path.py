@@ -92,9 +92,10 @@ def follow_torque_path(
     Parameters
     ----------
     reducer
-        The reducer: clearances, errors, stiffness, friction, and, with the crank locked, weight; not drive and load.
+        The reducer. Its drive and load are ignored, and with the output locked also its weight.
     torque
-        Torque path, shape (m,) [N m]: on the output, counter-clockwise, or on the crank times the ratio in that sense.
+        Torque path, shape (m,) [N m], counter-clockwise positive: torque on the output, or, with the output locked,
+        torque on the crank times the ratio.
     crank
         Angle at which the crank is locked, or starts [rad].
     losses

@@ -123,8 +123,9 @@ def torque_at_pressure(
 
 
 def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
-    """Return whether the contact of a kind with the largest pressure is loaded and a narrow strip (Hertz theory).
+    """Return whether Hertz theory applies at the largest pressure among all contacts of one kind.
 
+    The contact with this pressure must be loaded, and its strip must be narrow compared with the thinner body.
     `springs` and `contact_loads` are arguments of `peak_pressure`, `kind` is ``pin_gear``, ``tooth``, ``output`` or
     ``cam``.
     """

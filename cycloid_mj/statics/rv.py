@@ -183,7 +183,7 @@ class RvLoads:
 def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     """Compute the springs of an RV reducer at crank angles against the ring [rad], shape (m,).
 
-    Contacts have the stiffness `at_rated_load`; errors as in ``springs.springs_of``.
+    Contact stiffness is that of the reducer `at_rated_load`. Exceptions are those of ``springs.springs_of``.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     teeth = mesh_gaps(reducer, crank)
@@ -449,11 +449,11 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
 
 
 def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
-    """Return the gaps of all contacts at some displacements, and factors of the change of the pins' gradients.
+    """Return the gaps of all contacts at some displacements, and factors a and b in the gradients of the pins' gaps.
 
-    The gap of a pin is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in ``statics.kernel``, for the
-    displacements q along the normal and p along the flank; p_phi is the part of p by the rotation phi of the disc. The
-    gradient of the gap is grad q + first factor * grad p - second factor * grad phi.
+    The gradient of a pin's gap is grad q + a grad p - b grad phi. q and p are the displacements along the normal and
+    along the flank, phi is the rotation of the disc. The gap is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in
+    ``statics.kernel``: p_phi is the part of p that phi causes, bend the relative curvature, and twist its rate.
 
     Parameters
     ----------
@@ -465,7 +465,7 @@ def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Arra
     Returns
     -------
     tuple
-        Gaps of pins, then of planet flanks (m, c) [m]; first factor (m, pins) [1]; second factor (m, pins) [m].
+        Gaps of pins, then of planet flanks (m, c) [m]; a (m, pins) [1]; b (m, pins) [m].
     """
     column = displacements[..., np.newaxis]
     gaps = springs.gap + (springs.slope @ column)[..., 0]

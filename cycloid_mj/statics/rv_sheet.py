@@ -58,8 +58,8 @@ SETTINGS = RvSheetSettings()
 def carrier_turn_angles(reducer: RvReducer, count: int = SETTINGS.force_angles) -> Array:
     """Return crank angles against the ring [rad], shape (count,), that cover a turn of the carrier evenly.
 
-    The angles are in the order in which the drive passes them. They are multiples of the golden ratio of the turn,
-    which cover any part of the turn evenly, too.
+    As fractions of the turn they are the fractional parts of k times the golden ratio for k = 0, 1, ..., sorted in the
+    order in which the drive passes them. Such a sequence also covers every part of the turn nearly evenly.
     """
     shares = np.sort(np.mod(0.5 * (np.sqrt(5.0) - 1.0) * np.arange(count), 1.0))
     return np.asarray(-_carrier_sense(reducer) * reducer.crank_turn * shares)

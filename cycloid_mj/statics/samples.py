@@ -106,7 +106,8 @@ def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
     """Draw `count` samples with normally distributed errors, whose standard deviations are in the table `errors`.
 
     Each kind of error has a random stream of its own, seeded by `seed` and its index. Errors that the design lists part
-    by part, waves and the error of the eccentricity are the same in all samples. Errors vary about measured deviations.
+    by part, waves and the error of the eccentricity are the same in all samples. The mean of each other error is 0, or
+    the measured deviation of the part, if the design has one.
     """
     errors, nominal_samples = reducer.design.errors, identical_samples(reducer, count)
     measured_errors = measured_deviations(reducer.design)
@@ -194,8 +195,8 @@ def solve_samples(
     samples
         Deviations of the samples.
     torques
-        Output torques [N m], positive as in `Member.share`, not 0. The backlash lies between a small torque and its
-        opposite.
+        Output torques [N m], not 0. A positive torque brakes a crank that rotates counter-clockwise, as in
+        `Member.share`. For `backlash`, include a small torque and its negative.
     angles
         Number of crank angles, evenly over a turn in the frame of the ring.
     threads
@@ -318,9 +319,11 @@ def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_
     rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :teeth, 2])
 
     def contact_effects(all_gradients: Array) -> Array:
-        """Compute the effects of the four errors of `Effects` on distances or shifts of contacts, shape (k, n, 4).
+        """Compute the derivatives of distances or shifts of the contacts by four errors, shape (k, n, 4).
 
-        `all_gradients` (k, n, u) [1] are the gradients of these distances or shifts by all unknowns.
+        The errors are those of `Effects`: position of the pin or hole in x and in y, pin circle of the disc, and
+        rotation of its flanks. `all_gradients` (k, n, u) [1] are the gradients of the distances or shifts by all
+        unknowns.
         """
         gradients = _own_disc_gradients(contacts, all_gradients)
         effects = np.zeros((*gradients.shape[:2], 4))

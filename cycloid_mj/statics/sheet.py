@@ -347,8 +347,9 @@ def _stiffness(windups: Sequence[Windup]) -> float:
 def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the transmission errors of disc and output [arcsec] of each of `CASES` and `DIRECTIONS`, with friction.
 
-    The differences of the mean angles between directions (reversal) and loads (wind-up) follow [arcsec]; for a central
-    crank also the relative inertia torque of a load that follows the error.
+    Then yield the reversal error, which is the difference of the mean angles between the directions, and the wind-up,
+    which is that between the loads [arcsec]. A reducer with a central crank also has the relative inertia torque of a
+    load that follows the error.
     """
     means: dict[tuple[str, str, str], float] = {}
     for case in CASES:
@@ -517,9 +518,9 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
-    """Solve for the output torque that drives the crank against its share of a `load` on the output [N m].
+    """Solve for the output torque that drives the crank against the torque `load` [N m] over the ratio.
 
-    A fixed-point iteration of torque and efficiency determines it.
+    The output torque is `load` over the back-driving efficiency, which depends on it: a fixed-point iteration.
 
     Returns
     -------

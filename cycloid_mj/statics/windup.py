@@ -110,8 +110,8 @@ def solve_windups(
 ) -> list[Windup]:
     """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m], without friction.
 
-    Returns a wind-up per crank angle, with the poses under both signs of each torque share of `SHARES`. `warm_start`
-    is `follow` of `loads`: angles that vary smoothly take half of the time.
+    Returns a wind-up per crank angle, with the poses under both signs of each torque share of `SHARES`. With
+    `warm_start`, each solution starts from the previous equilibria, which halves the time if the angles vary smoothly.
 
     Raises
     ------

@@ -279,8 +279,8 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _CurveOf
     pose, offset
         Displacements of the contact's disc and of the output, and the result of `curve_offset` for them.
     use_foot_point
-        Whether the foot point on the tooth profile is computed; if not, the profile is expanded to the third order,
-        where the expansion is accurate.
+        Whether the foot point on the tooth profile is always computed. If not, it is computed only where an expansion
+        of the profile to the third order is not accurate.
     """
     x, output_dof = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, rotates, phi, psi = x + 1, x + 2, springs.rotates[i], pose.phi, pose.psi
@@ -318,7 +318,7 @@ def _curve_distance(
     rotates: bool,
     use_foot_point: bool,
 ) -> tuple[float, float, float, float]:
-    """Compute the distance of two curves, from the offset of their points of ideal contact.
+    """Compute the distance of two curves whose points of ideal contact have moved apart by an offset.
 
     Where the third-order expansion is not valid, the foot point on the trochoid is used; if there is none nearby, as
     for parts that are far apart, the profile is approximated by its circle of curvature.
@@ -332,14 +332,14 @@ def _curve_distance(
     q, p
         Offset along the normal and along the tangent [m].
     rotates
-        Whether the contact is on a tooth profile, and not in a round hole.
+        True for a tooth profile, which rotates with the disc; False for a round hole.
     use_foot_point
         Whether the foot point of a profile is always computed.
 
     Returns
     -------
     tuple of float
-        Distance [m], cosine and sine of the rotation of the normal, and rotation of the normal per offset p [1/m].
+        Distance [m], cosine and sine of the angle by which the normal rotates, and rate of this angle by p [1/m].
     """
     normal_component, tangent_component = 1.0 + curvature * q, curvature * p
     is_accurate = _is_expansion_valid(trochoid, curvature, curvature_rate, p)
@@ -402,18 +402,18 @@ def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
 def _find_foot_point(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, normal_component: float
 ) -> tuple[bool, float, float, float, float]:
-    """Find the foot point of a point on the trochoid E u(t) - c u(N t) of `KernelSprings`, and the distance from it.
+    """Find the foot point of a point on the `trochoid` E u(t) - c u(N t), with symbols as in `KernelSprings`.
 
     The point is at q along the normal and p along the tangent [m] from the curve's point at the `phase` (N - 1) t,
     where the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method,
-    safeguarded by bisection, starts from the foot point on the circle of curvature, at the arc p over
-    `normal_component`.
+    safeguarded by bisection, starts near the foot point on the circle of curvature, at the arc length p over
+    `normal_component`, which is 1 + curvature q.
 
     Returns
     -------
     tuple
-        Whether there is a foot point nearby; distance [m], cosine and sine of the rotation of the normal, and its
-        rotation per offset p [1/m].
+        Whether there is a foot point nearby; distance [m], cosine and sine of the angle by which the normal rotates,
+        and rate of this angle by p [1/m].
     """
     E, c, N = trochoid
     sine, cosine = math.sin(phase), math.cos(phase)

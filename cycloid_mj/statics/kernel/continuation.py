@@ -187,7 +187,8 @@ def solve_scaled(
 def _friction_and_clearance(order: float, parameter: float) -> tuple[float, float]:
     """Return the factors on friction and clearance [1] at a `parameter` of the path; they exceed 1 beyond its end.
 
-    `order` is one of the numbers in `search.PARAMETER_ORDERS`.
+    With the `order` 1, friction grows at parameters from 0 to 1, then clearance from 1 to 2; with -1, clearance grows
+    first. With 0, both grow together from 0 to 1.
     """
     if order == 0.0:
         return parameter, parameter
@@ -334,10 +335,12 @@ def _predict_and_correct(
     path: Path,
     system: System,
 ) -> bool:
-    """Compute `path.next_point` at a `length` [1] from `path.point`, and its tangent; return whether it advances.
+    """Compute `path.next_point` at a `length` [1] from `path.point`, and its tangent; return whether this succeeds.
 
-    If it does not, the tangent is unchanged. `sign` is an argument of `_update_tangent`, `tolerance` the residual norm
-    of a solution [N]; `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
+    It fails if the corrector does not converge, if the tangent is not unique, or if the new point is not ahead of the
+    old one along the new tangent. The tangent is then unchanged. `sign` is an argument of `_update_tangent`,
+    `tolerance` the residual norm of a solution [N]; `k` is the index of the crank angle, `load` (u,) [N] the
+    generalised load.
     """
     copy(path.tangent, path.previous_tangent)
     if not _correct(springs, k, load, length, tolerance, path, system):

@@ -160,15 +160,15 @@ def follow_path(
     max_motion
         Displacement of the output [m], as an arc length at `springs.radius`, above which a step is halved.
     positions, z
-        Output arrays (rows,) and (rows, u) [m], rows >= m: position on the path, counted in loads from 0, and
-        displacements there. On entry, the first row of z is the state at rest. Each load has a row; rows beyond m are
-        for the parts of halved steps.
+        Output arrays (rows,) and (rows, u) [m], rows >= m: position on the path, as an index of its loads with
+        fraction, and displacements there. Each load has a row, from the first load on; rows beyond m are for the parts
+        of halved steps. On entry, the first row of z must contain the displacements at rest; it is overwritten.
 
     Returns
     -------
     tuple of Residual and int
-        Residual, and number of rows that are filled in. The residual force is 0 after the last load; if a step has no
-        equilibrium, it is the residual of this step over the largest load of the path.
+        Residual, and number of rows that are filled in. The residual force is 0 if the whole path was solved. If a
+        step has no equilibrium, it is the residual of this step over the largest load of the path.
     """
     elements, unknowns = rubbing.stick.size, path.shape[1]
     old, new = _allocate_state(elements, unknowns), _allocate_state(elements, unknowns)

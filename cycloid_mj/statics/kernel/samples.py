@@ -105,8 +105,8 @@ def balance_few_samples(
         Output array (t, all samples, ``FIGURES``): quantities of each sample as in `_write_sample_figures`, then the
         relative residual, above ``RESIDUAL_RTOL`` if a crank angle has no equilibrium.
     use_paths
-        True: solve along paths where Newton's method fails (``search.balance_with_paths``), in Python only. None: do
-        not; required in compiled code.
+        True to solve along paths where Newton's method fails (``search.balance_with_paths``), in Python only; otherwise
+        None, never False. Compiled code requires None.
     workspace
         From `allocate_workspace`; overwritten.
     """
@@ -238,8 +238,9 @@ def _write_sample_figures(
     force
         Contact forces (k, n) [N].
     row
-        Output array: mean and range of the rotation of the discs (their mean) and of the output [rad] (0 to 3), the
-        largest force on a tooth, an output pin and a cam [N] (4 to 6), and the mean number of teeth that carry (7).
+        Output array. 0, 1: mean and range, over the crank angles, of the average rotation of the discs [rad]. 2, 3: the
+        same of the rotation of the output [rad]. 4 to 6: largest force on a tooth, an output pin and a cam [N]. 7: mean
+        number of loaded teeth.
     """
     angles, discs = len(z), cam_position.shape[1]
     for body in range(2):

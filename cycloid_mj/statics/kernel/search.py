@@ -124,8 +124,9 @@ def balance_briefly(
 ) -> Residual:
     """Solve as `balance` from the crank angle of index `first_angle` on, without the paths of `solve_by_arclength`.
 
-    The workspace `system` counts the assemblies. After a failure, the result names the angle, and `system.begun` has
-    its start values. A `first_angle` above 0 means that the angle before it took much work.
+    The workspace `system` counts the assemblies. After a failure, the result has the index of the angle, and
+    `system.begun` its start values. With `extrapolate` and a `first_angle` above 0, the first solution is warm-started
+    as after a difficult angle (`SearchSettings.short_work`), and the count of assemblies continues.
     """
     start, largest_norm = system.begun, 0.0
     was_quick, warm_start = FALSE, extrapolate and first_angle > 0
@@ -301,11 +302,11 @@ def _grow_clearances(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float:
-    """Compute the force that deflects the stiffest spring by `clearance_count` largest clearances [N].
+    """Compute the force [N] that deflects the stiffest spring by `clearance_count` times the largest clearance.
 
-    It sets the stiffness of the soft springs at the beginning of a continuation schedule, at crank angle `k`. The force
-    is limited such that no contact deflects beyond the range in which its curves are valid, even if a cam is much
-    stiffer.
+    It determines the stiffness of the soft springs at the beginning of a continuation, at the crank angle of index `k`.
+    The force is limited such that no contact deflects beyond the range in which its curves are valid, even if a cam is
+    much stiffer.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):
