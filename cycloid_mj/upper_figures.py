@@ -45,10 +45,10 @@ def _make_figures(
     rows: Iterable[tuple[str, str, str, str]],
     exists: Callable[[Reducer], bool] = lambda _: True,
 ) -> tuple[Figure, ...]:
-    """Return the figures that a module computes, from rows of key without unit, unit, name and definition.
+    """Return the figures that `cycloid_mj.<module>` computes, from rows of key without unit, unit, name and definition.
 
-    `need` states what they are computed from. The function has the name of the key, or that in `_FUNCTIONS`; `exists`
-    returns whether a reducer has the figures.
+    The function of the module that computes a figure has the name of its key, or the name in `_FUNCTIONS`. `need`
+    states what the figures are computed from. `exists` returns whether a reducer has the figures.
     """
     return tuple(
         Figure(
@@ -66,7 +66,10 @@ def _make_figures(
 
 
 def _part_function(kind: str, name: str) -> Compute:
-    """Return the function of a figure of the parts of a kind, by finite elements."""
+    """Return a function that computes the figure `name` of the parts of a `kind` of a reducer by finite elements.
+
+    `kind` is a key of `PARTS`, `name` a key of ``stress.figures.FIGURES_OF_PARTS``.
+    """
 
     def compute(reducer: Reducer) -> float:
         from cycloid_mj.stress.figures import part_figure
@@ -77,7 +80,7 @@ def _part_function(kind: str, name: str) -> Compute:
 
 
 def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple[Figure, ...]:
-    """Return a figure for the parts of each kind, by finite elements; texts have {} in place of the part."""
+    """Return one figure per kind of part, computed by finite elements; {} in the texts stands for the part."""
     return tuple(
         Figure(
             key=f"{kind}_{key}",

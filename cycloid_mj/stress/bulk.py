@@ -84,8 +84,9 @@ def measure_distances(grid: Grid, case: LoadCase) -> Distances:
 def search_distances(distances: Distances, start: float) -> Array:
     """Return increasing distances from patches [m], shape (s,), for the search for the plateau of the largest stress.
 
-    The first distance is half of `start` [m], and each next one is larger by the factor sqrt(2). The last is the
-    largest with a node of the part beyond it at every angle. If fewer than three remain, that limit itself is appended.
+    The first distance is half of `start` [m], and each next distance is larger by the factor sqrt(2). The series ends
+    at the limit `distances.farthest`, beyond which no vertex of the part is left at some crank angle. If there are
+    fewer than three distances up to the limit, the limit itself is appended.
     """
     steps = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
     reached_distances = steps[steps <= distances.farthest()]

@@ -189,8 +189,9 @@ def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
 def mass_loads(part: ElasticBody, points: Array) -> Array:
     """Compute the nodal forces (n, 4) [N] of the mass of a part in four unit fields of acceleration.
 
-    The fields are 1 m/s2 along x, 1 m/s2 along y, and with the position r [m] from the z axis r/s2 and -z x r/s2. Sums
-    of them are the inertia forces of any plane motion. `points` are the part's nodes (p, d) [m].
+    The fields at a position (x, y) [m] are (1, 0), (0, 1), (x, y) and (y, -x), in m/s2: two translations, the radial
+    and the tangential field. Their linear combinations are the inertia forces of any plane motion. `points` are the
+    part's nodes (p, d) [m].
     """
     x, y = points[:, 0], points[:, 1]
     fields = np.zeros((*points.shape, 4))
@@ -255,7 +256,7 @@ def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | 
     weighted = [(slope * measure[..., np.newaxis]).transpose(0, 2, 1) for slope in gradients_along]
     laplacian = shear * sum(weighted[axis] @ gradients_along[axis] for axis in range(dimension))
     assembler = assembler or _Assembler(grid)
-    blocks = np.empty((assembler.pairs, dimension, dimension))
+    blocks = np.empty((assembler.pair_count, dimension, dimension))
     for i, j in zip(*np.triu_indices(dimension), strict=True):
         product = weighted[i] @ gradients_along[j]
         element = lame * product + shear * product.transpose(0, 2, 1) + (laplacian if i == j else 0.0)
@@ -283,17 +284,17 @@ class _Assembler:
     """Sums matrices of elements (m, a, a) over the pairs of nodes that share an element, in the order of the rows."""
 
     def __init__(self, grid: Grid) -> None:
-        """Find the pairs of nodes that share an element of `grid`; `pairs` is their number."""
+        """Find all pairs of nodes that share an element of `grid`; `pair_count` is their number."""
         cells, self._nodes = grid.cells, len(grid.points)
         keys = (cells[:, :, np.newaxis] * self._nodes + cells[:, np.newaxis]).ravel()
         pairs, self._slot = np.unique(keys, return_inverse=True)
         self._columns = pairs % self._nodes
         self._starts = np.searchsorted(pairs, np.arange(self._nodes + 1) * self._nodes)
-        self.pairs = len(pairs)
+        self.pair_count = len(pairs)
 
     def sum_pairs(self, element: Array) -> Array:
         """Sum the entries of element matrices (m, a, a) that belong to the same pair of nodes, shape (pairs,)."""
-        return np.asarray(np.bincount(self._slot.ravel(), element.ravel(), self.pairs), np.float64)
+        return np.asarray(np.bincount(self._slot.ravel(), element.ravel(), self.pair_count), np.float64)
 
     def matrix(self, blocks: Array) -> Any:
         """Return the sparse matrix (n, n) of the blocks (pairs, d, d)."""

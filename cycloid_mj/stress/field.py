@@ -116,7 +116,7 @@ def solve(
     loads: PartLoads,
     distance: float | None = None,
 ) -> PartStress:
-    """Solve a part at each crank angle of its loads; return its largest stress, support reactions and imbalance there.
+    """Compute the largest bulk stress, support reactions and imbalance of a part at each crank angle of its loads.
 
     Parameters
     ----------
@@ -127,10 +127,13 @@ def solve(
     loads
         The loads on the same part.
     distance
-        Distance from patches at which bulk stress begins [m]; by default where the largest stress of all angles reaches
-        a plateau, from the grid's distance on.
+        Distance from contact patches from which the stress counts as bulk stress [m]. By default, this is where the
+        largest stress of all crank angles reaches a plateau (`search_distances`, from `grid.bulk_distance`).
 
-    Raises as `part_case`.
+    Raises
+    ------
+    CycloidError
+        The loads are not those of the part, or its finite-element equations cannot be solved.
     """
     reducer = reducer_of(design)
     case = part_case(reducer, grid, loads)

@@ -56,7 +56,7 @@ def lobe_contact_point(
         Parameter on the outline [rad] and relative curvature [1/m] of the ideal contact lines of this lobe, from
         `lobe_lines`, (k, 3).
     rotation_error
-        Small angle [rad] (k,) by which the disc is ahead of the closed form.
+        Small angle [rad] (k,) by which the disc is rotated beyond its ideal angle, counter-clockwise.
     offset
         Offset of the flank from the trochoid [m].
 

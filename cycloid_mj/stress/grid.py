@@ -332,7 +332,8 @@ def _triangulate(
     loops
         Divided outlines of the region, in the order of its boundaries.
     inner_edge, growth
-        Longest edge far from the outlines [m], and exponent of the depth with which edges grow up to it.
+        Longest edge, far from the outlines [m], and exponent of the power law by which edges grow to it with the
+        distance from the outlines.
 
     Returns
     -------

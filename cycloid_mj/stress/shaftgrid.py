@@ -104,9 +104,10 @@ def _cylinder(occ: Any, centre: Sequence[float], radius: float, z0: float, z1: f
 
 
 def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
-    """Set gmsh's target edge lengths: a third of `edge` [m] at positions (n, 3) [m], `edge` from 2 `edge` on.
+    """Set gmsh's target edge length near `positions` (n, 3) [m].
 
-    Only every eighth position is used.
+    It is a third of `edge` [m] at the positions, and rises to `edge` at a distance of 2 `edge`. Only every eighth
+    position is used.
     """
     field, longest = gmsh.model.mesh.field, edge * MILLIMETRES
     distance = field.add("Distance")

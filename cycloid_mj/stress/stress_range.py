@@ -100,9 +100,11 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
 
 
 def rank_by_range(states: Array) -> Array:
-    """Compute an estimate [Pa] (n,) by which nodes are ranked, from ranges and levels of their stress components.
+    """Compute the quantity [Pa] (n,) by which nodes are ranked before their stress ranges are known exactly.
 
-    `states` (c, components, n) [Pa] are the components at c instants, NaN where a state does not count.
+    It is sqrt(3) times the norm of the ranges of the stress components, an upper bound of the stress range, plus half
+    the norm of their largest magnitudes. `states` (c, components, n) [Pa] are the components at c instants, NaN where a
+    state does not count.
     """
     largest, smallest = np.fmax.reduce(states, axis=0), np.fmin.reduce(states, axis=0)  # no numbers are passed over
     level = np.maximum(np.abs(largest), np.abs(smallest))

@@ -78,9 +78,10 @@ def design_with_errors(layout: str, *changes: str) -> Design:
 def springs_and_reference(
     reducer: Reducer, crank_angle: float = BALANCE.crank
 ) -> tuple[KernelSprings, DisplacedSprings]:
-    """Return the springs of a design without friction at a crank angle [rad], and reference springs on exact gaps.
+    """Return the springs of a design without friction at a crank angle [rad], and reference springs with exact gaps.
 
-    The former are those of `statics.springs_of`; both have the same stiffness.
+    The former are those of `statics.springs_of`, whose gaps are approximated. The gaps of the reference springs are
+    computed from the exact curves. Both have the same stiffness.
     """
     design_springs = springs_of(reducer, [crank_angle], friction=False)
     contacts, angle = design_springs.contacts, float(design_springs.crank[0])
@@ -99,10 +100,10 @@ def random_pose(unknowns: int, size: float) -> Array:
 
 
 def state_rows(layout: str) -> list[ValidationRow]:
-    """Compare energy and forces of the springs at a random pose with those of springs on exact gaps.
+    """Compare energy and forces of the springs at a random pose with those of the reference springs.
 
-    `layout` is a key of `LAYOUTS`. The random displacements are at most `BALANCE.near`, the random forces at most 100
-    N; those of rotations are up to three times as large.
+    `layout` is a key of `LAYOUTS`. Displacements of the pose are at most `BALANCE.near`. The generalised loads are
+    random, too, and at most 100 N. Both limits are three times as large for rotations.
     """
     springs, reference = springs_and_reference(Reducer(design_with_errors(layout)))
     unknowns = springs.slope.shape[2]

@@ -217,10 +217,11 @@ def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[A
 
 
 def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the nearest points of the disc at a `pose` to every ring pin; the distance is the gap without clearance.
+    """Compute the nearest points of the disc at a `pose` to every ring pin.
 
-    `centres` are those of the pins in the ring's frame [m], shape (N, 2); `flanks` are those of the disc, by default
-    the ideal flanks of `gear`.
+    The gap of a pin is the distance of these points plus the clearance, which is not included here. `centres` are those
+    of the pins in the ring's frame [m], shape (N, 2); `flanks` are those of the disc, by default the ideal flanks of
+    `gear`.
     """
     distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
     pin_count = gear.ring_teeth
@@ -236,12 +237,13 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
 
 
 def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the nearest points of the disc and an internal gear; their distance is the gap without clearance.
+    """Compute the nearest points of the disc and an internal gear; the gap is their distance plus the clearance.
 
     First are the arcs that the disc at this `pose` can touch, then the local minima in the roots with the indices
-    `roots`. Root k is counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
-    within the fan of its normals, at most asin(c N/E) from the radial direction, with eccentricity c, N lobes and the
-    pin-circle radius E. `flanks` are those of the disc, by default the ideal flanks of `gear`.
+    `roots`. Root k is counter-clockwise of lobe k. Its points have phases B from B0 to 2 pi - B0, as in
+    ``envelope.Sigma``; those beyond pi belong to the next lobe. The disc can touch an arc only where its normal is at
+    most asin(c N/E) from the radial direction, with eccentricity c, N lobes of the ring and the pin-circle radius E.
+    `flanks` are those of the disc, by default the ideal flanks of `gear`.
     """
     flanks = flanks or _ideal(gear)
     arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)

@@ -31,7 +31,7 @@ _RING |= {NONPIN: ("nonpin", "ring.teeth=36")}
 
 
 def design_of_kind(kind: str, *changes: str) -> Design:
-    """Return the paper's design with a kind of ring and ``table.key=value`` changes, without a ramp."""
+    """Return the design of Hsieh 2014 with a kind of ring and ``table.key=value`` changes, without a ramp."""
     preset, ring = _RING[kind]
     return override(PRESETS[preset], [ring, "drive.ramp_s=0.0", *changes])
 
@@ -83,7 +83,7 @@ def rated_design(kind: str, *changes: str) -> Design:
 
 
 def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
-    """Simulate the paper's reducer with a kind of ring at rated load and a crank speed [rpm].
+    """Simulate the reducer of Hsieh 2014 with a kind of ring at rated load and a crank speed [rpm].
 
     `kind` is `FIXED`, `FREE`, `SLEEVED` or `NONPIN`; `changes` are settings as for ``--set``, ``key=value``.
 

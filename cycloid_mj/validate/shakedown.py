@@ -13,10 +13,13 @@ from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 def rows(quick: bool) -> list[ValidationRow]:
     """Compare first yield and shakedown under a rolling line contact with the elastic stress field below it.
 
-    Residual stresses can cancel all but the orthogonal shear, which changes sign as the load passes (Melan): its
-    largest value is the shear strength k at shakedown. By Johnson it is 0.25 of Hertz's peak pressure p0 at (0.87,
-    0.50) half widths, and the load 1.66 times that of first yield (Contact Mechanics, 1985, 9.2, Eqs 9.5 and 9.6);
-    yield by von Mises with Poisson's ratio 0.3. `quick` is ignored.
+    Residual stresses can cancel all stresses but the orthogonal shear, which changes sign as the load passes (Melan).
+    At shakedown, the largest orthogonal shear is therefore the shear strength k. By Johnson (Contact Mechanics, 1985,
+    9.2, Eqs 9.5 and 9.6), it is 0.25 of Hertz's peak pressure p0, at (0.87, 0.50) half widths; the load at shakedown is
+    1.66 times the load at first yield. Yield is by von Mises with Poisson's ratio 0.3.
+
+    Returns rows for p0/k at shakedown and for the position of the largest orthogonal shear, both from the stress field,
+    for `SHAKEDOWN_PRESSURE` against this p0/k, and for the ratio of the loads. `quick` is ignored.
     """
     shear_minimum = minimize(_minus_shear, np.array([0.8, 0.5]), method="Nelder-Mead", tol=1e-10)
     source = "Johnson, Contact Mechanics (1985), 9.2"

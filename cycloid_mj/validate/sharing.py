@@ -229,8 +229,9 @@ def _lobe_of_roots(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
     """Compute the share of a full spring of each contact of the ideal internal gear at a crank angle [rad], shape (n,).
 
-    Arcs come first, then root lines. A root line and the arc of its lobe have the share (1 + s)/2 each, where s is the
-    gap half-way between them in working deflections, at most 1. An arc next to two root lines has the product of both.
+    Arcs come first, then root lines. A root line and the arc of its lobe have the share (1 + s)/2 each. s is the gap
+    half-way between both lines over the deflection under the working force, at most 1. If an arc is next to two root
+    lines, its share is the product of both values.
     """
     design = reducer.design
     gear = tooth_profile(design)

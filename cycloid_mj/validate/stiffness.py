@@ -13,8 +13,9 @@ def tooth_stiffness(
 ) -> Array:
     """Compute the stiffness of each contact of the mesh [N/m], shape (n,).
 
-    It is that of a line contact at the local relative curvature, at most twice `flat_stiffness`. Lines of an arc and a
-    root with less than one deflection of gap between them form one patch and share its stiffness.
+    It is that of a line contact at the local relative curvature, at most twice `flat_stiffness`. If the lines of an arc
+    and a root are so close that they form one contact patch, they share the stiffness of a single line
+    (`_share_patches`).
 
     Parameters
     ----------
@@ -48,9 +49,11 @@ def _stiffness_factor(reducer: Reducer, curvature: Array) -> Array:
 def _share_patches(
     reducer: Reducer, flat_stiffness: float, nearest: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
 ) -> Array:
-    """Return the stiffness [N/m], shape (n,), with the contact lines of one patch sharing that of a single line.
+    """Return the stiffness [N/m], shape (n,), after division among the contact lines of one patch.
 
-    A root line and the arc of its lobe with less than one deflection of gap between them form a patch.
+    A root line and the arc of its lobe form a patch if the gap half-way between them exceeds the larger of their own
+    gaps by less than the deflection under the working force. The smaller this excess, the closer is the sum of their
+    stiffnesses to that of a single line.
 
     Parameters
     ----------
