@@ -24,6 +24,9 @@ TIP_CLEARANCE = DEDENDUM - 1.0
 SHIFT_STEP = 0.05
 """Step of the profile shift coefficient of a pinion: above the least shift, the flank does not begin in a cusp."""
 
+PATH_NODES = 4
+"""Gauss-Legendre nodes of each interval of a path of contact: exact for polynomials up to the seventh degree."""
+
 
 @dataclass(frozen=True)
 class InvoluteGear:
@@ -236,6 +239,57 @@ def gear_pair(
         for blank, other in zip(blanks, reversed(blanks), strict=True)
     )
     return pinion, mate
+
+
+@dataclass(frozen=True)
+class ContactPath:
+    """Path of contact of a gear pair as nodes of a quadrature; arrays of shape (k,).
+
+    Attributes
+    ----------
+    tangents
+        Distances of the pitch point from the base circles of pinion and mate along the line of action [m].
+    distance
+        Distance of each node from the pitch point along the line of action [m], positive towards the mate.
+    load_share
+        Share of a flank in the force of the mesh [1]: 1 where one pair of teeth is in contact, 1/2 where two are.
+    weight
+        Weight of each node in an integral over the path [m].
+    """
+
+    tangents: tuple[float, float]
+    distance: Array
+    load_share: Array
+    weight: Array
+
+    @property
+    def radius(self) -> Array:
+        """Reduced radius of both flanks [m], shape (k,)."""
+        pinion, mate = self.tangents[0] + self.distance, self.tangents[1] - self.distance
+        return np.asarray(pinion * mate / (pinion + mate))
+
+
+def contact_path(pair: tuple[InvoluteGear, InvoluteGear], centre_distance: float) -> ContactPath:
+    """Return the path of contact of pinion and mate at a centre distance [m], between their tips.
+
+    Each interval between pitch point, ends and changes of the number of loaded pairs has `PATH_NODES` Gauss-Legendre
+    nodes. A flank does not touch below its base circle.
+    """
+    bases = [gear.base_radius for gear in pair]
+    tangent = math.tan(math.acos(min(1.0, sum(bases) / centre_distance)))
+    tangents = bases[0] * tangent, bases[1] * tangent
+    recess, approach = (
+        min(gear.base_radius * gear.last_roll - own, other)
+        for gear, own, other in zip(pair, tangents, reversed(tangents), strict=True)
+    )
+    pitch = 2.0 * math.pi * bases[0] / pair[0].teeth
+    inner = (point for point in (-approach + pitch, recess - pitch, 0.0) if -approach < point < recess)
+    ends = np.array(sorted({-approach, recess, *inner}))
+    nodes, weights = np.polynomial.legendre.leggauss(PATH_NODES)
+    half_length, middle = 0.5 * np.diff(ends)[:, np.newaxis], 0.5 * (ends[1:] + ends[:-1])[:, np.newaxis]
+    distance = np.ravel(middle + half_length * nodes)
+    has_second_pair = (distance - pitch > -approach) | (distance + pitch < recess)
+    return ContactPath(tangents, distance, np.where(has_second_pair, 0.5, 1.0), np.ravel(half_length * weights))
 
 
 def _rotate(x: npt.ArrayLike, y: npt.ArrayLike, angle: Array) -> Array:

@@ -24,7 +24,7 @@ class SurfaceSpeeds:
     Attributes
     ----------
     moving
-        Speed of the disc's surface, or of a rolling pin or roller in its seat.
+        Speed of the disc's surface, of a rolling pin or roller in its seat, or of a planet's flank.
     fixed
         Speed of the mate's surface.
     """
@@ -82,6 +82,28 @@ def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_
     """
     turning = crank_speed * gear.ring_teeth / gear.lobes
     return SurfaceSpeeds(moving=np.asarray(hole_radius * turning), fixed=np.asarray(pin_radius * turning))
+
+
+def involute_speeds(
+    tangents: tuple[float, float], distance: npt.ArrayLike, speeds: tuple[float, float]
+) -> SurfaceSpeeds:
+    """Compute the surface speeds [m/s] of two external involute gears that turn in opposite directions.
+
+    Both flanks pass the contact at the speed of their gear times their radius of curvature. These radii are r + y of
+    the first and r' - y of the second gear at a distance y from the pitch point along the line of action.
+
+    Parameters
+    ----------
+    tangents
+        Distances r and r' of the pitch point from the base circles along the line of action [m].
+    distance
+        y [m] of any shape, positive towards the base circle of the second gear.
+    speeds
+        Magnitudes of the speeds of the first (``fixed``) and the second gear (``moving``) relative to the frame of
+        their axes [rad/s].
+    """
+    y = np.asarray(distance, dtype=np.float64)
+    return SurfaceSpeeds(moving=speeds[1] * (tangents[1] - y), fixed=speeds[0] * (tangents[0] + y))
 
 
 def entrainment_zeros(gear: CycloidGear) -> Array:

@@ -13,10 +13,11 @@ from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.geometry.surface_speeds import (
     entrainment_zeros,
     hole_speeds,
+    involute_speeds,
     seat_speeds,
     tooth_speeds,
 )
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, reducer_of
 
 Array = npt.NDArray[np.float64]
 DESIGNS = Path(__file__).parents[1] / "data" / "designs"
@@ -43,9 +44,9 @@ def followed_speeds(gear: CycloidGear, zeta: Array, crank_speed: float) -> tuple
     return on_disc, on_pin
 
 
-@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("name", [*DRIVES, "rv80e"])
 def test_speeds_match_followed_material_points(name: str) -> None:
-    reducer = Reducer(resolve(name))
+    reducer = reducer_of(resolve(name))
     gear, speed = reducer.tooth_profile, float(reducer.member.against_ring(reducer.design.drive.speed))
     B = profile.pin_angles(gear) + 1e-3
     on_disc, on_pin = followed_speeds(gear, B, speed)
@@ -73,6 +74,31 @@ def test_speeds_at_an_output_pin_match_followed_material_points(name: str) -> No
     speeds = hole_speeds(gear, output.pin_radius, output.hole_radius, speed)
     assert abs(speeds.entrainment) == pytest.approx(0.5 * (on_pin + on_hole), abs=1e-4)
     assert abs(speeds.sliding) == pytest.approx(abs(on_hole - on_pin), abs=1e-4)
+
+
+@pytest.mark.parametrize("distance", [-1.5e-3, 0.0, 4e-3])
+def test_speeds_of_involute_gears_match_followed_material_points(distance: float) -> None:
+    """Sun and planet of the RV-80E at 600 rpm, with the sun's axis in the origin and the planet's on +y."""
+    radii, angle, planet_speed = np.array([8.75e-3, 33.25e-3]), math.radians(20.0), 20.0 * math.pi
+    speeds = np.array([planet_speed * radii[1] / radii[0], planet_speed])
+    along = np.array([-math.cos(angle), math.sin(angle)])  # the line of action, from the sun's base circle
+    tangent = np.array([along[1], -along[0]])
+    centres, turning = np.array([[0.0, 0.0], [0.0, radii.sum()]]), speeds * [1.0, -1.0]
+
+    def in_gears(time: float) -> Array:
+        """Return the contact point in the frame of each gear, which coincides with that at rest at the time 0."""
+        path = distance + radii[0] * math.cos(angle) * speeds[0] * time
+        contact = np.array([0.0, radii[0]]) + path * along - centres
+        cos, sin = np.cos(turning * time), np.sin(turning * time)
+        return np.stack([cos * contact[:, 0] + sin * contact[:, 1], cos * contact[:, 1] - sin * contact[:, 0]], axis=1)
+
+    on_sun, on_planet = (
+        (in_gears(STEP / planet_speed) - in_gears(-STEP / planet_speed)) @ tangent * (planet_speed / (2.0 * STEP))
+    )
+    found = involute_speeds(tuple(radii * math.sin(angle)), distance, tuple(speeds))
+    sign = np.sign(on_sun * found.fixed)
+    assert float(found.fixed) == pytest.approx(sign * on_sun, abs=1e-4)
+    assert float(found.moving) == pytest.approx(sign * on_planet, abs=1e-4)
 
 
 def test_sliding_equals_that_of_the_gaps() -> None:
