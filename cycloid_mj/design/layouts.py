@@ -46,10 +46,8 @@ NOT_IN_RV = frozenset(
         ),
         *(f"{table}.{pair}" for table in _PAIRS_OF_CRANK for pair in ("cam", "output")),
         *("friction.cam", "friction.output", "friction.output_rolling", "contact.cam_rollers"),
-        *(f"friction.{name}" for name in ("law", "lubricant", "roughness", "boundary", "film_formula")),
         *("errors.hole_position", "errors.hole_x", "errors.hole_y", "errors.eccentricity"),
         *("errors.cam_position", "errors.cam_x", "errors.cam_y"),
-        *(f"thermal.{part}" for part in ("disc", "ring", "crank", "output", "housing")),
         *("bearing.output_dynamic_capacity", "bearing.output_static_capacity"),
     )
 )

@@ -9,9 +9,10 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.figures.statics import back_driving_spread, no_load_spread, starting_spread
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.statics.film import state_seals
 from cycloid_mj.statics.film_spread import Spread, efficiency_spread
+from cycloid_mj.statics.rv_sheet import rv_efficiency_spread
 
 
 @dataclass(frozen=True)
@@ -90,8 +91,8 @@ def compute_film_map(
     Returns
     -------
     tuple
-        For each temperature: starting and back-driving torque, then for each speed the no-load torque and the
-        efficiency at each torque.
+        For each temperature: starting and back-driving torque (the latter not of RV reducers), then for each speed the
+        no-load torque and the efficiency at each torque.
 
     Raises
     ------
@@ -114,15 +115,20 @@ def compute_film_map(
         points.append(
             MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm_reducer, MAP.samples))
         )
-        back_driving = back_driving_spread(warm_reducer, MAP.samples)
-        points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back_driving))
+        if not isinstance(reducer, RvReducer):
+            back_driving = back_driving_spread(warm_reducer, MAP.samples)
+            points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back_driving))
         for speed in (share * design.drive.speed for share in shares):
             turning_reducer = warm_reducer.but(drive={"speed": speed})
             no_load = no_load_spread(turning_reducer, MAP.samples)
             points.append(MapPoint("no-load torque", "N m", None, speed, temperature, no_load))
             for torque in (share * design.rated_torque for share in shares):
                 loaded_reducer = turning_reducer.but(load={"torque": torque})
-                spread = efficiency_spread(loaded_reducer, torque, MAP.samples)
+                spread = (
+                    rv_efficiency_spread(loaded_reducer, torque, MAP.samples)
+                    if isinstance(loaded_reducer, RvReducer)
+                    else efficiency_spread(loaded_reducer, torque, MAP.samples)
+                )
                 points.append(MapPoint("efficiency", "%", torque, speed, temperature, spread))
     return tuple(points)
 

@@ -5,13 +5,16 @@ from collections.abc import Callable, Mapping
 
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import with_unit
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.figures.sampled import BACKLASH, TOUCH
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once
+from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.balance import powers
 from cycloid_mj.statics.film_spread import SAMPLES, Spread, compute_spread, lost_powers, sample_inputs
+from cycloid_mj.statics.rv_sheet import friction_powers, rv_lost_powers
 from cycloid_mj.statics.sheet import sheet_part
-from cycloid_mj.statics.sheet_figures import SHEET_FIGURES, SheetFigure, SheetPart
+from cycloid_mj.statics.sheet_figures import BOTH, CENTRAL, SHEET_FIGURES, SheetFigure, SheetPart
 
 MAX_SECANT_STEPS = 4
 """Most secant steps for the back-driving torque, whose drag is nearly linear in the torque."""
@@ -57,8 +60,10 @@ def no_load_torque(reducer: Reducer) -> float:
 
     The load is `TOUCH` of the nominal torque: without a load the parts have no defined position within the clearances.
     """
-    design = reducer.design
-    return powers(reducer, TOUCH * design.rated_torque).lost / abs(design.drive.speed)
+    design, load = reducer.design, TOUCH * reducer.design.rated_torque
+    if isinstance(reducer, RvReducer):
+        return sum(friction_powers(reducer, load, rv_sheet.SETTINGS.rotation_angles).values()) / abs(design.drive.speed)
+    return powers(reducer, load).lost / abs(design.drive.speed)
 
 
 def starting_torque(reducer: Reducer) -> float:
@@ -96,8 +101,12 @@ def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
 
     `samples` is the number of samples of the film law's inputs, from which the interval results.
     """
-    speed = abs(reducer.design.drive.speed)
-    lost, outcomes = lost_powers(reducer, TOUCH * reducer.design.rated_torque, samples)
+    speed, load = abs(reducer.design.drive.speed), TOUCH * reducer.design.rated_torque
+    lost, outcomes = (
+        rv_lost_powers(reducer, load, samples)
+        if isinstance(reducer, RvReducer)
+        else lost_powers(reducer, load, samples)
+    )
     return compute_spread(lost / speed, outcomes / speed, sample_inputs(samples)[1])
 
 
@@ -122,12 +131,17 @@ def _at_creep_speed(reducer: Reducer) -> Reducer:
 
 
 def _make_torque_figure(
-    key: str, name: str, function: Compute, spread_function: Callable[[Reducer], Spread], definition: str
+    key: str,
+    name: str,
+    function: Compute,
+    spread_function: Callable[[Reducer], Spread],
+    definition: str,
+    layouts: tuple[Layout, ...] = BOTH,
 ) -> Figure:
     """Return the row of the catalogue for a torque [N m] that is not in the sheet.
 
-    Key, name and definition are those of `Figure`. `function` computes the torque, `spread_function` its interval under
-    the law ``film``.
+    Key, name, definition and layouts are those of `Figure`. `function` computes the torque, `spread_function` its
+    interval under the law ``film``. RV reducers have the figure under this law only: statics leaves out their weight.
     """
 
     def interval(reducer: Reducer) -> Quantity:
@@ -153,21 +167,24 @@ def _make_torque_figure(
         need=Need.STATICS,
         function=function,
         interval=interval,
+        exists=lambda reducer: reducer.design.has_film or not isinstance(reducer, RvReducer),
+        layouts=layouts,
     )
 
 
 # fmt: off
 OF_BALANCE = (
     _make_torque_figure("starting_torque_nm", "starting torque on the crank", starting_torque, starting_spread,
-                "Torque on the crank that starts it without load, mean over a turn: weight of the discs, and drag of "
-                "seals and lubricant, without shaft bearings."),
+                "Torque on the crank (RV reducer: on the sun) that starts it without load, mean over a turn: weight of "
+                "the discs (not of RV reducers), and drag of seals and lubricant, without shaft bearings."),
     _make_torque_figure("back_driving_torque_free_nm", "back-driving torque, crank free", back_driving_torque,
                 back_driving_spread,
                 "Torque on the output that slowly turns a crank without load, mean over a turn; none if the reducer is "
-                "self-locking."),
+                "self-locking.", CENTRAL),
     _make_torque_figure("no_load_torque_nm", "no-load torque on the crank", no_load_torque, no_load_spread,
-                "Torque on the crank without load at the design's speed, mean over a turn: weight and centrifugal "
-                "force of the discs, and drag of seals and lubricant, without shaft bearings."),
+                "Torque on the crank (RV reducer: on the sun) without load at the design's speed, mean over a turn: "
+                "weight and centrifugal force of the discs (not of RV reducers), and drag of seals and lubricant, "
+                "without shaft bearings."),
 )
 # fmt: on
 """Figures of static equilibrium that are not in the sheet."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design, Material
 from cycloid_mj.design.materials import warm_curve
-from cycloid_mj.design.model import HEATED, PARTNERS, PARTS, REFERENCE_TEMPERATURE
+from cycloid_mj.design.model import PARTNERS, PARTS, REFERENCE_TEMPERATURE
 
 if TYPE_CHECKING:
     from cycloid_mj.base.array import Array
@@ -142,8 +142,7 @@ def _expand_rv(design: Design) -> Design:
         size = shape[0] * shape[1]
         return tuple((np.array(values or (0.0,) * size) + change).tolist())
 
-    at_reference = at_temperatures(design, dict.fromkeys(HEATED, REFERENCE_TEMPERATURE))
-    return at_reference.but(
+    return design.but(
         modification={
             "pin_circle": generating_radius - ring.pin_circle_radius,
             "equidistant": design.modification.equidistant - closing,

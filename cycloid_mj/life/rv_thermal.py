@@ -24,13 +24,23 @@ from cycloid_mj.statics.rv_sheet import balance_running, friction_powers
 from cycloid_mj.statics.springs import tooth_stiffness
 
 RV_THERMAL_ASSUMPTIONS = (
-    "friction: the coefficients of the design at any temperature; sun and planets have the temperature of the cranks",
     "half of each loss heats each of the two parts that meet; motor and driven machine take no heat",
     "a third of the rollers of each crank bearing is loaded; between flanges and housing there is grease, without the "
     "main bearings; conductivities by the kind of material",
     "discs that expand more than the ring are preloaded: the springs of the pins, the housing as a thin ring and the "
     "discs as full plates yield in series; cranks are preloaded in their bores",
 )
+
+
+def describe_rv_friction(reducer: RvReducer) -> str:
+    """Describe the temperatures at which friction is computed, in a sentence."""
+    friction = reducer.design.friction
+    law = (
+        f"film of {friction.lubricant} at the temperature of the parts in contact"
+        if reducer.design.has_film
+        else "the coefficients of the design at any temperature"
+    )
+    return f"friction: {law}; sun and planets have the temperature of the cranks"
 
 
 def solve_rv_losses(

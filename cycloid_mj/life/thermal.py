@@ -15,7 +15,7 @@ from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty
 from cycloid_mj.life.heat import heat_limits, mean_losses
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, solve_loading
-from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, solve_rv_losses
+from cycloid_mj.life.rv_thermal import RV_THERMAL_ASSUMPTIONS, describe_rv_friction, solve_rv_losses
 from cycloid_mj.life.thermal_course import HeatingPoint, TemperatureCourse, solve_course
 from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node, heat_capacities
 from cycloid_mj.life.thermal_state import ThermalState, TightestTime
@@ -470,6 +470,7 @@ def _find_limit(reducer: Reducer, rises: Mapping[str, float], settings: ThermalS
 def _assumptions(reducer: Reducer, steady_state: _Steady) -> Iterator[str]:
     """Yield the assumptions of a steady state, a sentence each."""
     if isinstance(reducer, RvReducer):
+        yield describe_rv_friction(reducer)
         yield from RV_THERMAL_ASSUMPTIONS
     else:
         yield _friction_text(reducer)

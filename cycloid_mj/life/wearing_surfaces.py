@@ -18,7 +18,8 @@ from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.contact import CONTACT
 from cycloid_mj.reducer.worn import WornGaps, table_angles
 from cycloid_mj.statics import Loads, Springs
-from cycloid_mj.statics.rv import compute_rv_friction, compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv import compute_rv_springs, solve_rv_loads
+from cycloid_mj.statics.rv_film import running_friction
 from cycloid_mj.statics.rv_sheet import torque_on_carrier
 
 Gap = Literal["teeth", "output", "cam"]
@@ -243,7 +244,7 @@ def rv_sliding_contacts(reducer: RvReducer, crank: Array, torque: float) -> dict
     as in `sliding_contacts`. Raises the errors of `solve_rv_loads`.
     """
     springs, on_carrier = compute_rv_springs(reducer, crank), torque_on_carrier(reducer, torque)
-    force = solve_rv_loads(springs, on_carrier, compute_rv_friction(reducer, crank, np.sign(on_carrier))).pins
+    force = solve_rv_loads(springs, on_carrier, running_friction(reducer, crank, np.sign(on_carrier))).pins
     speed = np.abs(springs.slip) * abs(float(reducer.member.against_ring(reducer.design.drive.speed)))
     kind, radius = reducer.design.tooth_pair, reducer.design.ring.pin_radius
     half_width = _half_width(reducer, kind, force, springs.curvature, radius)

@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
+from cycloid_mj.base.names import CRANK_BEARING, PLANET_MESH
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, hole_speeds, seat_speeds, tooth_speeds
 from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.lubrication.mixed import FilmLaw, MixedFriction, journal_friction, line_friction
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once
 from cycloid_mj.reducer.gaps import Gaps
 
 
@@ -42,8 +43,20 @@ class FilmAssumptions:
 
 ASSUMED = FilmAssumptions()
 
-PART_OF_PAIR = {"cam": ("crank", "disc"), "output": ("disc", "output")}
-"""Parts whose mean temperature is that of the lubricant in a pair; others are between disc and ring."""
+CRANK_TAPER, MAIN_BEARING = "crank_taper", "main_bearing"
+"""Bearings of an RV reducer that are no mating pairs of their own: of a crank in the carrier, and of the carrier."""
+
+PART_OF_PAIR = {
+    "cam": ("crank", "disc"),
+    "output": ("disc", "output"),
+    CRANK_BEARING: ("crank", "disc"),
+    CRANK_TAPER: ("crank", "output"),
+    MAIN_BEARING: ("output", "housing"),
+    PLANET_MESH: ("crank", "crank"),
+}
+"""Parts whose mean temperature is that of the lubricant in a pair; others are between disc and ring.
+
+Sun and planets of an RV reducer have the temperature of its cranks."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +70,7 @@ class FilmInputs:
     film, share, shear
         Film thickness over that of its formula, load share of the film, and its limiting shear and Eyring stress.
     load_friction, idle_friction, seals
-        Palmgren's factors f1 and f0 of the cam's rollers, and torque of the seals.
+        Palmgren's factors f1 and f0 of rollers, and torque of the seals.
     """
 
     boundary: float = 1.0
@@ -409,7 +422,7 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
 
     Without the law ``film``, the drag torques are values of the design, `drag`. With this law they are the torques of
     the seals by ISO/TR 14179-2, unless the design sets `drag`, and Palmgren's M0 of the rolling cams as a torque on the
-    crank. `inputs` are factors on the inputs of the law.
+    crank; not that of the bearings of an RV reducer, see `rv_film`. `inputs` are factors on the inputs of the law.
 
     Returns
     -------
@@ -424,7 +437,7 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
     if not (crank or output):
         crank, output = _seals_on_shafts(reducer)
     crank, output = inputs.seals * crank, inputs.seals * output
-    if design.gear.bearing == "rolling":
+    if design.gear.bearing == "rolling" and not isinstance(reducer, RvReducer):
         cam_speed = speed * design.ring.teeth / design.lobes
         viscosity = inputs.viscosity * lubricant(design.friction.lubricant).kinematic_viscosity(
             lubricant_temperature(reducer, "cam")
@@ -459,13 +472,16 @@ def _seals_on_shafts(reducer: Reducer) -> tuple[float, float]:
 def seal_torques(reducer: Reducer) -> tuple[float, float]:
     """Compute the friction torques of the radial seals.
 
-    The output has no seal, and a torque of 0, if the reducer has no covers or its hub has angular contact bearings.
+    The output has no seal, and a torque of 0, if the reducer has no covers or its hub has angular contact bearings. An
+    RV reducer has a seal on the flange of its carrier only, because the motor seals the shaft of the sun.
 
     Returns
     -------
     tuple of float
         Torques of the seals on the shaft and on the hub of the output [N m].
     """
+    if isinstance(reducer, RvReducer):
+        return 0.0, seal_torque(2.0 * reducer.flange_radius)
     from cycloid_mj.parts.export.casing import casing
     from cycloid_mj.parts.export.drive import has_casing
 

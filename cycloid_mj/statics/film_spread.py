@@ -41,8 +41,8 @@ RANGES: Mapping[str, InputRange] = {
     "film": InputRange("film thickness", 0.5, 1.2, "formulas +-20 %; grease starves contacts to half the film"),
     "share": InputRange("load share of the film", 0.75, 1.2, "laws of the asperities' share"),
     "shear": InputRange("shear of the film", 0.67, 1.5, "limiting shear 0.04 to 0.09, Eyring stress 3 to 8 MPa"),
-    "load_friction": InputRange("load friction of the cam's rollers", 0.6, 1.6, "f1 0.0003 to 0.0008"),
-    "idle_friction": InputRange("idle friction of the cam's rollers", 0.33, 2.67, "f0 1 to 8"),
+    "load_friction": InputRange("load friction of rollers", 0.6, 1.6, "f1 0.0003 to 0.0008"),
+    "idle_friction": InputRange("idle friction of rollers", 0.33, 2.67, "f0 1 to 8"),
     "seals": InputRange("seals", 0.0, 1.5, "from contactless to heavily preloaded seals", logarithmic=False),
 }
 """Range of each input of `FilmInputs`: assumed, from the scatter of handbooks and measurements."""
@@ -157,6 +157,14 @@ def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, cont
         sum(float(np.mean(power)) for power in friction_losses(reducer, springs, solution).values())
         for solution in (contact_loads, raised_loads)
     )
+    return loss_growth(own_loss, raised_loss)
+
+
+def loss_growth(own_loss: float, raised_loss: float) -> float:
+    """Return the relative growth of the contact forces over that of the friction coefficients [1].
+
+    `own_loss` and `raised_loss` are the friction powers [W] with all coefficients times 1 and `RAISED_FRICTION`.
+    """
     return (raised_loss / (RAISED_FRICTION * own_loss) - 1.0) / (RAISED_FRICTION - 1.0)
 
 
@@ -226,9 +234,13 @@ def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, f
     """
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, torque, samples)
-    lost, outcomes = lost + further_loss, outcomes + further_loss
+    return make_efficiency_spread(delivered, lost + further_loss, outcomes + further_loss)
+
+
+def make_efficiency_spread(delivered: float, lost: float, outcomes: Array) -> Spread:
+    """Return the efficiency [%] and its interval for a delivered power and the power lost [W], own and by sample."""
     share = 100.0 * delivered / (delivered + outcomes)
-    return compute_spread(100.0 * delivered / (delivered + lost), share, sample_inputs(samples)[1])
+    return compute_spread(100.0 * delivered / (delivered + lost), share, sample_inputs(len(outcomes))[1])
 
 
 def back_driving_efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:

@@ -12,6 +12,7 @@ Weight and inertia are left out, and friction too, unless `RvFriction` is added.
 """
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -115,6 +116,34 @@ class RvSprings:
 
 
 @dataclass(frozen=True)
+class RvCoefficients:
+    """Friction of each kind of contact over its normal force.
+
+    Attributes
+    ----------
+    teeth, planets
+        Coefficients of cycloid teeth and of planet meshes [1].
+    needles, tapers
+        Friction torque over force of the bearings of a crank in a disc, and in the carrier under that force [m].
+    """
+
+    teeth: float
+    planets: float
+    needles: float
+    tapers: float
+
+
+class RunningFriction(Protocol):
+    """Friction of cranks that turn against the load, under the forces of a solution."""
+
+    def load(self, loads: "RvLoads") -> Array:
+        """Return the generalised forces of friction [N], shape (m, u)."""
+
+    def on_discs(self, loads: "RvLoads") -> tuple[Array, Array]:
+        """Return the generalised friction per force of pins (m, pins, u) and of crank bearings (D, n, u) [1]."""
+
+
+@dataclass(frozen=True)
 class RvFriction:
     """Coulomb friction of cranks that turn against the load, as generalised forces on u unknowns per force [1].
 
@@ -134,10 +163,18 @@ class RvFriction:
 
     def load(self, loads: "RvLoads") -> Array:
         """Return the generalised forces of friction under the forces of a solution [N], shape (m, u)."""
+        return self.generalised(loads.pins, loads.bearings, loads.meshes)
+
+    def on_discs(self, loads: "RvLoads") -> tuple[Array, Array]:
+        """Return the generalised friction per force of pins (m, pins, u) and of crank bearings (D, n, u) [1]."""
+        return self.teeth, self.bearings
+
+    def generalised(self, pins: Array, bearings: Array, meshes: Array) -> Array:
+        """Return the generalised forces of friction, shape (m, u), under forces [N] as those of `RvLoads`."""
         return np.asarray(
-            np.einsum("mc,mcu->mu", loads.pins, self.teeth)
-            + np.einsum("mdn,dnu->mu", loads.bearings, self.bearings)
-            + np.einsum("mn,nu->mu", loads.meshes, self.meshes)
+            np.einsum("mc,mcu->mu", pins, self.teeth)
+            + np.einsum("mdn,dnu->mu", bearings, self.bearings)
+            + np.einsum("mn,nu->mu", meshes, self.meshes)
         )
 
 
@@ -332,31 +369,41 @@ def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     return np.concatenate(gaps, axis=1), np.concatenate(slopes, axis=1)
 
 
-def compute_rv_friction(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvFriction:
+def coulomb_coefficients(reducer: RvReducer) -> RvCoefficients:
+    """Return the coefficients of a design with the law ``coulomb``; those of bearings act at the eccentric's radius."""
+    design = reducer.design
+    bearing = design.friction.cam_rolling * reducer.cranks.eccentric_radius
+    return RvCoefficients(design.mesh_friction, reducer.planet.friction, bearing, bearing)
+
+
+def compute_rv_friction(
+    reducer: RvReducer, crank: npt.ArrayLike, sense: float, coefficients: RvCoefficients | None = None
+) -> RvFriction:
     """Compute the friction of an RV reducer at crank angles against the ring [rad], shape (m,).
 
     Cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. Needles and taper of a
-    crank both carry the force of a disc; their coefficient acts at the radius of the eccentric. The sliding of a planet
-    is the mean over its path of contact (`PlanetMesh`).
+    crank both carry the force of a disc. The sliding of a planet is the mean over its path of contact (`PlanetMesh`).
+    `coefficients` are by default those of the law ``coulomb``.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
-    design, teeth, count = reducer.design, mesh_gaps(reducer, crank), _unknowns(reducer)
+    coefficients = coefficients or coulomb_coefficients(reducer)
+    teeth, count = mesh_gaps(reducer, crank), _unknowns(reducer)
     discs, carrier, cranks = len(reducer.phases), 3 * len(reducer.phases), reducer.cranks.count
     slip = np.einsum("mcu,mu->mc", teeth.slip_slope, ideal_motion(reducer, crank))
-    sliding = -design.mesh_friction * sense * np.sign(slip)[..., np.newaxis] * teeth.slip_slope
-    rolling = sense * design.friction.cam_rolling * reducer.cranks.eccentric_radius / reducer.lever
-    sliding_arm = reducer.planet.friction * reducer.planet_mesh.arm / reducer.lever
+    sliding = -coefficients.teeth * sense * np.sign(slip)[..., np.newaxis] * teeth.slip_slope
+    needles, tapers = (sense * torque / reducer.lever for torque in (coefficients.needles, coefficients.tapers))
+    sliding_arm = coefficients.planets * reducer.planet_mesh.arm / reducer.lever
     bearings, meshes = np.zeros((discs, cranks, count)), np.zeros((cranks, count))
     for number in range(cranks):
-        bearings[:, number, carrier] = rolling
-        bearings[:, number, carrier + 1 + number] = -2.0 * rolling
+        bearings[:, number, carrier] = tapers
+        bearings[:, number, carrier + 1 + number] = -(needles + tapers)
         meshes[number, carrier + 1 + number] = -sense * sliding_arm
     for disc in range(discs):
-        bearings[disc, :, 3 * disc + 2] = rolling
+        bearings[disc, :, 3 * disc + 2] = needles
     return RvFriction(_pad_gradient(sliding, count), bearings, meshes)
 
 
-def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RvFriction | None = None) -> RvLoads:
+def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningFriction | None = None) -> RvLoads:
     """Solve for the balance under a torque on the carrier [N m], not 0: a number, or one per crank angle, shape (m,).
 
     Parameters

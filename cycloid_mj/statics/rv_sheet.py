@@ -1,7 +1,7 @@
 """Data-sheet figures of an RV reducer by statics."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,17 +13,32 @@ from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_form_error, ideal_rv_loads, mean_force
 from cycloid_mj.reducer import RvReducer, once
+from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs
+from cycloid_mj.statics.film_spread import (
+    RAISED_FRICTION,
+    SAMPLES,
+    Spread,
+    loss_growth,
+    make_efficiency_spread,
+    sample_inputs,
+)
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.rv import (
     RvLoads,
     RvSprings,
-    compute_rv_friction,
     compute_rv_springs,
     crank_misfits,
     phase_errors,
     solve_rv_loads,
 )
-from cycloid_mj.statics.sheet_figures import sheet_quantity
+from cycloid_mj.statics.rv_film import (
+    RvFilmLosses,
+    build_rv_film,
+    build_rv_losses,
+    running_friction,
+    rv_film_assumption,
+)
+from cycloid_mj.statics.sheet_figures import sheet_quantity, spread_quantity
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
 
@@ -92,7 +107,7 @@ def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.for
     braked, too. Raises as `solve_rv_loads`.
     """
     springs, on_carrier = springs_over_turn(reducer, count), torque_on_carrier(reducer, torque)
-    return solve_rv_loads(springs, on_carrier, compute_rv_friction(reducer, springs.crank, np.sign(on_carrier)))
+    return solve_rv_loads(springs, on_carrier, running_friction(reducer, springs.crank, np.sign(on_carrier)))
 
 
 def running_rotation(reducer: RvReducer, torque: float) -> Array:
@@ -203,7 +218,10 @@ def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     design, kind = reducer.design, reducer.design.tooth_pair
     delivered = load * abs(reducer.output_speed)
     supplied = delivered + sum(powers.values())
-    yield sheet_quantity("efficiency", 100.0 * delivered / supplied)
+    if design.has_film:
+        yield spread_quantity("efficiency", rv_efficiency_spread(reducer, load))
+    else:
+        yield sheet_quantity("efficiency", 100.0 * delivered / supplied)
     note = f"including {design.seat_pair}" if design.seat_pair else ""
     yield sheet_quantity(f"{kind}_friction_power", powers["teeth"], note=note)
     yield sheet_quantity("crank_bearing_friction_power", powers["crank bearings"])
@@ -217,8 +235,9 @@ def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
 def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force_angles) -> dict[str, float]:
     """Compute the mean powers lost to friction under a `load` on the output [N m], over a turn of the carrier.
 
-    The mean is over `count` crank angles. Needles and tapered bearings of a crank carry the force of the disc; their
-    coefficient acts at the radius of the eccentric.
+    The mean is over `count` crank angles. Needles and tapered bearings of a crank carry the force of the disc. With the
+    law ``coulomb``, their coefficient acts at the radius of the eccentric. With the law ``film``, "seals" include the
+    main bearings (`rv_film`).
 
     Returns
     -------
@@ -226,6 +245,8 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
         Power [W] lost by the "teeth", "crank bearings", "planets" and "seals".
     """
     design, planet = reducer.design, reducer.planet
+    if design.has_film:
+        return _film_losses(reducer, load, count).powers()
     springs, balanced_loads = springs_over_turn(reducer, count), balance_running(reducer, load, count)
     output, kinematics = abs(reducer.output_speed), reducer.kinematics
     crank_speed = output * reducer.share * float(abs(kinematics.crank_per_carrier))
@@ -243,6 +264,40 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
     }
 
 
+@once
+def _film_losses(reducer: RvReducer, load: float, count: int) -> RvFilmLosses:
+    """Return the losses of the running drive with the law ``film``; arguments as of `friction_powers`."""
+    springs, sense = springs_over_turn(reducer, count), np.sign(torque_on_carrier(reducer, load))
+    return build_rv_losses(build_rv_film(reducer, springs.crank, sense), springs, balance_running(reducer, load, count))
+
+
+@once
+def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> tuple[float, Array]:
+    """Compute the power lost with the law ``film``, and for samples of its inputs, as `film_spread.lost_powers`.
+
+    `load` is the torque on the output [N m]. The means are over `RvSheetSettings.rotation_angles` crank angles.
+    Raises as `solve_rv_loads`.
+    """
+    count = SETTINGS.rotation_angles
+    losses, springs = _film_losses(reducer, load, count), springs_over_turn(reducer, count)
+    own_loss, on_carrier = sum(losses.contact_powers().values()), torque_on_carrier(reducer, load)
+    raised = replace(build_rv_film(reducer, springs.crank, np.sign(on_carrier)), factor=RAISED_FRICTION)
+    raised_losses = build_rv_losses(raised, springs, solve_rv_loads(springs, on_carrier, raised))
+    growth = loss_growth(own_loss, RAISED_FRICTION * sum(raised_losses.contact_powers().values()))
+
+    def lost(inputs: FilmInputs) -> float:
+        """Compute the power lost for inputs of the law [W]."""
+        sample_loss, drag = (sum(item.values()) for item in (losses.contact_powers(inputs), losses.drag_powers(inputs)))
+        return sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + drag
+
+    return lost(DESIGN_INPUTS), np.array([lost(inputs) for inputs in sample_inputs(samples)[0]])
+
+
+def rv_efficiency_spread(reducer: RvReducer, load: float, samples: int = SAMPLES) -> Spread:
+    """Compute the efficiency [%] with the law ``film`` and its interval; arguments and errors as `rv_lost_powers`."""
+    return make_efficiency_spread(load * abs(reducer.output_speed), *rv_lost_powers(reducer, load, samples))
+
+
 def assumptions(reducer: RvReducer) -> tuple[str, ...]:
     """Return the assumptions of the figures of an RV reducer, a sentence each."""
     design = reducer.design
@@ -253,7 +308,9 @@ def assumptions(reducer: RvReducer) -> tuple[str, ...]:
         f"{1e6 * reducer.bearing_clearance:.4g} um for each crank and disc; discs do not tilt",
         f"planet mesh: {reducer.mesh_stiffness:.4g} N/m along the line of action"
         + ("" if reducer.planet.mesh_stiffness else " (ISO 6336-1, method B)"),
-        "friction: Coulomb friction of a running drive; none in figures without friction by name, backlash, lost "
+        rv_film_assumption(reducer)
+        if design.has_film
+        else "friction: Coulomb friction of a running drive; none in figures without friction by name, backlash, lost "
         f"motion and stiffness; mesh {design.mesh_friction:g}, crank bearings {design.friction.cam_rolling:g}, "
         f"planets {reducer.planet.friction:g}",
         f"{SETTINGS.force_angles} crank angles over a turn of the carrier, {SETTINGS.error_angles} for the "

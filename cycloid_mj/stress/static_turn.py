@@ -23,14 +23,14 @@ from cycloid_mj.base.names import (
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.reducer.gaps import mesh_gaps
 from cycloid_mj.statics.rv import (
-    RvFriction,
+    RunningFriction,
     RvLoads,
     RvSprings,
-    compute_rv_friction,
     compute_rv_springs,
     contact_gradients,
     solve_rv_loads,
 )
+from cycloid_mj.statics.rv_film import running_friction
 from cycloid_mj.statics.rv_sheet import torque_on_carrier
 from cycloid_mj.stress.contacts import nominal_pin_centre
 from cycloid_mj.stress.turn import DEGREES, Turn
@@ -58,10 +58,10 @@ def _balance_turn(reducer: RvReducer, angles: tuple[float, ...]) -> tuple[RvSpri
     return springs, solve_rv_loads(springs, torque, _friction(reducer, springs))
 
 
-def _friction(reducer: RvReducer, springs: RvSprings) -> RvFriction:
+def _friction(reducer: RvReducer, springs: RvSprings) -> RunningFriction:
     """Return the friction of the running drive under its load."""
     sense = np.sign(torque_on_carrier(reducer, reducer.design.load.torque))
-    return compute_rv_friction(reducer, springs.crank, float(sense))
+    return running_friction(reducer, springs.crank, float(sense))
 
 
 def static_turn(reducer: RvReducer, angles: npt.ArrayLike = DEGREES) -> Turn:
@@ -96,8 +96,8 @@ def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> It
 
     They are those on each disc, with moments about its centre, and those of the sockets on free ring pins.
     """
-    design, friction = reducer.design, _friction(reducer, springs)
-    directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + friction.teeth
+    design, (tooth_friction, bearing_friction) = reducer.design, _friction(reducer, springs).on_discs(loads)
+    directions = contact_gradients(springs, loads.displacements)[:, : springs.pins] + tooth_friction
     owners = mesh_gaps(reducer.at_rated_load, springs.crank).owner
     stem = PIN if design.ring.kind == "pin" else LOBE
     on_pins = np.zeros((design.ring.teeth, springs.crank.size, 3))
@@ -113,7 +113,7 @@ def _force_columns(reducer: RvReducer, springs: RvSprings, loads: RvLoads) -> It
         for number, name in enumerate(all_numbered(CRANK, reducer.cranks.count)):
             force = loads.cranks[:, disc, number]
             moment = cross(reducer.stage.crank_places(springs.crank)[:, number], force)
-            moment += springs.lever * friction.bearings[disc, number, 3 * disc + 2] * loads.bearings[:, disc, number]
+            moment += springs.lever * bearing_friction[disc, number, 3 * disc + 2] * loads.bearings[:, disc, number]
             yield from _wrench_columns(of_disc(name, disc, springs.discs), np.column_stack([force, moment]))
     if design.ring.has_pin_bodies:
         for pin, name in enumerate(all_numbered(SOCKET, design.ring.teeth)):

@@ -82,6 +82,17 @@ def test_losses_at_20_degrees_are_those_of_statics_and_a_hot_disc_adds_friction_
     assert sum(capacities.values()) == pytest.approx(1.01 * 470.0 * rv_mass(reducer), rel=1e-6)
 
 
+def test_heat_of_the_network_equals_the_losses_with_film_friction() -> None:
+    lubricated, capacities = RvReducer(RV80E.but(friction={"law": "film"})), heat_capacities(RvReducer(RV80E))
+    point = DutyPoint(784.0, RV80E.drive.speed, 1.0)
+    (cold,), network = solve_rv_losses(lubricated, [point], _at(), capacities, FEW_ANGLES)
+    heat = heat_by_node(lubricated, cold)
+    assert sum(heat.values()) == pytest.approx(sum(cold.values()), rel=1e-9)
+    assert network.heat_to_air(network.rises(heat)) == pytest.approx(sum(cold.values()), rel=1e-9)
+    hot, _ = solve_rv_losses(lubricated, [point], dict.fromkeys(HEATED, 60.0), capacities, FEW_ANGLES)
+    assert sum(hot[0].values()) < 0.8 * sum(cold.values())
+
+
 @pytest.mark.slow
 def test_the_case_stays_below_60_degrees_at_the_rated_torque_on_a_robot() -> None:
     """60 W/(m2 K) stand for the arm that cools the case; the makers' manuals limit it to 60 °C."""

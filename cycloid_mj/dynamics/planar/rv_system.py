@@ -4,7 +4,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.dynamics.contact.crank_train import mesh_numbers
-from cycloid_mj.dynamics.film_table import NO_TABLE
+from cycloid_mj.dynamics.film_table import film_table
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
 from cycloid_mj.dynamics.planar.crank_train import CrankTrain
@@ -50,7 +50,7 @@ def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
         cam=0.0,
         inertia=np.array([*by_unknown[:-1], sun_inertia, output, *[float(crank.inertia[2, 2])] * cranks]),
         unbalance=np.zeros((2, 2)),
-        film=NO_TABLE,
+        film=film_table(reducer),
         **teeth_and_ring(reducer, output_unknown),
         drag=drag,
         servo=servo,

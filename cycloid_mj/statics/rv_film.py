@@ -1,0 +1,270 @@
+"""Friction of an RV reducer with the law ``film``: teeth on pins, crank bearings, planet meshes, main bearings, seals.
+
+A disc runs on the pins as on a central crank, so `FilmContacts` applies to the teeth. The flanks of sun and planets are
+line contacts whose radii and speeds change along the path of contact. Rolling bearings have Palmgren's friction torques
+M1, in proportion to the force of a disc on its crank, and M0, which does not depend on the load.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.names import CRANK_BEARING, PLANET_MESH
+from cycloid_mj.design.lubricants import lubricant
+from cycloid_mj.geometry.ideal_loads import contact_modulus
+from cycloid_mj.geometry.involute import ContactPath, contact_path
+from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, involute_speeds
+from cycloid_mj.lubrication.bearings import idle_torque
+from cycloid_mj.lubrication.mixed import MixedFriction, line_friction
+from cycloid_mj.reducer import RvReducer, once
+from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
+from cycloid_mj.statics.film import (
+    ASSUMED,
+    CRANK_TAPER,
+    DESIGN_INPUTS,
+    MAIN_BEARING,
+    FilmContacts,
+    FilmInputs,
+    FilmSurfaces,
+    build_film_contacts,
+    drag_torques,
+    film_law,
+    lubricant_temperature,
+)
+from cycloid_mj.statics.rv import (
+    RunningFriction,
+    RvCoefficients,
+    RvFriction,
+    RvLoads,
+    RvSprings,
+    compute_rv_friction,
+)
+
+
+@dataclass(frozen=True)
+class RollerBearings:
+    """Equal rolling bearings of an RV reducer.
+
+    Attributes
+    ----------
+    pair
+        Kind of pair, for the temperature of the lubricant.
+    count
+        Number of bearings.
+    diameter
+        Mean diameter [m].
+    speed
+        Speed of the rings against each other [rad/s].
+    """
+
+    pair: str
+    count: int
+    diameter: float
+    speed: float
+
+
+def roller_bearings(reducer: RvReducer) -> tuple[RollerBearings, RollerBearings, RollerBearings]:
+    """Return the needles in the discs, the tapered bearings and the main bearings of an RV reducer.
+
+    The mean diameter of a tapered bearing is that of journal and outer ring. Main bearings are not drawn: a bearing on
+    each flange, whose rollers are midway between flange and pin circle, is assumed.
+    """
+    cranks, discs, speed = reducer.cranks, reducer.design.gear.discs, reducer.crank_speed
+    needle_diameter = 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
+    taper_diameter = reducer.journal_radius + cranks.taper_radius
+    main_diameter = reducer.flange_radius + reducer.design.ring.pin_circle_radius
+    return (
+        RollerBearings(CRANK_BEARING, cranks.count * discs, needle_diameter, speed),
+        RollerBearings(CRANK_TAPER, 2 * cranks.count, taper_diameter, speed),
+        RollerBearings(MAIN_BEARING, 2, main_diameter, abs(reducer.output_speed)),
+    )
+
+
+def idle_power(reducer: RvReducer, bearings: RollerBearings, inputs: FilmInputs = DESIGN_INPUTS) -> float:
+    """Compute the power of Palmgren's load-independent torques M0 of rolling bearings [W]."""
+    temperature = lubricant_temperature(reducer, bearings.pair)
+    viscosity = inputs.viscosity * lubricant(reducer.design.friction.lubricant).kinematic_viscosity(temperature)
+    factor = inputs.idle_friction * ASSUMED.roller_idle_factor
+    torque = idle_torque(factor, bearings.diameter, bearings.speed, viscosity)
+    return bearings.count * torque * bearings.speed
+
+
+@once
+def planet_path(reducer: RvReducer) -> ContactPath:
+    """Return the path of contact of sun and planet, with the teeth as they are drawn."""
+    return contact_path(reducer.stage_gears, reducer.crank_radius)
+
+
+def planet_speeds(reducer: RvReducer) -> SurfaceSpeeds:
+    """Return the surface speeds of sun (``fixed``) and planet (``moving``) at the nodes of their path [m/s], (k,)."""
+    path, planet = planet_path(reducer), reducer.planet
+    sun_speed = reducer.crank_speed * planet.planet_teeth / planet.sun_teeth
+    return involute_speeds(path.tangents, path.distance, (sun_speed, reducer.crank_speed))
+
+
+def planet_friction(reducer: RvReducer, force: Array, inputs: FilmInputs = DESIGN_INPUTS) -> Array:
+    """Compute the mean friction coefficients of planet meshes [1] under their forces [N], in the shape of `force`.
+
+    The mean over the path of contact has the weights of the friction power: load share times sliding speed.
+    """
+    path, speeds, material = planet_path(reducer), planet_speeds(reducer), reducer.design.material
+    friction = line_friction(
+        film_law(reducer, PLANET_MESH, inputs),
+        np.asarray(force)[..., np.newaxis] * path.load_share,
+        speeds.entrainment,
+        speeds.sliding,
+        path.radius,
+        reducer.planet.face_width,
+        contact_modulus(material.youngs_modulus, material.poisson),
+    )
+    return np.asarray(np.average(friction.coefficient, axis=-1, weights=_sliding_weights(path)))
+
+
+def _sliding_weights(path: ContactPath) -> Array:
+    """Return the share of each node of a path in the friction power at a constant coefficient, up to a factor."""
+    return path.weight * path.load_share * np.abs(path.distance)
+
+
+@dataclass(frozen=True, eq=False)
+class RvFilm:
+    """Friction of the running drive with the law ``film``, at m crank angles.
+
+    Attributes
+    ----------
+    reducer
+        The reducer.
+    contacts
+        Contacts with the ring.
+    unit
+        Generalised friction at coefficients of 1 of teeth and planets, and with the torques M1 of the bearings.
+    factor
+        Factor on all friction.
+    inputs
+        Inputs other than those of the design.
+    """
+
+    reducer: RvReducer
+    contacts: FilmContacts
+    unit: RvFriction
+    factor: float = 1.0
+    inputs: FilmInputs = DESIGN_INPUTS
+
+    def surfaces(self, loads: RvLoads) -> FilmSurfaces:
+        """Return the surfaces of the teeth with discs and pins displaced as in a solution."""
+        departures = loads.displacements[:, : 3 * len(self.reducer.phases) + 1]
+        return replace(self.contacts.displaced(departures).surfaces, inputs=self.inputs)
+
+    def tooth_friction(self, loads: RvLoads) -> MixedFriction:
+        """Return the friction of the teeth under the forces of a solution, shape (m, pins)."""
+        return self.surfaces(loads).smaller_friction(loads.pins)[0]
+
+    def load(self, loads: RvLoads) -> Array:
+        """Return the generalised forces of friction under the forces of a solution [N], shape (m, u)."""
+        teeth = self.tooth_friction(loads).coefficient
+        planets = planet_friction(self.reducer, loads.meshes, self.inputs)
+        return self.factor * self.unit.generalised(teeth * loads.pins, loads.bearings, planets * loads.meshes)
+
+    def on_discs(self, loads: RvLoads) -> tuple[Array, Array]:
+        """Return the generalised friction per force of pins (m, pins, u) and of crank bearings (D, n, u) [1]."""
+        teeth = self.tooth_friction(loads).coefficient[..., np.newaxis] * self.unit.teeth
+        return self.factor * teeth, self.factor * self.unit.bearings
+
+
+def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvFilm:
+    """Build the film friction of an RV reducer; arguments as of `compute_rv_friction`."""
+    crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
+    teeth = mesh_gaps(reducer, crank)
+    contacts = build_film_contacts(reducer, crank, teeth, teeth.kind.size, sense * ideal_motion(reducer, crank))
+    needles, tapers, _ = roller_bearings(reducer)
+    load_factor = ASSUMED.roller_load_factor
+    torques = RvCoefficients(1.0, 1.0, load_factor * needles.diameter, load_factor * tapers.diameter)
+    return RvFilm(reducer, contacts, compute_rv_friction(reducer, crank, sense, torques))
+
+
+def running_friction(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RunningFriction:
+    """Return the friction of cranks that turn, by the law of the design; arguments as of `compute_rv_friction`."""
+    return (build_rv_film if reducer.design.has_film else compute_rv_friction)(reducer, crank, sense)
+
+
+@dataclass(frozen=True, eq=False)
+class RvFilmLosses:
+    """Losses of an RV reducer with the law ``film`` under known forces, for any inputs of the law.
+
+    Attributes
+    ----------
+    reducer
+        The reducer.
+    surfaces, teeth
+        Surfaces of the k loaded contacts with the ring at all crank angles, and their forces [N], shape (k,).
+    tooth_power
+        Friction power of each at a coefficient of 1, over the number of crank angles [W], shape (k,).
+    planets
+        Forces of the planet meshes [N], shape (m, n).
+    bearing_force
+        Sum of the forces of all cranks on all discs, mean over the crank angles [N].
+    """
+
+    reducer: RvReducer
+    surfaces: FilmSurfaces
+    teeth: Array
+    tooth_power: Array
+    planets: Array
+    bearing_force: float
+
+    def contact_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
+        """Compute the mean powers [W] that grow with the forces, lost by "teeth", "crank bearings" and "planets"."""
+        reducer, planet = self.reducer, self.reducer.planet
+        teeth = replace(self.surfaces, inputs=inputs).smaller_friction(self.teeth)[0].coefficient
+        load_factor = inputs.load_friction * ASSUMED.roller_load_factor
+        needles, tapers, _ = roller_bearings(reducer)
+        meshes = np.sum(planet_friction(reducer, self.planets, inputs) * self.planets, axis=1).mean()
+        mesh_speed = reducer.crank_speed * (1.0 + planet.planet_teeth / planet.sun_teeth)
+        return {
+            "teeth": float(np.sum(teeth * self.tooth_power)),
+            "crank bearings": load_factor
+            * (needles.diameter + tapers.diameter)
+            * self.bearing_force
+            * reducer.crank_speed,
+            "planets": float(meshes * reducer.planet_mesh.arm * mesh_speed),
+        }
+
+    def drag_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
+        """Compute the powers [W] without load, lost by "crank bearings" and "seals"; main bearings count as seals."""
+        reducer = self.reducer
+        needles, tapers, main = (idle_power(reducer, item, inputs) for item in roller_bearings(reducer))
+        sun, output = drag_torques(reducer, inputs)
+        seals = sun * abs(reducer.design.drive.speed) + output * abs(reducer.output_speed)
+        return {"crank bearings": needles + tapers, "seals": seals + main}
+
+    def powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
+        """Compute all mean powers lost [W] by source: "teeth", "crank bearings", "planets" and "seals"."""
+        contact, drag = self.contact_powers(inputs), self.drag_powers(inputs)
+        return {source: contact.get(source, 0.0) + drag.get(source, 0.0) for source in (*contact, "seals")}
+
+
+def build_rv_losses(film: RvFilm, springs: RvSprings, loads: RvLoads) -> RvFilmLosses:
+    """Build the losses under the forces of a solution with film friction; the speeds are those of the design."""
+    reducer, is_loaded = film.reducer, loads.pins > 0.0
+    mesh_speed = abs(float(reducer.member.against_ring(reducer.design.drive.speed)))
+    unit_power = loads.pins * np.abs(springs.slip) * mesh_speed / len(springs.crank)
+    return RvFilmLosses(
+        reducer=reducer,
+        surfaces=film.surfaces(loads).at(is_loaded),
+        teeth=loads.pins[is_loaded],
+        tooth_power=unit_power[is_loaded],
+        planets=loads.meshes,
+        bearing_force=float(loads.bearings.sum(axis=(1, 2)).mean()),
+    )
+
+
+def rv_film_assumption(reducer: RvReducer) -> str:
+    """Describe the mixed friction of a running RV reducer, in a sentence."""
+    friction = reducer.design.friction
+    return (
+        f"mixed friction of a running drive with {friction.lubricant}: film thickness by {friction.film_formula}, "
+        f"roughness Rq {1e6 * friction.roughness:g} um, boundary friction {friction.boundary:g}; all rolling bearings "
+        f"by Palmgren (f0 {ASSUMED.roller_idle_factor:g}, f1 {ASSUMED.roller_load_factor:g}), a seal on the carrier; "
+        "none in figures without friction by name, backlash, lost motion and stiffness"
+    )
