@@ -28,7 +28,7 @@ print(sorted(run.attachments))
 late = run.time > 0.01
 crank = run["crank_angle"][late]
 error = (run["output_angle"][late] + crank / design.lobes) * 206264.8
-orders = cm.tapered_orders(crank, error, most=60.0)
+orders = cm.tapered_orders(crank, error, max_order=60.0)
 
 figure, axes = plt.subplots(layout="constrained")
 axes.fill_between(orders.order, orders.amplitude)
