@@ -32,7 +32,7 @@ WALKED = ("1-requirements.png", "2-refused.png", "3-drives.png", "4-designed.png
 """Steps of the walk through the designer's page that are shown."""
 
 DOORS = {
-    "print": (DOCS / "tutorial" / "exploded.png", (978, 48, 1552, 556)),
+    "print": (DOCS / "tutorial" / "exploded.png", (944, 62, 1572, 566)),
     "design": (MODELS / "report.png", (45, 726, 605, 1294)),
     "robot": (DOCS / "tutorial" / "joint.png", (14, 246, 574, 542)),
 }
