@@ -352,7 +352,7 @@ def _rate_bearing(
     yield RatedItem(bearing.key, f"{bearing.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
     if (viscosity := oil_viscosity(reducer)) and turns.any():
         speed = float(turns.sum()) / sum(load_case.point.share for load_case in loadings)
-        yield _rate_modified_life(bearing, viscosity, settings.cleanliness, load, life, speed)
+        yield rate_modified_life(bearing.key, bearing.name, ratings, viscosity, settings.cleanliness, load, life, speed)
     ratios = (
         float(force.max()) / abs(load_case.point.torque) for force, load_case in zip(forces, loadings, strict=True)
     )
@@ -370,27 +370,48 @@ def _rate_bearing(
     )
 
 
-def oil_viscosity(reducer: Reducer) -> float:
+def oil_viscosity(reducer: Reducer, pair: str = "cam") -> float:
     """Return the kinematic viscosity of the oil in the bearings [m2/s].
 
-    It is that of the design file, or of the film law's lubricant at its temperature; 0 if neither is stated.
+    It is that of the design file, or of the film law's lubricant at its temperature in a kind of `pair` of
+    `lubricant_temperature`; 0 if neither is stated.
     """
     design = reducer.design
     if design.bearing.viscosity or not design.has_film:
         return design.bearing.viscosity
     oil = lubricant(design.friction.lubricant)
-    return oil.kinematic_viscosity(lubricant_temperature(reducer, "cam")) / MM2
+    return oil.kinematic_viscosity(lubricant_temperature(reducer, pair)) / MM2
 
 
-def _rate_modified_life(
-    bearing: Bearing, viscosity: float, cleanliness: float, load: float, basic_life: float, speed: float
+def rate_modified_life(
+    key: str,
+    name: str,
+    ratings: Ratings,
+    viscosity: float,
+    cleanliness: float,
+    load: float,
+    basic_life: float,
+    speed: float,
 ) -> RatedItem:
     """Return the item of the bearing life [h] modified for lubrication and contamination (ISO 281:2007).
 
-    It is a_ISO times `basic_life` [h]. `viscosity` is in [m2/s], `cleanliness` the contamination factor e_C [1], `load`
-    the equivalent load [N], and `speed` that of the rings relative to each other [rad/s].
+    It is a_ISO times `basic_life` [h].
+
+    Parameters
+    ----------
+    key, name, ratings
+        Those of the bearing.
+    viscosity
+        Kinematic viscosity of the oil [m2/s].
+    cleanliness
+        Contamination factor e_C [1].
+    load
+        Equivalent load [N].
+    basic_life
+        Life without these influences [h].
+    speed
+        Speed of the rings relative to each other [rad/s].
     """
-    ratings = bearing.ratings
     curve = life_curve(ratings.exponent)
     kappa = MM2 * viscosity / reference_viscosity(speed, ratings.pitch)
     limit = fatigue_load_limit(ratings.static, ratings.pitch, curve)
@@ -399,8 +420,8 @@ def _rate_modified_life(
         f"; kappa is below {LIMITS.min_kappa:g}, where ISO 281 has no value" if kappa < LIMITS.min_kappa else ""
     )
     return RatedItem(
-        f"{bearing.key}_modified",
-        f"{bearing.name}, modified life",
+        f"{key}_modified",
+        f"{name}, modified life",
         load,
         ratings.dynamic,
         "N",

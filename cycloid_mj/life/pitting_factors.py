@@ -10,8 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.design import Design
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.life.loading import Loading
+from cycloid_mj.statics.film import FilmSurfaces
 
 RZ_OVER_RA, RA_OVER_RQ = 6.0, math.sqrt(2.0 / math.pi)
 """Rz over Ra (ISO 6336-2:2006, 12.3.1.3), and Ra over Rq of normally distributed heights."""
@@ -99,10 +102,35 @@ def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors
     else:
         friction = loading.contacts.friction
         assert friction is not None
-        surfaces, force = film.displaced(loading.contacts.departures).surfaces, loading.contacts.teeth
-        speed = np.where(friction.rolls, np.abs(surfaces.flank.moving), np.abs(surfaces.flank.entrainment))
-        entrainment = float(np.average(speed, weights=force))
-        radius = 1.0 / float(np.average(1.0 / surfaces.radius, weights=force))
+        surfaces = film.displaced(loading.contacts.departures).surfaces
+        entrainment, radius = weighted_contact(friction.rolls, surfaces, loading.contacts.teeth)
+    return factors_of_contact(design, entrainment, radius, limit)
+
+
+def weighted_contact(rolls: Mask, surfaces: FilmSurfaces, force: Array) -> tuple[float, float]:
+    """Return entrainment speed [m/s] and reduced radius [m] of teeth, means over contacts with the weight of forces.
+
+    Parameters
+    ----------
+    rolls
+        Whether the pin of each contact rolls.
+    surfaces, force
+        Surfaces of the contacts, and their normal forces [N]; all of one shape.
+    """
+    speed = np.where(rolls, np.abs(surfaces.flank.moving), np.abs(surfaces.flank.entrainment))
+    return float(np.average(speed, weights=force)), 1.0 / float(np.average(1.0 / surfaces.radius, weights=force))
+
+
+def factors_of_contact(design: Design, entrainment: float, radius: float, limit: float) -> PittingFactors:
+    """Compute Z_L, Z_v and Z_R [1] of a contact of a design with the law ``film``.
+
+    Parameters
+    ----------
+    entrainment, radius
+        Entrainment speed [m/s], and reduced radius [m].
+    limit
+        Pressure allowed for long life [Pa].
+    """
     viscosity = lubricant(design.friction.lubricant).viscosity_40
     pitch_speed = abs(entrainment) / math.sin(PRESSURE_ANGLE)
     roughness = relative_roughness(design.friction.roughness, radius)

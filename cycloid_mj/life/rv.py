@@ -8,17 +8,21 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.names import CRANK_BEARING
 from cycloid_mj.base.units import HOUR, RPM
 from cycloid_mj.design import describe_plastic_limits
 from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
 from cycloid_mj.life import rolling
-from cycloid_mj.life.bearings import RollerRow
+from cycloid_mj.life.bearings import Ratings, RollerRow, oil_viscosity, rate_modified_life
 from cycloid_mj.life.duty import Duty
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating
-from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit
+from cycloid_mj.life.pitting_factors import factors_of_contact, weighted_contact
+from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit, rate_lubricated_pitting
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import balance_running, ideal_rv, springs_over_turn
+from cycloid_mj.statics.film import CRANK_TAPER
+from cycloid_mj.statics.rv_film import build_rv_film
+from cycloid_mj.statics.rv_sheet import balance_running, ideal_rv, springs_over_turn, torque_on_carrier
 
 TAPERS = RollerRow(13, 0.14, 0.24, 0.73)
 """Assumed rollers of a tapered bearing; lengths over its outer diameter."""
@@ -26,13 +30,15 @@ TAPERS = RollerRow(13, 0.14, 0.24, 0.73)
 
 @dataclass(frozen=True)
 class _Row:
-    """A kind of crank bearing: key and name, load ratings [N] with their source, and forces (m, bearings) [N]."""
+    """A kind of crank bearing: its key, name and pair of `lubricant_temperature`, load ratings, and forces [N].
+
+    The forces at each torque have the shape (m, bearings).
+    """
 
     key: str
     name: str
-    dynamic: float
-    static: float
-    source: str
+    pair: str
+    ratings: Ratings
     forces: tuple[Array, ...]
 
 
@@ -57,14 +63,17 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
         )
     torques = np.array([abs(point.torque) for point in points])
     weighted_speeds = np.array([_bearing_speed(reducer, point.speed) * point.share for point in points])
+    speed_ratios = np.array([abs(point.speed / reducer.design.drive.speed) for point in points])
     items = [
         *(
             item
             for row in _crank_bearing_rows(reducer, torques)
-            for item in _rate_bearing(reducer, row, torques, weighted_speeds, duty.peak)
+            for item in _rate_bearing(
+                reducer, row, torques, weighted_speeds, duty.peak, sum(point.share for point in points)
+            )
         ),
-        *_rate_teeth(reducer, torques, weighted_speeds, duty.peak),
-        *_rate_planets(reducer, torques, weighted_speeds),
+        *_rate_teeth(reducer, torques, weighted_speeds, duty.peak, speed_ratios),
+        *_rate_planets(reducer, torques, weighted_speeds, speed_ratios),
     ]
     by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
     return Rating(
@@ -86,25 +95,37 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
     disc_bearing_forces = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
     flange_bearing_forces = tuple(flange_forces(reducer, force) for force in forces)
-    source_text = "of the design file (bearing.*_capacity_n)"
     yield _Row(
         "crank_needles",
         "needles of a crank in a disc",
-        stated_ratings.dynamic_capacity or needles.dynamic,
-        stated_ratings.static_capacity or needles.static,
-        source_text
-        if stated_ratings.dynamic_capacity
-        else f"assumed: {needles}, the eccentric as inner ring, the disc as outer ring",
+        CRANK_BEARING,
+        _ratings_of(
+            (stated_ratings.dynamic_capacity, stated_ratings.static_capacity),
+            needles,
+            f"{needles}, the eccentric as inner ring, the disc as outer ring",
+        ),
         disc_bearing_forces,
     )
     yield _Row(
         "crank_tapers",
         "tapered bearing of a crank in a flange",
-        stated_ratings.shaft_dynamic_capacity or tapers.dynamic,
-        stated_ratings.shaft_static_capacity or tapers.static,
-        source_text if stated_ratings.shaft_dynamic_capacity else f"assumed: {tapers} of a light series",
+        CRANK_TAPER,
+        _ratings_of(
+            (stated_ratings.shaft_dynamic_capacity, stated_ratings.shaft_static_capacity),
+            tapers,
+            f"{tapers} of a light series",
+        ),
         flange_bearing_forces,
     )
+
+
+def _ratings_of(stated: tuple[float, float], row: RollerRow, row_text: str) -> Ratings:
+    """Return the load ratings of a bearing: C and C0 of the design file [N], or where they are 0 those of its rollers.
+
+    `row_text` describes the rollers.
+    """
+    source = "of the design file (bearing.*_capacity_n)" if stated[0] else f"assumed: {row_text}"
+    return Ratings(stated[0] or row.dynamic, stated[1] or row.static, source, source, row.pitch)
 
 
 def crank_bearing_rollers(reducer: RvReducer) -> tuple[RollerRow, RollerRow]:
@@ -142,9 +163,16 @@ def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
 
 
 def _rate_bearing(
-    reducer: RvReducer, bearing_row: _Row, torques: Array, weighted_speeds: Array, peak_torque: float
+    reducer: RvReducer,
+    bearing_row: _Row,
+    torques: Array,
+    weighted_speeds: Array,
+    peak_torque: float,
+    running_share: float,
 ) -> Iterator[RatedItem]:
-    """Yield life (ISO 281) and static factor (ISO 76) of the most loaded bearing of a row.
+    """Yield life and modified life (ISO 281) and static factor (ISO 76) of the most loaded bearing of a row.
+
+    The modified life requires a known viscosity of the oil.
 
     Parameters
     ----------
@@ -154,26 +182,32 @@ def _rate_bearing(
         Torques of the duty [N m], and speeds of the bearing times their shares of time [rad/s].
     peak_torque
         Torque of the static factor [N m].
+    running_share
+        Share of the time in which the bearings turn [1].
     """
     settings = reducer.design.bearing
     means = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
     load = settings.service_factor * rolling.mean_load(means, weighted_speeds)
-    life = rolling.life_hours(bearing_row.dynamic, load, float(weighted_speeds.sum()), settings.reliability)
+    life = rolling.life_hours(bearing_row.ratings.dynamic, load, float(weighted_speeds.sum()), settings.reliability)
     yield RatedItem(
         bearing_row.key,
         f"{bearing_row.name}, life",
         load,
-        bearing_row.dynamic,
+        bearing_row.ratings.dynamic,
         "N",
         None,
         life,
         f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(settings.reliability):.3g}, P over a turn of the "
         "carrier, ISO 281:2007",
-        f"C {bearing_row.source}, service factor {settings.service_factor:g}; "
+        f"C {bearing_row.ratings.dynamic_source}, service factor {settings.service_factor:g}; "
         f"{float(weighted_speeds.sum()) / RPM:.4g} rpm mean speed; "
         "radial forces only",
         ItemKind.BEARING,
     )
+    if viscosity := oil_viscosity(reducer, bearing_row.pair):
+        key, name, ratings = bearing_row.key, bearing_row.name, bearing_row.ratings
+        speed = float(weighted_speeds.sum()) / running_share
+        yield rate_modified_life(key, name, ratings, viscosity, settings.cleanliness, load, life, speed)
     worst = peak_torque * max(
         float(force.max()) / torque for force, torque in zip(bearing_row.forces, torques, strict=True)
     )
@@ -181,20 +215,24 @@ def _rate_bearing(
         f"{bearing_row.key}_static",
         f"{bearing_row.name}, static factor",
         worst,
-        bearing_row.static,
+        bearing_row.ratings.static,
         "N",
-        bearing_row.static / worst,
+        bearing_row.ratings.static / worst,
         None,
         "s0 = C0/P0, ISO 76",
-        f"C0 {bearing_row.source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to the torque",
+        f"C0 {bearing_row.ratings.static_source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to "
+        "the torque",
         ItemKind.BEARING,
     )
 
 
-def _rate_teeth(reducer: RvReducer, torques: Array, weighted_speeds: Array, peak_torque: float) -> Iterator[RatedItem]:
+def _rate_teeth(
+    reducer: RvReducer, torques: Array, weighted_speeds: Array, peak_torque: float, speed_ratios: Array
+) -> Iterator[RatedItem]:
     """Yield the safety against first yield and the pitting life of the cycloid teeth on their pins.
 
-    Each lobe is loaded once per turn of a crank in its disc.
+    Each lobe is loaded once per turn of a crank in its disc. With the law ``film``, the life with the lubricant factors
+    follows.
 
     Parameters
     ----------
@@ -202,6 +240,8 @@ def _rate_teeth(reducer: RvReducer, torques: Array, weighted_speeds: Array, peak
         Torques of the duty [N m], and speeds of the cranks times their shares of time [rad/s].
     peak_torque
         Torque at which first yield is rated [N m].
+    speed_ratios
+        Speed at each point over that of the design [1].
     """
     kind = reducer.design.tooth_pair
     contact = reducer.at_rated_load.contacts[kind]
@@ -223,14 +263,60 @@ def _rate_teeth(reducer: RvReducer, torques: Array, weighted_speeds: Array, peak
         f"at the peak torque of {peak_torque:.4g} N m, pressure with the root of the torque",
         ItemKind.SURFACE,
     )
-    yield _rate_pitting(f"{kind}_pitting", "teeth on pins, pitting", reducer, kind, pressures, weighted_speeds)
+    pitting = _rate_pitting(f"{kind}_pitting", "teeth on pins, pitting", reducer, kind, pressures, weighted_speeds)
+    yield pitting
+    if reducer.design.has_film:
+        contacts = [_tooth_contact(reducer, float(torque)) for torque in torques]
+        yield _rate_lubricated(reducer, pitting, contacts, pressures, weighted_speeds, speed_ratios)
 
 
-def _rate_planets(reducer: RvReducer, torques: Array, weighted_speeds: Array) -> Iterator[RatedItem]:
-    """Yield the pitting life of the sun's teeth, by the pressure at the pitch point.
+def _tooth_contact(reducer: RvReducer, torque: float) -> tuple[float, float]:
+    """Return mean entrainment speed [m/s] at the design's speed, and reduced radius [m], of teeth under a torque [N m].
+
+    `torque` is that on the output.
+    """
+    springs, loads = springs_over_turn(reducer), balance_running(reducer, torque)
+    sense = np.sign(torque_on_carrier(reducer, torque))
+    surfaces = build_rv_film(reducer, springs.crank, float(sense)).surfaces(loads)
+    return weighted_contact(surfaces.smaller_friction(loads.pins)[1], surfaces, loads.pins)
+
+
+def _rate_lubricated(
+    reducer: RvReducer,
+    pitting: RatedItem,
+    contacts: list[tuple[float, float]],
+    pressures: list[float],
+    load_rates: Array,
+    speed_ratios: Array,
+) -> RatedItem:
+    """Return the item of a life until pitting with the lubricant factors of ISO 6336-2.
+
+    Parameters
+    ----------
+    pitting
+        The item without these factors.
+    contacts
+        Entrainment speed at the design's speed [m/s], and reduced radius [m], at each point of the duty.
+    pressures, load_rates
+        Arguments of `_rate_pitting`.
+    speed_ratios
+        Speed at each point over that of the design [1].
+    """
+    factors = [
+        factors_of_contact(reducer.design, ratio * entrainment, radius, 1e6 * pitting.limit)
+        for ratio, (entrainment, radius) in zip(speed_ratios.tolist(), contacts, strict=True)
+    ]
+    return rate_lubricated_pitting(pitting, factors, pressures, load_rates.tolist())
+
+
+def _rate_planets(
+    reducer: RvReducer, torques: Array, weighted_speeds: Array, speed_ratios: Array
+) -> Iterator[RatedItem]:
+    """Yield the pitting life of the sun's teeth, by the pressure at the pitch point; with ``film`` as of the teeth.
 
     Each planet loads each tooth once per turn of the sun relative to the carrier. `weighted_speeds` are the speeds of
-    the cranks times the shares of time [rad/s] at the `torques` of the duty [N m].
+    the cranks times the shares of time [rad/s] at the `torques` of the duty [N m], `speed_ratios` those at each point
+    over the design's speed [1].
     """
     planet, material = reducer.planet, reducer.design.material
     radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
@@ -241,9 +327,13 @@ def _rate_planets(reducer: RvReducer, torques: Array, weighted_speeds: Array) ->
         float(hertz_line_contact(force, planet.face_width, curvature, modulus).peak_pressure) for force in forces
     ]
     load_rates = weighted_speeds * reducer.cranks.count * planet.planet_teeth / planet.sun_teeth
-    yield _rate_pitting(
-        "sun_pitting", "sun on planets, pitting", reducer, reducer.design.tooth_pair, pressures, load_rates
-    )
+    kind = reducer.design.tooth_pair
+    pitting = _rate_pitting("sun_pitting", "sun on planets, pitting", reducer, kind, pressures, load_rates)
+    yield pitting
+    if reducer.design.has_film:
+        entrainment = reducer.crank_speed * radii[1] * math.sin(planet.pressure_angle)
+        contacts = [(entrainment, 1.0 / curvature)] * len(torques)
+        yield _rate_lubricated(reducer, pitting, contacts, pressures, load_rates, speed_ratios)
 
 
 def _rate_pitting(

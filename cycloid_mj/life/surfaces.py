@@ -10,7 +10,7 @@ from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life.duration import format_number
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
-from cycloid_mj.life.pitting_factors import lubricated_cycles, pitting_factors
+from cycloid_mj.life.pitting_factors import PittingFactors, lubricated_cycles, pitting_factors
 from cycloid_mj.reducer import Reducer
 
 SOFTEST_STEEL = 1e11
@@ -101,7 +101,11 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
         if all(part.youngs_modulus >= SOFTEST_STEEL for part in reducer.design.partners(kind)):
             pitting = _rate_pitting(reducer, loadings, kind, pressure)
             yield pitting
-            yield from _rate_lubricated_pitting(reducer, loadings, kind, pitting)
+            factors = [item for loading in loadings if (item := pitting_factors(loading, kind, 1e6 * pitting.limit))]
+            if len(factors) == len(loadings):
+                speeds = [relative_speed(reducer, loading.point.speed) * loading.point.share for loading in loadings]
+                pressures = [loading.pressures[kind] for loading in loadings]
+                yield rate_lubricated_pitting(pitting, factors, pressures, speeds)
 
 
 def _rate_permanent_set(loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
@@ -166,27 +170,28 @@ def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pres
     )
 
 
-def _rate_lubricated_pitting(
-    reducer: Reducer, loadings: Sequence[Loading], kind: str, pitting: RatedItem
-) -> Iterator[RatedItem]:
-    """Yield the item of the life until steel surfaces pit with the lubricant factors of ISO 6336-2, by Miner's sum.
+def rate_lubricated_pitting(
+    pitting: RatedItem, factors: Sequence[PittingFactors], pressures: Sequence[float], speeds: Sequence[float]
+) -> RatedItem:
+    """Return the item of the life until steel surfaces pit with the lubricant factors of ISO 6336-2, by Miner's sum.
 
-    `loadings` are the points of the duty, `kind` is the kind of pair, `pitting` the item without these factors. Yields
-    nothing without the friction law ``film``, or for pairs without these factors.
+    Parameters
+    ----------
+    pitting
+        The item without these factors.
+    factors, pressures
+        Factors, and largest Hertz pressure [Pa], at each point of the duty.
+    speeds
+        Loads of a tooth at each point, as angular speeds times shares of time [rad/s].
     """
-    allowed, power, damage = 1e6 * pitting.limit, AGMA_2001.power, 0.0
-    factors = [item for loading in loadings if (item := pitting_factors(loading, kind, allowed))]
-    if len(factors) < len(loadings):
-        return
-    for loading, item in zip(loadings, factors, strict=True):
-        loads_per_hour = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
-        damage += loads_per_hour / lubricated_cycles(
-            pitting_cycles(loading.pressures[kind], allowed), item.product, power
-        )
+    allowed, damage = 1e6 * pitting.limit, 0.0
+    for item, pressure, speed in zip(factors, pressures, speeds, strict=True):
+        cycles = lubricated_cycles(pitting_cycles(pressure, allowed), item.product, AGMA_2001.power)
+        damage += _turns_per_hour(speed) / cycles
     smallest = min(factors, key=lambda item: item.product)
-    yield RatedItem(
-        f"{kind}_pitting_lubricated",
-        f"{NAMES[kind]}, pitting with the lubricant",
+    return RatedItem(
+        f"{pitting.key}_lubricated",
+        f"{pitting.name} with the lubricant",
         pitting.value,
         smallest.product * pitting.limit,
         "MPa",

@@ -34,3 +34,27 @@ def test_flanges_carry_less_than_the_discs_because_opposed_forces_cancel_in_part
 def test_samples_of_an_rv_reducer_are_not_rated() -> None:
     with pytest.raises(UsageError, match="use `--parts perfect`"):
         rate(RV80E, parts="toleranced")
+
+
+def test_film_friction_adds_the_influence_of_the_lubricant() -> None:
+    """Speed factor and viscosity ratio against hand calculations: sun and planet have 2.089 m/s at the pitch point."""
+    items = rate(RV80E.but(friction={"law": "film"})).items
+    plain = rate(RV80E).items
+    assert set(items) - set(plain) == {
+        *("crank_needles_modified", "crank_tapers_modified"),
+        *("pin_gear_pitting_lubricated", "sun_pitting_lubricated"),
+    }
+    # nu_1 = 45000 n^-0.83 d_m^-0.5 at 600 rpm and 29 mm
+    kappa = 339.24 / (45000.0 * 600.0**-0.83 / 29.0**0.5)
+    assert f"kappa {kappa:.3g}" in items["crank_needles_modified"].note
+    speed = 0.85 + 0.08 + 2.0 * 0.07 / (0.8 + 32.0 / 2.089) ** 0.5
+    assert f"Z_v {speed:.3g} (v 2.09 m/s" in items["sun_pitting_lubricated"].note
+    for key in ("pin_gear_pitting", "sun_pitting"):
+        assert items[f"{key}_lubricated"].life < items[key].life
+    assert items["pin_gear_pitting_lubricated"].life == pytest.approx(1960.0, rel=0.01)
+
+
+def test_a_stated_viscosity_modifies_the_life_of_bearings_without_film_friction() -> None:
+    items = rate(RV80E.but(bearing={"viscosity": 30e-6})).items
+    assert "= 30 mm2/s over nu_1" in items["crank_tapers_modified"].note
+    assert "pin_gear_pitting_lubricated" not in items
