@@ -1242,7 +1242,9 @@ class Design(Section, Presented):
         of a crank both carry the force of a disc, so that their friction is counted twice.
         """
         if self.planet is not None and pair in (CRANK_BEARING, PLANET_MESH):
-            return self.planet.friction if pair == PLANET_MESH else 2.0 * self.friction.cam_rolling
+            if pair == CRANK_BEARING:
+                return 2.0 * self.friction.cam_rolling
+            return self.friction.boundary if self.has_film else self.planet.friction
         output = self.output
         rolling = {"cam": self.gear.bearing == "rolling", "output": output.has_needles}
         if self.has_film and not rolling.get(pair):

@@ -14,15 +14,19 @@ import numpy.typing as npt
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.names import CRANK_BEARING, PLANET_MESH
 from cycloid_mj.dynamics.contact.memory import read_float
 from cycloid_mj.geometry.envelope import arc_contacts
 from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.bodies import Pair
 from cycloid_mj.statics.film import build_film_surfaces
+from cycloid_mj.statics.rv_film import bearing_friction, planet_friction
 
 TEETH, SEAT, CAM, OUTPUT = range(4)
-"""Kinds of mating pairs by their function: rows of the table."""
+"""Kinds of mating pairs by their function: rows of the table.
+
+In an RV reducer, `CAM` are the bearings of the cranks and `OUTPUT` the meshes of the planets.
+"""
 
 
 @dataclass(frozen=True)
@@ -74,8 +78,14 @@ def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
     design = reducer.design
     if not design.has_film:
         return None
-    _refuse_rv(reducer)
-    rows = {"cam": CAM, "output": OUTPUT, design.tooth_pair: TEETH, design.seat_pair: SEAT}
+    rows = {
+        "cam": CAM,
+        "output": OUTPUT,
+        CRANK_BEARING: CAM,
+        PLANET_MESH: OUTPUT,
+        design.tooth_pair: TEETH,
+        design.seat_pair: SEAT,
+    }
     ring_kinds = (design.tooth_pair, design.seat_pair)
     owners = [pair.owner if pair.kind in ring_kinds else 0 for pair in pairs]
     return FilmRows(
@@ -103,7 +113,6 @@ def film_table(reducer: Reducer) -> Array:
     """
     if not reducer.design.has_film:
         return NO_TABLE
-    _refuse_rv(reducer)
     phases: Array = np.linspace(0.0, np.pi, _PHASES)
     # at the crank angle B the first pin, on +y, has the phase B
     curvature = arc_contacts(reducer.tooth_profile, phases[:, np.newaxis]).relative_curvature[:, 0]
@@ -117,19 +126,14 @@ def film_table(reducer: Reducer) -> Array:
     values[TEETH] = np.broadcast_to(teeth, (_FORCES, _PHASES)).T
     if seat is not None:
         values[SEAT] = seat.coefficient.T / film.seat_scale
+    if isinstance(reducer, RvReducer):
+        values[CAM] = sum(bearing_friction(reducer)) / reducer.cranks.eccentric_radius
+        values[OUTPUT] = planet_friction(reducer, force)
+        return values
     values[CAM] = film.cam_friction(force)
     output = film.output_friction(force)
     values[OUTPUT] = reducer.design.friction_of("output") if output is None else output.coefficient
     return values
-
-
-def _refuse_rv(reducer: Reducer) -> None:
-    """Raise a DesignError if the reducer is an RV reducer, whose runs do not support the law ``film``."""
-    if isinstance(reducer, RvReducer):
-        raise DesignError(
-            f'{reducer.design.name}: runs of RV reducers (layout = "rv") do not support friction.law = "film". Set '
-            'friction.law = "coulomb", or use statics, rate, thermal or stress'
-        )
 
 
 @compiling.njit(inner=True)

@@ -422,7 +422,8 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
 
     Without the law ``film``, the drag torques are values of the design, `drag`. With this law they are the torques of
     the seals by ISO/TR 14179-2, unless the design sets `drag`, and Palmgren's M0 of the rolling cams as a torque on the
-    crank; not that of the bearings of an RV reducer, see `rv_film`. `inputs` are factors on the inputs of the law.
+    crank; for an RV reducer those of its crank bearings and main bearings. `inputs` are factors on the inputs of the
+    law.
 
     Returns
     -------
@@ -437,7 +438,11 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
     if not (crank or output):
         crank, output = _seals_on_shafts(reducer)
     crank, output = inputs.seals * crank, inputs.seals * output
-    if design.gear.bearing == "rolling" and not isinstance(reducer, RvReducer):
+    if isinstance(reducer, RvReducer):
+        needles, tapers, main = (idle_power(reducer, item, inputs) for item in roller_bearings(reducer))
+        sun_speed, output_speed = abs(design.drive.speed), abs(reducer.output_speed)
+        return (crank + (needles + tapers) / sun_speed, output + main / output_speed) if sun_speed else (crank, output)
+    if design.gear.bearing == "rolling":
         cam_speed = speed * design.ring.teeth / design.lobes
         viscosity = inputs.viscosity * lubricant(design.friction.lubricant).kinematic_viscosity(
             lubricant_temperature(reducer, "cam")
@@ -446,6 +451,54 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         speed_ratio = cam_speed / abs(design.drive.speed) if design.drive.speed else 1.0
         crank += speed_ratio * idle_torque(factor, cam_mean_diameter(reducer), cam_speed, viscosity)
     return crank, output
+
+
+@dataclass(frozen=True)
+class RollerBearings:
+    """Equal rolling bearings of an RV reducer.
+
+    Attributes
+    ----------
+    pair
+        Kind of pair, for the temperature of the lubricant.
+    count
+        Number of bearings.
+    diameter
+        Mean diameter [m].
+    speed
+        Speed of the rings against each other [rad/s].
+    """
+
+    pair: str
+    count: int
+    diameter: float
+    speed: float
+
+
+def roller_bearings(reducer: RvReducer) -> tuple[RollerBearings, RollerBearings, RollerBearings]:
+    """Return the needles in the discs, the tapered bearings and the main bearings of an RV reducer.
+
+    The mean diameter of a tapered bearing is that of journal and outer ring. Main bearings are not drawn: a bearing on
+    each flange, whose rollers are midway between flange and pin circle, is assumed.
+    """
+    cranks, discs, speed = reducer.cranks, reducer.design.gear.discs, reducer.crank_speed
+    needle_diameter = 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
+    taper_diameter = reducer.journal_radius + cranks.taper_radius
+    main_diameter = reducer.flange_radius + reducer.design.ring.pin_circle_radius
+    return (
+        RollerBearings(CRANK_BEARING, cranks.count * discs, needle_diameter, speed),
+        RollerBearings(CRANK_TAPER, 2 * cranks.count, taper_diameter, speed),
+        RollerBearings(MAIN_BEARING, 2, main_diameter, abs(reducer.output_speed)),
+    )
+
+
+def idle_power(reducer: RvReducer, bearings: RollerBearings, inputs: FilmInputs = DESIGN_INPUTS) -> float:
+    """Compute the power of Palmgren's load-independent torques M0 of rolling bearings [W]."""
+    temperature = lubricant_temperature(reducer, bearings.pair)
+    viscosity = inputs.viscosity * lubricant(reducer.design.friction.lubricant).kinematic_viscosity(temperature)
+    factor = inputs.idle_friction * ASSUMED.roller_idle_factor
+    torque = idle_torque(factor, bearings.diameter, bearings.speed, viscosity)
+    return bearings.count * torque * bearings.speed
 
 
 def state_seals(reducer: Reducer) -> Reducer:

@@ -11,27 +11,24 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import CRANK_BEARING, PLANET_MESH
-from cycloid_mj.design.lubricants import lubricant
+from cycloid_mj.base.names import PLANET_MESH
 from cycloid_mj.geometry.ideal_loads import contact_modulus
 from cycloid_mj.geometry.involute import ContactPath, contact_path
 from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, involute_speeds
-from cycloid_mj.lubrication.bearings import idle_torque
 from cycloid_mj.lubrication.mixed import MixedFriction, line_friction
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
 from cycloid_mj.statics.film import (
     ASSUMED,
-    CRANK_TAPER,
     DESIGN_INPUTS,
-    MAIN_BEARING,
     FilmContacts,
     FilmInputs,
     FilmSurfaces,
     build_film_contacts,
     drag_torques,
     film_law,
-    lubricant_temperature,
+    idle_power,
+    roller_bearings,
 )
 from cycloid_mj.statics.rv import (
     RunningFriction,
@@ -41,54 +38,6 @@ from cycloid_mj.statics.rv import (
     RvSprings,
     compute_rv_friction,
 )
-
-
-@dataclass(frozen=True)
-class RollerBearings:
-    """Equal rolling bearings of an RV reducer.
-
-    Attributes
-    ----------
-    pair
-        Kind of pair, for the temperature of the lubricant.
-    count
-        Number of bearings.
-    diameter
-        Mean diameter [m].
-    speed
-        Speed of the rings against each other [rad/s].
-    """
-
-    pair: str
-    count: int
-    diameter: float
-    speed: float
-
-
-def roller_bearings(reducer: RvReducer) -> tuple[RollerBearings, RollerBearings, RollerBearings]:
-    """Return the needles in the discs, the tapered bearings and the main bearings of an RV reducer.
-
-    The mean diameter of a tapered bearing is that of journal and outer ring. Main bearings are not drawn: a bearing on
-    each flange, whose rollers are midway between flange and pin circle, is assumed.
-    """
-    cranks, discs, speed = reducer.cranks, reducer.design.gear.discs, reducer.crank_speed
-    needle_diameter = 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
-    taper_diameter = reducer.journal_radius + cranks.taper_radius
-    main_diameter = reducer.flange_radius + reducer.design.ring.pin_circle_radius
-    return (
-        RollerBearings(CRANK_BEARING, cranks.count * discs, needle_diameter, speed),
-        RollerBearings(CRANK_TAPER, 2 * cranks.count, taper_diameter, speed),
-        RollerBearings(MAIN_BEARING, 2, main_diameter, abs(reducer.output_speed)),
-    )
-
-
-def idle_power(reducer: RvReducer, bearings: RollerBearings, inputs: FilmInputs = DESIGN_INPUTS) -> float:
-    """Compute the power of Palmgren's load-independent torques M0 of rolling bearings [W]."""
-    temperature = lubricant_temperature(reducer, bearings.pair)
-    viscosity = inputs.viscosity * lubricant(reducer.design.friction.lubricant).kinematic_viscosity(temperature)
-    factor = inputs.idle_friction * ASSUMED.roller_idle_factor
-    torque = idle_torque(factor, bearings.diameter, bearings.speed, viscosity)
-    return bearings.count * torque * bearings.speed
 
 
 @once
@@ -172,14 +121,18 @@ class RvFilm:
         return self.factor * teeth, self.factor * self.unit.bearings
 
 
+def bearing_friction(reducer: RvReducer) -> tuple[float, float]:
+    """Return Palmgren's friction torques M1 over the force of a disc on its crank [m], of needles and tapers."""
+    needles, tapers, _ = roller_bearings(reducer)
+    return ASSUMED.roller_load_factor * needles.diameter, ASSUMED.roller_load_factor * tapers.diameter
+
+
 def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvFilm:
     """Build the film friction of an RV reducer; arguments as of `compute_rv_friction`."""
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     teeth = mesh_gaps(reducer, crank)
     contacts = build_film_contacts(reducer, crank, teeth, teeth.kind.size, sense * ideal_motion(reducer, crank))
-    needles, tapers, _ = roller_bearings(reducer)
-    load_factor = ASSUMED.roller_load_factor
-    torques = RvCoefficients(1.0, 1.0, load_factor * needles.diameter, load_factor * tapers.diameter)
+    torques = RvCoefficients(1.0, 1.0, *bearing_friction(reducer))
     return RvFilm(reducer, contacts, compute_rv_friction(reducer, crank, sense, torques))
 
 
@@ -217,14 +170,12 @@ class RvFilmLosses:
         """Compute the mean powers [W] that grow with the forces, lost by "teeth", "crank bearings" and "planets"."""
         reducer, planet = self.reducer, self.reducer.planet
         teeth = replace(self.surfaces, inputs=inputs).smaller_friction(self.teeth)[0].coefficient
-        load_factor = inputs.load_friction * ASSUMED.roller_load_factor
-        needles, tapers, _ = roller_bearings(reducer)
         meshes = np.sum(planet_friction(reducer, self.planets, inputs) * self.planets, axis=1).mean()
         mesh_speed = reducer.crank_speed * (1.0 + planet.planet_teeth / planet.sun_teeth)
         return {
             "teeth": float(np.sum(teeth * self.tooth_power)),
-            "crank bearings": load_factor
-            * (needles.diameter + tapers.diameter)
+            "crank bearings": inputs.load_friction
+            * sum(bearing_friction(reducer))
             * self.bearing_force
             * reducer.crank_speed,
             "planets": float(meshes * reducer.planet_mesh.arm * mesh_speed),
@@ -233,10 +184,10 @@ class RvFilmLosses:
     def drag_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
         """Compute the powers [W] without load, lost by "crank bearings" and "seals"; main bearings count as seals."""
         reducer = self.reducer
-        needles, tapers, main = (idle_power(reducer, item, inputs) for item in roller_bearings(reducer))
         sun, output = drag_torques(reducer, inputs)
-        seals = sun * abs(reducer.design.drive.speed) + output * abs(reducer.output_speed)
-        return {"crank bearings": needles + tapers, "seals": seals + main}
+        total = sun * abs(reducer.design.drive.speed) + output * abs(reducer.output_speed)
+        in_cranks = sum(idle_power(reducer, item, inputs) for item in roller_bearings(reducer)[:2])
+        return {"crank bearings": in_cranks, "seals": total - in_cranks}
 
     def powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
         """Compute all mean powers lost [W] by source: "teeth", "crank bearings", "planets" and "seals"."""

@@ -13,7 +13,7 @@ from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_form_error, ideal_rv_loads, mean_force
 from cycloid_mj.reducer import RvReducer, once
-from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs
+from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs, drag_torques
 from cycloid_mj.statics.film_spread import (
     RAISED_FRICTION,
     SAMPLES,
@@ -266,9 +266,13 @@ def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force
 
 @once
 def _film_losses(reducer: RvReducer, load: float, count: int) -> RvFilmLosses:
-    """Return the losses of the running drive with the law ``film``; arguments as of `friction_powers`."""
-    springs, sense = springs_over_turn(reducer, count), np.sign(torque_on_carrier(reducer, load))
-    return build_rv_losses(build_rv_film(reducer, springs.crank, sense), springs, balance_running(reducer, load, count))
+    """Return the losses of the running drive with the law ``film``; arguments as of `friction_powers`.
+
+    The contacts also support the drag on the output.
+    """
+    springs, torque = springs_over_turn(reducer, count), load + drag_torques(reducer)[1]
+    film = build_rv_film(reducer, springs.crank, np.sign(torque_on_carrier(reducer, torque)))
+    return build_rv_losses(film, springs, balance_running(reducer, torque, count))
 
 
 @once
@@ -280,7 +284,8 @@ def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> t
     """
     count = SETTINGS.rotation_angles
     losses, springs = _film_losses(reducer, load, count), springs_over_turn(reducer, count)
-    own_loss, on_carrier = sum(losses.contact_powers().values()), torque_on_carrier(reducer, load)
+    own_loss = sum(losses.contact_powers().values())
+    on_carrier = torque_on_carrier(reducer, load + drag_torques(reducer)[1])
     raised = replace(build_rv_film(reducer, springs.crank, np.sign(on_carrier)), factor=RAISED_FRICTION)
     raised_losses = build_rv_losses(raised, springs, solve_rv_loads(springs, on_carrier, raised))
     growth = loss_growth(own_loss, RAISED_FRICTION * sum(raised_losses.contact_powers().values()))

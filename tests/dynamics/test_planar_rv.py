@@ -15,6 +15,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import ARCSECOND
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS
+from cycloid_mj.design.model import HEATED
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.planar.rv_system import input_inertia, make_rv_system
@@ -22,7 +23,7 @@ from cycloid_mj.dynamics.planar.state import start_state
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import loss_figures
+from cycloid_mj.statics.rv_sheet import loss_figures, rv_efficiency_spread
 
 HOLD, SETTLED = 0.26, 0.05
 """Duration of the runs, and time after which they are evaluated: two turns of the cranks [s]."""
@@ -115,6 +116,17 @@ def test_running_drives_have_the_figures_of_statics_with_friction(load: float, s
     assert simulated.max() == pytest.approx(static.bearings.max(), rel=5e-3)
     (expected,) = (figure.value for figure in loss_figures(reducer, load) if figure.key == "efficiency")
     assert 100.0 * efficiency == pytest.approx(expected, abs=0.15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("temperature", [20.0, 60.0])
+@pytest.mark.parametrize("pins", ["free", "fixed"])
+@pytest.mark.parametrize("load", [784.0, 78.4])
+def test_efficiency_with_film_friction_is_that_of_statics(load: float, pins: str, temperature: float) -> None:
+    thermal = dict.fromkeys(HEATED, temperature)
+    reducer = rv(load, ring={"pins": pins}, friction={"law": "film"}, thermal=thermal)
+    powers = mean_powers(settled(reducer))
+    assert 100.0 * powers.efficiency == pytest.approx(rv_efficiency_spread(reducer, load, 16).value, abs=0.2)
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ import pytest
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.design.model import HEATED
-from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.figures.film_map import compute_film_map
 from cycloid_mj.figures.statics import no_load_torque, starting_spread
 from cycloid_mj.geometry.involute import contact_path, gear_pair
@@ -16,18 +15,16 @@ from cycloid_mj.geometry.rv import mesh_loss_factor
 from cycloid_mj.geometry.surface_speeds import entrainment_zeros
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics import rv_sheet
-from cycloid_mj.statics.film import FilmInputs, mesh_speed, seal_torques
+from cycloid_mj.statics.film import FilmInputs, drag_torques, idle_power, mesh_speed, roller_bearings, seal_torques
 from cycloid_mj.statics.film_spread import sample_inputs
 from cycloid_mj.statics.rv import RvLoads, RvSprings, solve_rv_loads
 from cycloid_mj.statics.rv_film import (
     RvFilm,
     build_rv_film,
     build_rv_losses,
-    idle_power,
     planet_friction,
     planet_path,
     planet_speeds,
-    roller_bearings,
 )
 from cycloid_mj.statics.rv_sheet import friction_powers, springs_over_turn, torque_on_carrier
 
@@ -122,7 +119,7 @@ def test_powers_balance(load: float, error: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("temperature", "value", "low", "high"), [(20.0, 85.64, 82.95, 89.10), (60.0, 88.83, 86.02, 92.56)]
+    ("temperature", "value", "low", "high"), [(20.0, 85.61, 82.93, 89.08), (60.0, 88.81, 86.00, 92.54)]
 )
 def test_efficiency_of_the_rv80e_is_an_interval(temperature: float, value: float, low: float, high: float) -> None:
     spread = rv_sheet.rv_efficiency_spread(lubricated(at=temperature), LOAD)
@@ -134,7 +131,7 @@ def test_samples_at_fixed_forces_match_full_solutions() -> None:
     _, outcomes = rv_sheet.rv_lost_powers(reducer, LOAD)
     for k in (0, 5, 9):
         inputs = sample_inputs()[0][k]
-        losses = build_rv_losses(*balanced(reducer, inputs))
+        losses = build_rv_losses(*balanced(reducer, inputs, LOAD + drag_torques(reducer)[1]))
         assert outcomes[k] == pytest.approx(sum(losses.powers(inputs).values()), rel=2e-3)
 
 
@@ -153,10 +150,11 @@ def test_torque_without_load_is_that_of_bearings_and_seal() -> None:
     _, seal = seal_torques(reducer)
     assert seal == pytest.approx(7.69e-6 * (2e3 * reducer.flange_radius) ** 2 / RPM, rel=1e-9)
     drag = (needles + tapers + main + seal * reducer.output_speed) / reducer.design.drive.speed
-    assert no_load_torque(reducer) == pytest.approx(drag, rel=0.02)
+    # teeth, bearings and planets carry the drag of the output, which adds 3 %
+    assert drag < no_load_torque(reducer) < 1.04 * drag
     start = starting_spread(reducer, 16)
     assert start.low < start.value < start.high
-    assert start.value == pytest.approx(0.0137, rel=0.01)
+    assert start.value == pytest.approx(0.0147, rel=0.01)
 
 
 def test_the_map_has_no_back_driving_torque() -> None:
@@ -164,8 +162,6 @@ def test_the_map_has_no_back_driving_torque() -> None:
     assert [point.quantity for point in points] == ["starting torque", "no-load torque", "efficiency"]
 
 
-def test_runs_and_temperatures_by_part_are_refused() -> None:
-    with pytest.raises(DesignError, match=r'do not support friction\.law = "film"'):
-        planar_model(lubricated("ring.pins=fixed"))
+def test_temperatures_by_part_are_refused() -> None:
     with pytest.raises(DesignError, match="the same temperature of all parts"):
         override(PRESETS["rv80e"], ["thermal.disc_c=40"])

@@ -198,7 +198,7 @@ def _find_lobe_contacts(
         cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
         for k in range(lobe_touches(address, teeth, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
             _fill_contact(contacts[count], pair, read_touch(address + STRIDE * k), -1.0, q, v, half_step)
-            _set_film_friction(system, contacts[count], _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
+            set_film_friction(system, contacts[count], _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
             count += 1
     return count
 
@@ -237,7 +237,7 @@ def _find_pin_contacts(
         contact, touch = contacts[count], result.touch
         pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, pin_unknown, shaft)
         _fill_contact(contact, pair, touch, -1.0, q, v, half_step)
-        _set_film_friction(system, contact, _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
+        set_film_friction(system, contact, _TEETH, phase_cosine(px, py, gear.x, gear.y), v)
         count += 1
         if system.free:
             contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
@@ -299,7 +299,7 @@ def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
 
 
 @njit
-def _set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
+def set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
     """Set friction coefficient and state of a contact by the law ``film``; do nothing with the law ``coulomb``.
 
     `kind` is its row in the film table, `cosine` that of the phase of its pin, `v` the speeds of all unknowns.
@@ -388,7 +388,7 @@ def _find_round_contacts(
     for k in range(count):
         touch, contact = read_touch(address + STRIDE * k), contacts[first_contact + k]
         _fill_contact(contact, mating, touch, inner.sign, q, v, half_step)
-        _set_film_friction(system, contact, kind, cosine, v)
+        set_film_friction(system, contact, kind, cosine, v)
         distance = math.sqrt(dx * dx + dy * dy)
         if dx * touch.nx + dy * touch.ny < (1.0 - CONTACT_SEARCH.edge_tolerance) * distance or distance == 0.0:
             continue  # a contact at an edge

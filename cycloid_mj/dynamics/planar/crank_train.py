@@ -17,6 +17,7 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.crank_train import flank_normal, planet_flanks, unpack_mesh
 from cycloid_mj.dynamics.contact.gap import Pose, outwards
+from cycloid_mj.dynamics.film_table import CAM, OUTPUT
 from cycloid_mj.dynamics.planar.contacts import (
     Contact,
     Contacts,
@@ -24,9 +25,12 @@ from cycloid_mj.dynamics.planar.contacts import (
     disc_pose,
     linearise_law,
     njit,
+    set_film_friction,
     shaft_pose,
 )
 from cycloid_mj.dynamics.planar.system import System
+
+_BEARING, _MESH = np.int64(CAM), np.int64(OUTPUT)
 
 MIN_DISTANCE = 1e-15
 """Displacement of an eccentric from its bore [m], below rounding, from which on its direction is defined."""
@@ -95,10 +99,11 @@ def find_crank_contacts(
                 _set_bearing_arms(contact, ax, ay, ex, ey, bx, by, train.eccentric_radius)
                 contact.geometric_stiffness = half_step * side / max(distance, MIN_DISTANCE)
                 linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
+                set_film_friction(system, contact, _BEARING, 1.0, v)
                 count += 1
     for i in range(cranks):
         mating = MatingSurfaces(pair + i, train.laws[1], 3 * discs, -1, carrier)
-        count = _find_planet_contacts(train, contacts, count, mating, first_crank + i, i, q, v, half_step)
+        count = _find_planet_contacts(system, train, contacts, count, mating, first_crank + i, i, q, v, half_step)
     return count
 
 
@@ -132,6 +137,7 @@ def _set_bearing_arms(
 
 @njit
 def _find_planet_contacts(
+    system: System,
     train: CrankTrain,
     contacts: Contacts,
     count: int,
@@ -165,5 +171,6 @@ def _find_planet_contacts(
         contact.crank_normal = -side * (mesh.planet_base - error_slope) + nx * ry - ny * rx
         contact.crank_tangent = -mesh.arm
         linearise_law(contact, mating.law, 1.0, 0.0, v, half_step)
+        set_film_friction(system, contact, _MESH, 1.0, v)
         count += 1
     return count
