@@ -32,9 +32,10 @@ def _loads(part: str, reducer: RvReducer = DRIVE) -> PartLoads:
     return loads_in_turn(static_turn(reducer, ANGLES), part)
 
 
+@pytest.mark.parametrize("law", ["coulomb", "film"])
 @pytest.mark.parametrize("part", ["gear_1", "gear_2", "pin_1"])
-def test_static_forces_balance_each_free_part(part: str) -> None:
-    loads = _loads(part)
+def test_static_forces_balance_each_free_part(part: str, law: str) -> None:
+    loads = _loads(part, DRIVE.but(friction={"law": law}))
     body = mass_properties(body_solids(DRIVE)[{"pin_1": "pin"}.get(part, part)])
     largest = np.linalg.norm(loads.force, axis=-1).max()
     assert np.abs(loads.force.sum(axis=1)).max() < 1e-6 * largest
