@@ -16,8 +16,9 @@ from cycloid_mj.sizing.solve import find_drive, finer_requirements, is_feasible,
 STEP = 1.04
 """Factor between values that are tried; with their rounding, a remedy is at most 5 % above the smallest."""
 
-MAX_DIAMETER, MIN_LIFE, MIN_SHARE, MIN_SPEED = 3.0, 100.0, 0.05, 30.0 * RPM
-"""Largest diameter [m], shortest life [h], smallest share of the time and slowest crank [rad/s] of a remedy."""
+MAX_DIAMETER, MIN_LIFE, MIN_SHARE, MIN_SPEED, MAX_BACKLASH = 3.0, 100.0, 0.05, 30.0 * RPM, 60.0
+"""Largest diameter [m], shortest life [h], smallest share of the time, slowest crank [rad/s] and largest backlash
+[arcmin] of a remedy."""
 
 MAX_PROBES, MAX_VERIFICATIONS, MAX_REMEDIES = 4, 5, 4
 """Largest number of values that are searched for a remedy, of those that are verified from the smallest on, and of
@@ -132,6 +133,7 @@ def _single_changes(requirement: Requirement) -> Iterator[Changes]:
     tighter = [] if requirement.fit else [*requirement.tighter_clearances]
     words = "clearances of {:.3g} um"
     yield [FeasibleChange(words.format(1e6 * clearance), requirement.but(clearance=clearance)) for clearance in tighter]
+    yield _series(requirement, "backlash", MAX_BACKLASH, 1.0, "a backlash of {:.3g} arcmin")
     yield _series(requirement, "length", 2.0 * requirement.diameter, 1e-3, "a length of {:.4g} mm")
 
 
@@ -157,12 +159,20 @@ def _processes(requirement: Requirement) -> Changes:
 def _combined(requirement: Requirement) -> Iterator[Changes]:
     """Yield larger diameters for each combination of a process, a length and a crank speed.
 
-    The process is the one that allows the largest torque, or that of the requirement. The length is the required one,
-    or twice the diameter. The speed is the required one, a quarter, or a sixteenth of it.
+    The process is the one that allows the largest torque, with sizes in stock, then free ones; or that of the
+    requirement. The length is the required one, or twice the diameter. The speed is the required one, a quarter, or a
+    sixteenth of it.
     """
-    for process in (*PROCESSES[requirement.process].stronger[-1:], requirement.process):
+    kinds = [(process, requirement.custom) for process in PROCESSES[requirement.process].stronger[-1:]]
+    kinds += [(process, True) for process, _ in kinds]
+    for process, custom in dict.fromkeys([*kinds, (requirement.process, requirement.custom)]):
         words = [] if process == requirement.process else [f"{process} in place of {requirement.process}"]
-        base = requirement.but(process=process, material="", clearance=0.0, fit="") if words else requirement
+        words += ["free sizes of pins and bearings"] if custom != requirement.custom else []
+        base = (
+            requirement.but(process=process, custom=custom, material="", clearance=0.0, fit="")
+            if words
+            else requirement
+        )
         for length in dict.fromkeys((requirement.length, 2.0 * requirement.diameter)):
             free = [f"a length of {MILLIMETRES * length:g} mm"] if length > requirement.length else []
             for slower in (1.0, 4.0, 16.0):
