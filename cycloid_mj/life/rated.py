@@ -11,8 +11,9 @@ from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
+from cycloid_mj.life.plastic_set import SET_POWER
 from cycloid_mj.life.rolling import EXPONENT
-from cycloid_mj.life.surfaces import AGMA_2001, SET_POWER
+from cycloid_mj.life.surfaces import AGMA_2001
 from cycloid_mj.reducer import Reducer
 
 
@@ -195,7 +196,8 @@ def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
     """
     margin = item.margin(life)
     if item.safety is None:
-        power = 2.0 * (SET_POWER if item.key.endswith("_set") else AGMA_2001.power)
+        # the strip that loads a plastic is as wide as the pressure is high: damage ~ p^(1 + 1/SET_POWER)
+        power = 2.0 * (SET_POWER / (1.0 + SET_POWER) if item.key.endswith("_set") else AGMA_2001.power)
         return torque * float(margin ** (1.0 / EXPONENT if is_bearing_life(item.key) else power))
     by_pressure = item.key.endswith(("_yield", "_shakedown")) and not item.key.startswith(STOPS)
     return torque * (margin**2 if by_pressure else margin)

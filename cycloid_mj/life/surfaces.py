@@ -1,4 +1,4 @@
-"""Surfaces under Hertz pressure: first yield, shakedown and pitting of metals, permanent set of plastics."""
+"""Surfaces under Hertz pressure: first yield, shakedown and pitting of metals; plastics are in `plastic_set`."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -11,6 +11,7 @@ from cycloid_mj.life.duration import format_number
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
 from cycloid_mj.life.pitting_factors import PittingFactors, lubricated_cycles, pitting_factors
+from cycloid_mj.life.plastic_set import rate_permanent_set
 from cycloid_mj.reducer import Reducer
 
 SOFTEST_STEEL = 1e11
@@ -51,13 +52,6 @@ class Agma2001:
 
 AGMA_2001 = Agma2001()
 
-SET_SHARE, SET_POWER = 2500.0 / 2850.0, math.log10(2500.0 / 1300.0) / 3.0
-"""Strength of a plastic after 1 h of load over its short-term strength, and the power by which it decreases.
-
-It follows the creep modulus: Hostaform C 9021 (POM) has 2850 MPa in a short test, 2500 after 1 h and 1300 after 1000 h
-(ISO 527, ISO 899-1); other plastics are assumed to creep alike. After 6000 h 39 % remain.
-"""
-
 NAMES = {
     "pin_gear": "teeth on pins",
     "tooth": "disc on internal gear",
@@ -80,7 +74,7 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
         pressure = max(loading.pressures[kind] for loading in loadings)
         strength = reducer.contacts[kind].strength
         if reducer.contacts[kind].weaker_is_plastic:
-            yield _rate_permanent_set(loadings, kind, strength)
+            yield rate_permanent_set(loadings, kind, name)
             continue
         for key, limit_name, factor, source in (
             ("yield", "first yield", YIELD_PRESSURE, "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)"),
@@ -106,32 +100,6 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
                 speeds = [relative_speed(reducer, loading.point.speed) * loading.point.share for loading in loadings]
                 pressures = [loading.pressures[kind] for loading in loadings]
                 yield rate_lubricated_pitting(pitting, factors, pressures, speeds)
-
-
-def _rate_permanent_set(loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
-    """Return the item of the time until a plastic surface has a permanent set, by Miner's sum over the duty cycle.
-
-    `loadings` are the points of the duty, `kind` is the kind of pair, `strength` the yield strength of the plastic [Pa]
-    for a short load.
-    """
-    limit = SHAKEDOWN_PRESSURE * strength
-    damage = sum(loading.point.share / set_hours(loading.pressures[kind], limit) for loading in loadings)
-    return RatedItem(
-        f"{kind}_set",
-        f"{NAMES[kind]}, permanent set of the plastic",
-        1e-6 * max(loading.pressures[kind] for loading in loadings),
-        1e-6 * limit,
-        "MPa",
-        None,
-        1.0 / damage if damage else math.inf,
-        "p0 = 4 k = 2.31 Y; Y decreases with the time under load as the creep modulus of POM (ISO 899-1)",
-        f"Y = {1e-6 * strength:.4g} MPa for a short load; the load is assumed to act on one place always",
-    )
-
-
-def set_hours(pressure: float, limit: float) -> float:
-    """Compute the time after which a pressure [Pa] leaves a permanent set [h], by the limit for a short load [Pa]."""
-    return float((SET_SHARE * limit / pressure) ** (1.0 / SET_POWER))
 
 
 def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:

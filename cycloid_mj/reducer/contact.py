@@ -253,6 +253,13 @@ class Contact:
         """
         return self._hertz(force, curvature).peak_pressure
 
+    def half_width(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
+        """Compute the half width of the strip of line contacts [m]; conformal contacts count as flat on flat.
+
+        `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
+        """
+        return self._hertz(force, curvature).half_width
+
     def hertz_holds(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Mask:
         """Return whether each line contact is not conformal: its strip is narrow compared with the thinner body.
 

@@ -16,7 +16,8 @@ from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus
 from cycloid_mj.life import rolling
 from cycloid_mj.life.heat import heat_limits
-from cycloid_mj.life.surfaces import AGMA_2001, SET_POWER, SET_SHARE, pitting_limit
+from cycloid_mj.life.plastic_set import SET_POWER, SET_SHARE
+from cycloid_mj.life.surfaces import AGMA_2001, pitting_limit
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.reducer import Reducer
@@ -195,12 +196,16 @@ def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Lo
     hole = sizes.stud + sizes.eccentricity
     curvature = 1.0 / np.maximum(sizes.stud, 1e-6) - 1.0 / np.maximum(hole, 1e-6)
     output = np.sqrt(loads.pin * curvature * _modulus(design, "output") / (math.pi * sizes.face))
+    half_width = 2.0 * np.stack([loads.tooth / loads.tooth_pressure, loads.pin / output]) / (math.pi * sizes.face)
+    travel = np.stack([(sizes.circle - sizes.pin) / requirement.ratio, hole])  # of the strip per radian of the crank
+    strip = dict(zip(("pin_gear", "output"), half_width / (math.pi * travel), strict=True))
     limits = {}
     for kind, pressure in (("pin_gear", loads.tooth_pressure), ("output", output)):
         partners = design.partners(kind)
         strength = min(part.surface_strength for part in partners)
         if any(part.is_plastic for part in partners):
-            allowed, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / requirement.life**SET_POWER, f"{kind}_set"
+            loaded = requirement.life * np.minimum(strip[kind], 1.0)
+            allowed, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / loaded**SET_POWER, f"{kind}_set"
         else:
             factor, power = AGMA_2001.factor, AGMA_2001.power
             cycles = requirement.speed / (2.0 * math.pi) * HOUR * requirement.life

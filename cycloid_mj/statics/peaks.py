@@ -57,9 +57,18 @@ def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind
     kind
         Kind of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
     """
+    return float(reducer.contacts[kind].pressure(*line_loads(reducer, springs, contact_loads, kind)).max())
+
+
+def line_loads(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> tuple[Array, Array]:
+    """Return the forces of the line contacts of a kind [N] and their relative curvatures [1/m], shape (m, n) each.
+
+    The arguments are those of `peak_pressure`; a rolling cam has the force of its most loaded roller.
+    """
     contact = reducer.contacts[kind]
     curvature = springs.curvature if kind == reducer.design.tooth_pair else contact.relative_curvature
-    return float(contact.pressure(forces(contact_loads, kind) * contact.line_share, curvature).max())
+    force = forces(contact_loads, kind) * contact.line_share
+    return force, np.broadcast_to(curvature, force.shape)
 
 
 def torque_at_pressure(
@@ -130,8 +139,7 @@ def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: 
     ``cam``.
     """
     contact = reducer.contacts[kind]
-    curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(contact.relative_curvature)
-    force = forces(contact_loads, kind) * contact.line_share
+    force, curvature = line_loads(reducer, springs, contact_loads, kind)
     worst = np.argmax(contact.pressure(force, curvature))
     return bool(force.flat[worst] > 0.0 and contact.hertz_holds(force, curvature).flat[worst])
 

@@ -2,22 +2,32 @@
 
 import math
 
+import numpy as np
 import pytest
 from commands import told
 
 from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.geometry import profile
 from cycloid_mj.life import emergency_stop, rate
 from cycloid_mj.life.bearing_compliance import CamCase, CamCompliance
 from cycloid_mj.life.checks import check_design, checks_of_rating, life_checks, life_remedies
-from cycloid_mj.life.duty import constant_duty
+from cycloid_mj.life.duty import DutyPoint, constant_duty
+from cycloid_mj.life.loading import Loading, solve_loading
+from cycloid_mj.life.plastic_set import creep_damage, damage_rate, load_shares
 from cycloid_mj.life.rated import rated_torque
-from cycloid_mj.life.surfaces import set_hours
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.peaks import line_loads
 from cycloid_mj.statics.sheet import sheet
 
 PIN = PRESETS["pin"]
+POM = override(PIN, {"gear_material.name": "POM", "drive.torque_nm": 0.1})
+
+
+def pom_loading(design: Design) -> Loading:
+    """Return the loading of a design at its nominal torque and speed."""
+    return solve_loading(Reducer(design), DutyPoint(design.rated_torque, design.drive.speed, 1.0), with_wind_up=False)
 
 
 def test_a_hard_surface_carries_more_and_the_core_is_unchanged() -> None:
@@ -33,15 +43,40 @@ def test_a_hard_surface_carries_more_and_the_core_is_unchanged() -> None:
 
 def test_a_plastic_creeps_as_its_creep_modulus_falls() -> None:
     """Hostaform C 9021: 2850 MPa in a short test, 2500 after 1 h, 1300 after 1000 h of load."""
-    assert set_hours(2500.0 / 2850.0, 1.0) == pytest.approx(1.0)
-    assert set_hours(1300.0 / 2850.0, 1.0) == pytest.approx(1000.0)
-    plastic = override(PIN, {"gear_material.name": "POM", "drive.torque_nm": 0.1})
-    items = rate(plastic).items
+    assert creep_damage([2500.0 / 2850.0, 1300.0 / 2850.0, 0.0], 1.0) == pytest.approx([1.0, 1e-3, 0.0])
+    items = rate(POM).items
     assert not {"pin_gear_yield", "pin_gear_shakedown", "pin_gear_pitting"} & items.keys()
-    item = items["pin_gear_set"]
-    assert item.limit == pytest.approx(SHAKEDOWN_PRESSURE * 64.0)
-    assert item.life == pytest.approx(set_hours(item.value, item.limit))
+    assert items["pin_gear_set"].limit == pytest.approx(SHAKEDOWN_PRESSURE * 64.0)
     assert "pin_socket_yield" in items, "steel in steel"
+
+
+def test_a_place_of_a_lobe_is_loaded_while_the_contact_strip_passes_it() -> None:
+    """Of the turn of the crank against the disc, the strip needs its width over the travel of the contact line."""
+    loading = pom_loading(POM)
+    gear, reducer = loading.reducer.tooth_profile, loading.reducer
+    phases = loading.springs.crank[:, np.newaxis] + profile.pin_angles(gear)
+    step = 1e-5
+    ends = [-(phases + side * step) / gear.lobes for side in (-1.0, 1.0)]
+    low, high = (profile.arc_length(reducer.gear_profile, end, reducer.profile_offset) for end in ends)
+    travel = np.abs(high - low) / (2.0 * step)  # of the contact line on the disc, per radian of the crank [m]
+    widths = np.full(phases.shape, 1e-6)
+    expected = 2.0 * widths / (2.0 * np.pi * travel) * gear.ring_teeth / gear.lobes
+    assert load_shares(loading, "pin_gear", "gear", widths) == pytest.approx(expected, rel=5e-3)
+    assert load_shares(loading, "pin_gear", "gear", np.full(phases.shape, 1.0)) == pytest.approx(1.0)
+    hole = load_shares(loading, "output", "gear", np.full((1, 1), 1e-6))
+    assert hole == pytest.approx(1e-6 / (np.pi * POM.output.hole_radius))
+
+
+def test_a_lobe_meets_a_protruding_pin_once_in_as_many_passes_as_there_are_pins() -> None:
+    protruding = POM.but(errors={"pin_dr": (20e-6, *[0.0] * (POM.ring.teeth - 1))})
+    loading = pom_loading(protruding)
+    limit = SHAKEDOWN_PRESSURE * 64e6
+    force, curvature = line_loads(loading.reducer, loading.springs, loading.contacts, "pin_gear")
+    contact = loading.reducer.contacts["pin_gear"]
+    shares = load_shares(loading, "pin_gear", "gear", contact.half_width(force, curvature))
+    largest = float((shares * creep_damage(contact.pressure(force, curvature), limit)).max())
+    passes = largest / damage_rate(loading, "pin_gear", limit)
+    assert 0.5 * POM.ring.teeth < passes < 2.0 * POM.ring.teeth
 
 
 def test_a_plastic_withstands_a_single_load_up_to_its_permanent_set() -> None:

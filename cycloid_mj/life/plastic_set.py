@@ -1,0 +1,136 @@
+"""Permanent set of plastic surfaces under Hertz pressure: short loads add up while the strength decreases by creep.
+
+While a drive turns, a place of a surface is loaded only as long as the contact strip needs to pass it, once per turn of
+the crank against that part. Recovery between the loads is neglected, so the life is a lower bound.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE
+from cycloid_mj.design.model import PARTNERS
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.surface_speeds import tooth_speeds
+from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.loading import SECTORS, Loading, relative_speed, speed_past_ring
+from cycloid_mj.statics.film import mesh_speed
+from cycloid_mj.statics.peaks import line_loads
+
+SET_SHARE, SET_POWER = 2500.0 / 2850.0, math.log10(2500.0 / 1300.0) / 3.0
+"""Strength of a plastic after 1 h of load over its short-term strength, and the power by which it decreases.
+
+It follows the creep modulus: Hostaform C 9021 (POM) has 2850 MPa in a short test, 2500 after 1 h and 1300 after 1000 h
+(ISO 527, ISO 899-1); other plastics are assumed to creep alike. After 6000 h 39 % remain.
+"""
+
+
+def rate_permanent_set(loadings: Sequence[Loading], kind: str, name: str) -> RatedItem:
+    """Return the item of the time until a plastic surface has a permanent set, by Miner's sum over the duty cycle.
+
+    `loadings` are the points of the duty, `kind` is the kind of pair, and `name` its name in the item.
+    """
+    strength = loadings[0].reducer.contacts[kind].strength
+    limit = SHAKEDOWN_PRESSURE * strength
+    pressure = max(loading.pressures[kind] for loading in loadings)
+    damage = sum(loading.point.share * damage_rate(loading, kind, limit) for loading in loadings)
+    standing = 1.0 / float(creep_damage(pressure, limit))
+    return RatedItem(
+        f"{kind}_set",
+        f"{name}, permanent set of the plastic",
+        1e-6 * pressure,
+        1e-6 * limit,
+        "MPa",
+        None,
+        1.0 / damage if damage else math.inf,
+        "p0 = 4 k = 2.31 Y; Y decreases with the time under load as the creep modulus of POM (ISO 899-1)",
+        f"Y = {1e-6 * strength:.4g} MPa for a short load; a place is loaded while the contact strip passes it; at "
+        f"standstill under the largest load the life is {standing:.3g} h",
+    )
+
+
+def creep_damage(pressure: npt.ArrayLike, limit: float) -> Array:
+    """Compute the damage per hour under a constant pressure [1/h], in the shape of `pressure` [Pa]; 1 is a set.
+
+    `limit` [Pa] is the pressure that leaves a permanent set within a short test.
+    """
+    return np.asarray((np.asarray(pressure) / (SET_SHARE * limit)) ** (1.0 / SET_POWER))
+
+
+def damage_rate(loading: Loading, kind: str, limit: float) -> float:
+    """Compute the damage of the most loaded place of a plastic surface per hour of turning [1/h]: 1 is a set.
+
+    A lobe of the disc meets all ring pins in turn, so its damage is the mean over them; that of pins and holes is the
+    largest. `limit` is the pressure that leaves a set within a short test [Pa].
+    """
+    design = loading.reducer.design
+    force, curvature = line_loads(loading.reducer, loading.springs, loading.contacts, kind)
+    contact = loading.reducer.contacts[kind]
+    constant = creep_damage(contact.pressure(force, curvature), limit)
+    rates = []
+    for part, material in zip(PARTNERS[kind], design.partners(kind), strict=True):
+        if material.is_plastic:
+            shares = load_shares(loading, kind, part, contact.half_width(force, curvature))
+            damage = shares * constant
+            averaged = part == "gear" and kind == design.tooth_pair
+            rates.append(_mean_over_passes(loading, damage) if averaged else float(damage.max()))
+    return max(rates)
+
+
+def load_shares(loading: Loading, kind: str, part: str, half_width: Array) -> Array:
+    """Compute the share of the time during which a place of a part's surface is under the contact strip [1].
+
+    Parameters
+    ----------
+    loading
+        The loading.
+    kind, part
+        Kind of pair, and one of its `PARTNERS`. Contacts in seats stay at one place: their share is 1.
+    half_width
+        Half widths of the strips of all contacts [m], shape (m, n).
+
+    Returns
+    -------
+    Array
+        Shape (m, n): the strip passes each place once per turn of the crank against the part.
+    """
+    reducer, design = loading.reducer, loading.reducer.design
+    if kind == "output":
+        radius = design.output.hole_radius if part == "gear" else design.output.pin_radius
+        shares = half_width / (math.pi * radius)
+    elif kind == design.tooth_pair:
+        speeds = tooth_speeds(reducer.tooth_profile, _phases(loading), mesh_speed(reducer))
+        crank = design.drive.speed
+        turning = relative_speed(reducer, crank) if part == "gear" else speed_past_ring(reducer, crank)
+        passing = np.abs(speeds.moving if part == "gear" else speeds.fixed)
+        shares = half_width * turning / (math.pi * np.maximum(passing, np.finfo(float).tiny))
+    else:
+        shares = np.ones_like(half_width)
+    return np.asarray(np.minimum(shares, 1.0))
+
+
+def _phases(loading: Loading) -> Array:
+    """Return the phase of the pin of each tooth contact [rad]: its angle from the eccentric, shape (m, n)."""
+    reducer, springs = loading.reducer, loading.springs
+    pins = np.tile(profile.pin_angles(reducer.tooth_profile), reducer.design.ring.halves)
+    phases = springs.crank[:, np.newaxis, np.newaxis] + np.array(reducer.phases)[:, np.newaxis] + pins
+    return phases.reshape(len(springs.crank), -1)
+
+
+def _mean_over_passes(loading: Loading, damage: Array) -> float:
+    """Return the largest mean damage of contacts at the same place of the lobes [1/h].
+
+    Contacts of a disc with the ring (with each half of a split ring) are sorted into `SECTORS` of their phases; in each
+    of them, `damage` (m, n) is averaged over the pins and turns of the crank.
+    """
+    teeth = loading.reducer.design.ring.teeth
+    sectors = np.floor(_phases(loading) / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS
+    largest = 0.0
+    for first in range(0, damage.shape[1], teeth):
+        sector, values = sectors[:, first : first + teeth].ravel(), damage[:, first : first + teeth].ravel()
+        total, count = np.bincount(sector, values, SECTORS), np.bincount(sector, minlength=SECTORS)
+        largest = max(largest, float((total / np.maximum(count, 1)).max()))
+    return largest
