@@ -64,6 +64,14 @@ def datasheet(
     return deliver(_outcome(sheet, destination), destination, delivery)
 
 
+HEADLINE = (
+    *("ratio", "nominal_torque", "input_speed", "rated_torque", "rated_torque_toleranced"),
+    *("momentary_torque", "momentary_torque_toleranced", "backlash", "stiffness_ideal"),
+    *("drive_efficiency_percent", "drive_mass_kg", "drive_length_mm"),
+)
+"""Keys of the quantities that the terminal shows first."""
+
+
 def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
     """Convert a data sheet to an `Outcome`: headline, tables, PDF and page."""
     from cycloid_mj.base.result import quantity_frame
@@ -77,7 +85,7 @@ def _outcome(sheet: "Datasheet", destination: Destination) -> Outcome:
     return Outcome(
         title=f"data sheet: {sheet.design.name}",
         condition=f"rated for {sheet.life:g} h",
-        headline=headline(quantities.values()),
+        headline=headline(quantities[key] for key in HEADLINE if key in quantities),
         summary=paths,
         tables=[quantity_table(heading, group) for heading, group in sheet.groups.items()],
         notes=sheet.notes,

@@ -85,7 +85,7 @@ class SimulateDelivery(Delivery):
 
 DELIVERED = SimulateDelivery()
 
-NEW_ACTUATOR = "--ratio 15 --diameter-mm 100 --torque-nm 1.5 --process printed --speed-rpm 200 --life-h 500"
+NEW_ACTUATOR = "--ratio 15 --diameter-mm 100 --torque-nm 3 --process printed"
 """Requirements of a printed actuator, as an example of `design new`."""
 
 LOADED_FIGURES = {
