@@ -173,11 +173,11 @@ def _combined(requirement: Requirement) -> Iterator[Changes]:
             if words
             else requirement
         )
-        for length in dict.fromkeys((requirement.length, 2.0 * requirement.diameter)):
+        for length in dict.fromkeys((requirement.length, max(requirement.length, 2.0 * requirement.diameter))):
             free = [f"a length of {MILLIMETRES * length:g} mm"] if length > requirement.length else []
             for slower in (1.0, 4.0, 16.0):
                 speed = max(float(f"{base.speed / slower / RPM:.3g}") * RPM, MIN_SPEED)
-                changed = base.but(speed=speed, length=max(length, requirement.length))
+                changed = base.but(speed=speed, length=length)
                 rpm = [f"{speed / RPM:.4g} rpm"] if speed != base.speed else []
                 yield [
                     FeasibleChange(" and ".join([*words, *rpm, *free, larger.words]), larger.requirement)
