@@ -27,7 +27,10 @@ if TYPE_CHECKING:
     from cycloid_mj.design import resolve as load
     from cycloid_mj.dynamics.mjcf import build
     from cycloid_mj.dynamics.run import simulate
-    from cycloid_mj.explore import compare, optimize, sweep, tolerance
+    from cycloid_mj.explore.compared import compare
+    from cycloid_mj.explore.optimizer import optimize
+    from cycloid_mj.explore.sweeps import sweep
+    from cycloid_mj.explore.tolerances import tolerance
     from cycloid_mj.figures import FIGURES
     from cycloid_mj.life import rate
     from cycloid_mj.life.accuracy_life import wear
@@ -119,14 +122,14 @@ _ORIGINS = {
     "build": "dynamics.mjcf",
     "calibrate": "bench",
     "check": "life.checks:check_design",
-    "compare": "explore",
+    "compare": "explore.compared",
     "compare_bench": "bench",
     "datasheet": "life.datasheet:datasheet_of",
     "export": "parts.export",
     "load": "design:resolve",
     "measure": "",
     "new": "sizing",
-    "optimize": "explore",
+    "optimize": "explore.optimizer",
     "predict_loops": "bench",
     "preloaded": "statics.preload",
     "protocol": "bench:protocol_of",
@@ -140,10 +143,10 @@ _ORIGINS = {
     "simulate": "dynamics.run",
     "statics": "",
     "stress": "",
-    "sweep": "explore",
+    "sweep": "explore.sweeps",
     "tapered_orders": "analysis.spectrum",
     "thermal": "life.thermal",
-    "tolerance": "explore",
+    "tolerance": "explore.tolerances",
     "validate": "",
     "wear": "life.accuracy_life",
     "write_log": "log:write",

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import number_inputs, rank_correlations
+from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.figures import find_figure
 from cycloid_mj.plots.style import (
     BLACK,

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.text import four_digits
 from cycloid_mj.design import dump
-from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import tabulate_quantities
+from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import TextTable
 

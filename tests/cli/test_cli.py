@@ -943,7 +943,7 @@ def test_the_name_of_a_missing_file_is_wrong_usage(argv, words, here):
 def test_a_table_without_a_name_is_reported_by_its_flag(run, here):
     code, message = rejected("log", "csv", str(run[1]), "")
     assert code == 2
-    assert "--out ''" in message
+    assert "the file name after --out, '', is empty" in message
     assert "--csv" not in message
 
 

@@ -13,8 +13,10 @@ from cycloid_mj.base.engine import Engine, Versions
 from cycloid_mj.base.engine.packages import require_same_versions
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.explore import sweep, tolerance, tolerances
+from cycloid_mj.explore import tolerances
 from cycloid_mj.explore.budget import SobolSettings
+from cycloid_mj.explore.sweeps import sweep
+from cycloid_mj.explore.tolerances import tolerance
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))

@@ -9,8 +9,9 @@ from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override, value_of
-from cycloid_mj.explore import optimize, sweep
 from cycloid_mj.explore.linked_keys import apply_links, parse_links
+from cycloid_mj.explore.optimizer import optimize
+from cycloid_mj.explore.sweeps import sweep
 from cycloid_mj.reducer import Reducer
 
 PIN = PRESETS["pin"]

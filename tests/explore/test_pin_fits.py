@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.design import PRESETS, Design, fits, override
-from cycloid_mj.explore import tolerance
-from cycloid_mj.explore.tolerances import TooManyJams
+from cycloid_mj.explore.tolerances import TooManyJams, tolerance
 from cycloid_mj.parts.export import bill
 from cycloid_mj.reducer import Reducer
 

@@ -7,7 +7,7 @@ import pytest
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.explore import tolerance
+from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.statics import main as statics
 
 ZONES = {

@@ -20,11 +20,12 @@ from cycloid_mj.base.units import with_unit
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.planar.model import planar_model
-from cycloid_mj.explore import journal, sweep, sweeps
+from cycloid_mj.explore import journal, sweeps
 from cycloid_mj.explore.measured import MeasureSettings
 from cycloid_mj.explore.points import MAX_POINTS, draw_points, grid_points, list_rows
 from cycloid_mj.explore.ranks import rank_correlations, select_quantities
 from cycloid_mj.explore.row import PointResult, Task
+from cycloid_mj.explore.sweeps import sweep
 from cycloid_mj.figures import FIGURES, compute, figure
 from cycloid_mj.plots import save
 from cycloid_mj.plots.explored import sweep_figure

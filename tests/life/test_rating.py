@@ -445,7 +445,7 @@ def test_duty_files(tmp_path: Path) -> None:
         ("torque_nm,speed_rpm,share\n1,1,inf\n", "finite"),
         ("torque_nm,speed_rpm,share\n1,1,-1\n", "line 2: share is -1"),
         ("torque_nm,speed_rpm,share\n1,1e9,1\n", "less than 100000"),
-        ("torque_nm,speed_rpm,share\n1,1,0\n", "column share is 0"),
+        ("torque_nm,speed_rpm,share\n1,1,0\n", "column `share` sums to 0"),
         ("torque_nm,speed_rpm,share\n0,1,1\n", "torque_nm is 0"),
         ("torque_nm,speed_rpm,share\n5,0,1\n", "never turns"),
         ('torque_nm,speed_rpm,share\n"5,0\n1,1,1\n', "line 2"),
