@@ -248,11 +248,12 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
 
 
 def _rv_mobility(reducer: RvReducer, by_carrier: float) -> dict[str, float]:
-    """Compute the inverse of the mass that moves on a crank bearing and on a planet mesh [1/kg].
+    """Return the inverse effective mass [1/kg] at crank bearings and planet meshes of an RV reducer, by kind of pair.
 
-    A disc moves on n cranks in the plane, or turns against the carrier, whichever is easier. The inverse inertia of the
-    carrier with its cranks is `by_carrier` [1/(kg m2)], 0 if it is fixed. The sun turns, or moves in the plane if it
-    floats, where n meshes are as stiff as n/2 along any direction; a planet turns.
+    The n bearings of a disc act together: the disc moves in the plane, or rotates relative to the carrier, whichever
+    has the larger mobility. At a planet mesh the planet rotates; the sun rotates, too, or a floating sun moves
+    sideways, where n meshes are as stiff as n/2 meshes in one direction. `by_carrier` is the inverse inertia of the
+    carrier with its cranks [1/(kg m2)]; it is 0 if the carrier is fixed.
     """
     count, mesh, masses = reducer.cranks.count, reducer.planet_mesh, moving_masses(reducer)
     disc, crank, sun = masses[reducer.gears[0]], masses[names.CRANK], masses[names.SUN]

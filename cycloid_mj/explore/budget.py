@@ -59,8 +59,9 @@ def size_of_budget_sets(samples: int) -> int:
 def list_budget_sets(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
     """Return the sample sets of the pick-freeze estimators by name: "A", "B", and a mixed set for each tolerance.
 
-    A mixed set has the values of its tolerance from B, all others from A; its name is the key of the tolerance. `zones`
-    are the tolerances by key, `samples` is the size of each set.
+    The sets A and B are independent. The mixed set of a tolerance has the values of this tolerance from B and those of
+    all others from A; its name is the key of the tolerance. `zones` are the tolerances by key, and `samples` is the
+    size of each set.
     """
     swapped = {key: Batch(0, samples, compared=True, second=(key,)) for key in zones}
     both = {name: Batch(0, samples, compared=True, second=keys) for name, keys in (("A", ()), ("B", tuple(zones)))}
@@ -77,12 +78,13 @@ def compute_shares(
 ) -> tuple[Share, ...]:
     """Compute the Sobol indices of all tolerances: their shares in the variance of a figure, the largest total first.
 
-    Estimators: first order by Saltelli et al. 2010 (Comput. Phys. Commun. 181, 259-270, table 2 b), total by Jansen
-    1999. A linear model of the figure, whose variance is known, serves as control variate, so that only the nonlinear
-    remainder is sampled. The model is cross-fitted: each fold of the samples is corrected by the model fitted to the
-    other folds, which keeps the estimators unbiased. Tolerances with the fewest random numbers enter the model first
-    (the position errors of 40 pins are 80 numbers), as long as the fit has enough rows. Intervals: jackknife of the
-    logarithm of the ratio, Student's t. A figure that is equal in all samples has shares of 0.
+    First-order indices are estimated as by Saltelli et al. 2010 (Comput. Phys. Commun. 181, 259-270, table 2 b), total
+    indices as by Jansen 1999. A linear model of the figure, whose variance is known, serves as control variate, so that
+    only the nonlinear remainder is sampled. The model is cross-fitted: each fold of the samples is corrected by the
+    model fitted to the other folds, which keeps the estimators unbiased. Tolerances with the fewest random numbers
+    enter the model first (the position errors of 40 pins are 80 numbers), as long as the fit has enough rows. The
+    intervals of the total indices follow from the jackknife of the logarithm of the ratio and Student's t. If the
+    figure is equal in all samples, all shares are 0.
 
     Parameters
     ----------
@@ -172,7 +174,7 @@ def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> 
 
 
 def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]]) -> tuple[Array, _FigureSets, Array]:
-    """Fit a linear model of a quantity by cross-validation: coefficients for each fold come from the other folds.
+    """Fit a linear model of a quantity; in each fold of the samples it has the coefficients fitted to the other folds.
 
     `figure` are the values of the quantity in all sample sets, `deviations` the standardised deviations in the sets A
     and B, a list over the tolerances, shape (n, numbers) each.
@@ -180,8 +182,8 @@ def _fit_control_variate(figure: _FigureSets, deviations: Sequence[list[Array]])
     Returns
     -------
     tuple
-        The constant of the model, shape (n,), its values in all sets, and the variance that it attributes to each
-        tolerance, shape (tolerances, n).
+        For each sample the constant of the model, shape (n,), the model's values in all sets without the constant, and
+        the variance that the model attributes to each tolerance, shape (tolerances, n).
     """
     deviations_a, deviations_b = deviations
     tolerances, count = figure.mixed.shape

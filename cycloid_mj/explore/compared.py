@@ -64,10 +64,10 @@ class RunPlan:
     def trials(
         self, measures_by_design: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
     ) -> list[Trial]:
-        """Return a `Trial` for each of `designs`: the varied design, and the measures of its runs from all starts.
+        """Return a `Trial` for each of `designs`: the design after a parameter variation, and the measures of its runs.
 
-        The starts are the runs with different directions of gravity in `self.starts`. `variation` is applied to each.
-        `measures_by_design` has the measures of every simulated design.
+        A design has one run from each of its initial states in `self.starts`, and `variation` is applied to all of
+        them. `measures_by_design` has the measures of every simulated design.
         """
         starts_by_design = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
         return [
@@ -78,8 +78,8 @@ class RunPlan:
     def compare(self, measures_by_design: Mapping[Design, Measures], motions: Mapping[Design, Series]) -> Comparison:
         """Compare the designs by the measures of all runs.
 
-        `measures_by_design` has the measures of every simulated design, `motions` the logged motion of the first run of
-        each case.
+        `measures_by_design` has the measures of every simulated design. `motions` has the logged motion of the first
+        run of each case, by its design.
         """
         changes = sensitivities(
             self.trials(measures_by_design, self.loaded_designs),
@@ -178,8 +178,8 @@ def list_cases(
     Returns
     -------
     list
-        Designs, load by load. With the planar solver, all get the shortest time step that one of them requires, unless
-        `first_design` sets the time step.
+        All designs without load, then all designs under load. With the planar solver, all get the shortest time step
+        that one of them requires, unless `first_design` sets the time step.
 
     Raises
     ------

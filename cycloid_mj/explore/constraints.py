@@ -40,7 +40,7 @@ class FigureLimit:
 
 
 def parse_limit(text: str, reducer: Reducer | None = None, needs: Collection[Need] = COMPUTED) -> FigureLimit:
-    """Parse a limit on a figure of the catalogue, ``backlash_arcmin<=1``.
+    """Parse the text of a limit on a figure of the catalogue, such as ``backlash_arcmin<=1``.
 
     Parameters
     ----------

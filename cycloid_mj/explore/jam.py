@@ -49,10 +49,11 @@ def find_jams(figures: Mapping[str, Array]) -> Mask:
 
 
 def compute_preload_shares(figures: Mapping[str, Array]) -> dict[str, float]:
-    """Compute the share of samples in which each part ("a tooth", "the cam") is preloaded; shares of 0 are left out.
+    """Compute the share of samples in which a kind of part is preloaded, by its name ("a tooth", "the cam").
 
-    `figures` are the figures of the samples by key, shape (samples,) each. The share of samples without a static
-    balance has the key "no balance". Return an empty dictionary if the figures lack the contact forces of `PRELOADS`.
+    Shares of 0 are left out. The key "no balance" has the share of samples without a static equilibrium. `figures` are
+    the figures of the samples by key, shape (samples,) each; without the contact forces in `PRELOADS`, the result is
+    empty.
     """
     if not PRELOADS.keys() <= figures.keys():
         return {}

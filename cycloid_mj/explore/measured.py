@@ -78,9 +78,9 @@ def _run_measurement(name: str, reducer: Reducer, options: MeasureSettings) -> M
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
-    """Simulate a design over its drive cycle, and convert the findings of the log to columns.
+    """Simulate a design over its drive cycle, and return the results of the analysis of the log as columns.
 
-    Under a load the pins have no inertia, unless `options.real_pins` is set: this allows longer time steps.
+    Under a load, pins have no inertia unless `options.real_pins` is set, because this allows longer time steps.
 
     Raises
     ------
@@ -117,15 +117,10 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
 
 
 def _flatten_findings(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
-    """Yield all numbers and booleans in nested findings as columns; nested keys are joined by underscores.
+    """Yield all numbers and booleans in the results of an analysis as columns, with nested keys joined by underscores.
 
-    A list may contain dicts with a key ``pair``: names of their columns begin with the value of ``pair`` instead of
-    the outer keys. Texts, other lists and None are left out.
-
-    Yields
-    ------
-    tuple
-        Name of the column, which begins with `prefix`, and value.
+    A dict in a list must have the key ``pair``; the names of its columns begin with the value of that key instead of
+    the outer keys. Texts, other lists and None are left out. `findings` are the nested results.
     """
     for key, value in findings.items():
         if isinstance(value, Mapping):

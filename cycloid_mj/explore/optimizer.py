@@ -163,9 +163,10 @@ def write_best(optimum: Optimum, out: str | Path | None) -> None:
 
 
 def add_checks_of_best(optimum: Optimum, solver: Solver = "planar", progress: Progress = silent) -> Optimum:
-    """Return the optimisation with statics, a run in full dynamics, and the tolerance study of its best design.
+    """Return a copy of the optimisation with the checks of its best design.
 
-    `solver` is that of the run; there is no tolerance study of a design without tolerances.
+    These are the static sheet, a run in full dynamics with `solver`, and a tolerance study if the design has
+    tolerances.
     """
     best = optimum.design()
     try:
@@ -188,11 +189,11 @@ def _compute_sheet(reducer: Reducer) -> Sheet | None:
 
 
 def _run_searches(task: Problem, evaluator: "_PointEvaluator", evaluations: int, starts: int, seed: int) -> None:
-    """Search for the best point of a problem `task`; with two objectives, once for each of `OptimizerSettings.weights`.
+    """Search for the best point of a problem; with two objectives, search once for each of `OptimizerSettings.weights`.
 
-    The `evaluations` are divided equally among the weights. The searches for both ends of the front start at the
-    design, the others at the best point so far with a smaller standard deviation and a single start. `starts` is the
-    number of independent searches, `seed` the random seed.
+    The `evaluations` are divided equally among the weights. The first two weights are those of a single objective;
+    their searches start at the design. The other searches start at the best point so far, with a smaller standard
+    deviation and a single start. `starts` is the number of independent searches, `seed` the random seed.
     """
     if len(task.objectives) == 1:
         search_minimum(task, evaluator.evaluate_points, lambda row: task.costs(row)[0], evaluations, starts, [seed])
@@ -267,7 +268,7 @@ class _PointEvaluator:
         Raises
         ------
         RunError
-            The process of a point was lost.
+            The process that evaluates a point was lost.
         CycloidError
             The record has other points, or cannot be written.
         """

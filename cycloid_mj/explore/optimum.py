@@ -76,7 +76,7 @@ class Optimum(Tabular):
 
     @property
     def line(self) -> str:
-        """Design, number of points and of feasible points, and objectives and values of the best point, in one line."""
+        """Line with design, numbers of points and of feasible points, and objectives and values of the best point."""
         head = f"{self.task.reducer.design.name}, {self.evaluations} points, {len(self.feasible)} feasible"
         if self.best is None:
             return head
@@ -153,7 +153,7 @@ class Optimum(Tabular):
 
     @property
     def infeasible_words(self) -> str:
-        """Sentences that state why no point is feasible, with the nearest point and what to do."""
+        """Sentences that state why no point is feasible, which point has the smallest violation, and what to do."""
         total = max(self.evaluations, 1)
         reasons = "; ".join(f"{name}: {count} ({count / total:.0%})" for name, count in self.refused.items())
         nearest = min(self.rows, key=lambda row: float(row.values[VIOLATION]))
@@ -218,7 +218,7 @@ class Optimum(Tabular):
 
     @property
     def words(self) -> str:
-        """Objectives, limits, number of feasible points, start and seed, in a sentence."""
+        """Sentence with objectives, limits, number of feasible points, start design and random seed."""
         objectives = " and ".join(map(str, self.task.objectives))
         limits = f", {' and '.join(map(str, self.task.limits))}" if self.task.limits else ""
         front = f", {len(self.front)} on the front" if len(self.task.objectives) > 1 else ""
@@ -250,10 +250,11 @@ class Optimum(Tabular):
 
     @property
     def active_bounds(self) -> tuple[str, ...]:
-        """Sentences that name the ends of ranges and the limits at which the best point lies.
+        """Sentences that name the ends of ranges and the limits which the best point reaches.
 
-        It lies at an end within the share `AT_END` of the range, at a limit within the same share of the bound. A list
-        of numbers has the range from its smallest to its largest; lists with words or booleans have no range.
+        It reaches an end if its distance from it is less than the share `AT_END` of the range, and a limit if it is
+        less than the same share of the bound. The range of a list of numbers is from its smallest to its largest; a
+        list of words or booleans has none.
         """
         if self.best is None:
             return ()

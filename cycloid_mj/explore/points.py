@@ -237,9 +237,10 @@ def _parse_range(key: str, field: FieldInfo, text: str, parts: Sequence[str]) ->
 
 
 def axis_values(axis: Axis) -> tuple[Value, ...]:
-    """List the values of an axis: its list, or `count` evenly spaced values of its range; if that is 0, both ends.
+    """Return the values of an axis: those of its list, or `Axis.count` evenly spaced values of its range.
 
-    A range ``lo:hi`` without a count is drawn from by a sampling method (`draw_points`).
+    With a count of 0, the values are both ends of the range; this applies to a range ``lo:hi``, of which `draw_points`
+    draws samples.
 
     Raises
     ------
@@ -261,14 +262,14 @@ def axis_values(axis: Axis) -> tuple[Value, ...]:
 
 
 def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
-    """Convert a value to the type of a key: float, int, bool, text, or one of the key's words.
+    """Convert a value to the type of a key: float, int, bool, text, or one of the words that the key allows.
 
     `field` is the declaration of the key. Limits of numbers are checked later, by the design.
 
     Raises
     ------
     UsageError
-        The value cannot be converted, or is none of the key's words.
+        The value cannot be converted, or is none of the allowed words.
     """
     kind, words = field.annotation, _words(field)
     text = str(value).strip().strip("\"'")
@@ -306,9 +307,10 @@ def _draw_in_unit_cube(method: Method, count: int, dimensions: int, seed: int) -
 
 
 def _scale_to_axis(axis: Axis, coordinates: Array) -> list[Value]:
-    """Convert coordinates from 0 to 1, shape (n,), to values of an axis: of its range, or of its list of values.
+    """Convert coordinates (n,) from 0 to 1 to n values of an axis.
 
-    The values of a list, and the integers of a range, belong to intervals of equal length.
+    A range of real numbers is scaled linearly. Each value of a list, and each integer of a range, has an interval of
+    coordinates of equal length.
     """
     if axis.values or axis.count:
         values = axis_values(axis)

@@ -183,10 +183,10 @@ def _as_tuple(words: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def _parse_variable(key: str, values: Wanted) -> SearchRange | Choice:
-    """Parse the values of a key: a range of real numbers, or a list of values to try in turn.
+    """Parse the values of a key as a variable of the search: a range of real numbers, or a list of single values.
 
-    A pair of numbers is a range for a real number. A range of whole numbers becomes the list of all of them; a range
-    ``lo:hi:n`` becomes the list of its n values. Raises UsageError as `parse_axis`.
+    A pair of numbers is a range if the key has a real number. A range of whole numbers becomes the list of all of them,
+    and a range ``lo:hi:n`` the list of its n values. Raises the errors of `parse_axis`.
     """
     if declaration_of(key).annotation is float and not isinstance(values, str) and len(values) == 2:
         values = f"{values[0]}:{values[1]}"
@@ -249,10 +249,10 @@ def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float],
 
 
 def compute_rejections(reducer: Reducer, strict: bool) -> dict[str, float]:
-    """Return the failed checks that reject a design: name of the check -> its violation, relative to its bound.
+    """Return the violations of the failed checks that reject a design, relative to the bound, by name of the check.
 
-    These are the checks with the severity error, which find a design that cannot be built, and the checks `WALLS` for
-    walls that are thinner than the model assumes; with `strict` also all warnings.
+    A design is rejected by checks with the severity error, because it cannot be built, and by the checks `WALLS`,
+    because a wall is thinner than the model assumes. With `strict`, warnings reject it, too.
     """
     checks = check(reducer.design) if strict else soundness(reducer)
     failed_checks = [

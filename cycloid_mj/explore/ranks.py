@@ -51,9 +51,10 @@ def number_inputs(sweep: Sweep) -> tuple[str, ...]:
 
 
 def select_quantities(sweep: Sweep, requested: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return the columns of a sweep to show: those requested, else up to `MAX_SHOWN` that vary, `HEADLINES` first.
+    """Return the names of the columns of a sweep to show: those requested, or at most `MAX_SHOWN` columns.
 
-    If none varies, columns that are constant are returned instead.
+    Without a request, the columns that vary are returned, or constant columns if none varies. Those in `HEADLINES` come
+    first.
 
     Raises
     ------
@@ -97,9 +98,9 @@ def rank_correlations(sweep: Sweep, quantities: tuple[str, ...]) -> Ranks:
 
 
 def tabulate_quantities(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
-    """Tabulate minimum, median and maximum of quantities, and with several inputs their rank correlations.
+    """Tabulate minimum, median and maximum of quantities; if several inputs vary, also their rank correlations.
 
-    Only finite values count; ``points`` is their number.
+    Values that are not finite are left out. The column "points" has the number of finite values.
     """
     numbers = sweep.frame.numbers
     rows = []

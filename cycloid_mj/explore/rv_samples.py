@@ -79,9 +79,8 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
 def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> RvSamples:
     """Draw random samples of an RV reducer within its tolerances, with their transmission errors and error budget.
 
-    The budget has the share of each tolerance in the mean square of the transmission error over the turn, its mean
-    subtracted. Shares are exact, as the closed form is linear: first order and total are equal, and the interval has no
-    width.
+    The budget has the share of each tolerance in the variance of the transmission error over the turn. As the closed
+    form is linear, shares are exact: first-order and total index are equal, and the interval has no width.
 
     Parameters
     ----------
@@ -189,8 +188,8 @@ def _errors_of_field(reducer: RvReducer, field: str) -> list[float]:
 def _design_of_sample(reducer: RvReducer, deviations: Mapping[str, Array], row: int, rank: int) -> Design:
     """Return a sample as a design with its errors added to those of the nominal reducer.
 
-    `row` is the index of the sample in `deviations` [m], shape (samples,) by column of `_columns_of_field`. The name
-    of the design ends in ``-worst-`` and the number `rank`.
+    `deviations` are the errors of all samples [m], shape (samples,), by the column names of `_columns_of_field`. `row`
+    is the index of the sample. The name of the design ends in ``-worst-`` and the number `rank`.
     """
     changes: dict[str, float | tuple[float, ...]] = {}
     for field in (field for fields in ERRORS.values() for field in fields):

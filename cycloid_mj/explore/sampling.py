@@ -193,10 +193,10 @@ def apply_deviations(reducer: Reducer, nominal: Samples, deviations: Mapping[str
 
 
 def deviation_columns(deviations: Mapping[str, Array]) -> dict[str, Array]:
-    """Convert deviations [m], by tolerance, to columns [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
+    """Convert the deviations of samples [m] to columns of a table [um], shape (samples,) each, by name.
 
-    The deviations of a tolerance have shape (samples, ...), each column has (samples,). Pins, discs and holes of a disc
-    (``drawn_hole_position_2_7_x_um``: hole 7 of disc 2) are counted from 1.
+    `deviations` are arrays by tolerance, shape (samples, ...). Names are ``drawn_cam_um``, or
+    ``drawn_hole_position_2_7_x_um`` for hole 7 of disc 2; pins, discs and holes are counted from 1.
     """
     columns = {}
     for key, values in deviations.items():
@@ -261,8 +261,8 @@ def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], excluded: int) -
 def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) -> Design:
     """Return the sample with the index `row` as a design with all its errors and clearances, and without tolerances.
 
-    An internal gear has no errors of single lobes, so those are dropped. `name` is cut to the 64 characters of a name.
-    Raise DesignError where a design cannot have the values, such as a clearance of 0.
+    An internal gear has no errors of single lobes, so those are dropped. `name` is shortened to 64 characters. Raise
+    DesignError where a design cannot have the values, such as a clearance of 0.
     """
     clearance, errors = _clearances_and_errors(reducer, samples, row)
     if reducer.design.ring.kind != "pin":

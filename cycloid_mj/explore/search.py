@@ -143,10 +143,11 @@ def search_minimum(
     start_point: Point | None = None,
     sigma: float = CMA.initial_sigma,
 ) -> None:
-    """Search for the point of lowest cost: successive halving over combinations and starts, then CMA-ES with restarts.
+    """Search for the point of lowest cost by CMA-ES; successive halving selects the combination of discrete values.
 
-    A combination has one value of each key with a list of values or whole numbers; the ranges of real numbers are
-    searched at a fixed combination. Nothing is returned: the results are those that `evaluate` records.
+    A combination has one value of each key with a list of values. At the selected combination, the ranges of real
+    numbers are searched from several starts, then again from the best point. Nothing is returned, because `evaluate`
+    records the results.
 
     Parameters
     ----------
@@ -159,7 +160,7 @@ def search_minimum(
     budget
         Approximate number of evaluations.
     starts
-        Number of searches at the best combination of values: the one that found it, and others from random starts.
+        Number of searches at the selected combination: that by which it was selected, and others from random starts.
     seed
         Random seed.
     start_point
@@ -216,11 +217,11 @@ class _Run:
                 self._best = batch[lowest], points[lowest]
 
     def select_combination(self, start_point: Point, sigma: float) -> list[EvolutionSearch]:
-        """Select a combination of the choices by successive halving; return its search as a list of length 1.
+        """Select a combination of discrete values by successive halving; return a list with its search.
 
-        After each round of searches the worse half is dropped. `start_point` is the start point of all searches,
-        `sigma` their first standard deviation, relative to the ranges. With a single combination there are no rounds,
-        and no evaluations.
+        After each round, the worse half of the searches is dropped. `start_point` is the start point of all searches,
+        `sigma` their first standard deviation, relative to the ranges. A single combination is returned without any
+        evaluation.
         """
         start = positions_in_ranges(self._task.ranges, start_point)
         remaining = [
@@ -239,9 +240,10 @@ class _Run:
         return list(product(*(choice.values for choice in self._task.choices)))
 
     def select_start(self, search: EvolutionSearch, starts: int) -> None:
-        """Advance a search together with searches from random starts, then only the best of them.
+        """Continue a search together with searches from random starts, then continue only the best of them.
 
-        The first part takes `CmaSettings.selection_share` of the remaining evaluations, the second part all others.
+        All searches together use `CmaSettings.selection_share` of the remaining evaluations, the best search uses the
+        rest. `starts` is the number of searches.
         """
         shape = max(starts, 1), len(self._task.ranges)
         random_starts = np.random.default_rng([*self._seed, len(self._combinations)]).random(shape)
@@ -255,10 +257,10 @@ class _Run:
         self.advance([min(rivals, key=lambda rival: rival.best)], self._budget)
 
     def restart_locally(self, starts: int) -> None:
-        """Restart CMA-ES at the best point with a small standard deviation, as long as that improves the point.
+        """Restart CMA-ES at the best point with a small standard deviation, until a restart does not improve the point.
 
-        It ends with the budget of evaluations, too. `starts` is the number of random starts before, so that seeds
-        differ.
+        Restarts also end with the budget of evaluations. `starts` is the number of searches before; it makes the random
+        seeds of the restarts differ from theirs.
         """
         repeats = 0
         while self._best is not None and self._used < self._budget and repeats < CMA.max_restarts:

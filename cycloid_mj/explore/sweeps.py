@@ -220,18 +220,19 @@ def define_task(
 
 
 def sweep_in_folder(task: Task, points: Points, folder: Path, engine: Engine, progress: Progress) -> Sweep:
-    """Evaluate the points whose rows a folder lacks, and write rows and tables; return the sweep.
+    """Evaluate the points of a sweep that have no row in a folder yet, write rows and tables there; return the sweep.
 
-    Every row is written at once, the tables at intervals, and also if the sweep fails or is interrupted.
+    Each row is written at once. The tables are written at intervals and at the end, even if the sweep fails or is
+    interrupted.
 
     Raises
     ------
     UsageError
         The folder belongs to another sweep, or another process is working in it.
     CycloidError
-        It cannot be written; its rows are kept.
+        The folder cannot be written; rows written before are kept.
     RunError
-        The engine's workers are lost, or of other versions.
+        The workers of the engine are lost, or have other package versions.
     """
     with open_journal(folder, _describe_sweep(task, points)) as journal:
         next_write = monotonic() + SECONDS_BETWEEN_TABLES

@@ -156,9 +156,10 @@ class Tolerances(Tabular):
 
     @property
     def yield_interval(self) -> tuple[float, float]:
-        """Bounds (0 to 1) of the 95 % confidence interval of the yield, the share of samples that satisfy all limits.
+        """Bounds (0 to 1) of the 95 % confidence interval of the yield.
 
-        Jammed samples do not. The formula is by Wilson, J. Am. Stat. Assoc. 22, 1927.
+        The yield is the share of samples that do not jam and satisfy all limits. The formula is Wilson's (J. Am. Stat.
+        Assoc. 22, 1927).
         """
         count, good_share = self.samples, float(self.good.mean())
         weight = NormalDist().inv_cdf(0.975) ** 2 / count
@@ -168,7 +169,7 @@ class Tolerances(Tabular):
 
     @property
     def words(self) -> str:
-        """Share of good samples, limits, share of jammed samples, number of samples and seed, in a sentence."""
+        """Sentence with yield and its interval, limits, share of jammed samples, number of samples and random seed."""
         low, high = self.yield_interval
         limits = " and ".join(map(str, self.limits)) or "no limits"
         return (
@@ -344,9 +345,10 @@ def tolerance(
     UsageError
         The design has no tolerances, a limit is not valid, or limits contradict each other.
     TooManyJams
-        99 % or more of the first 200 samples jam, or of all if there are fewer; its `tolerances` have their figures.
+        At least 99 % of the first 200 samples jam (of all samples if there are fewer). The attribute `tolerances` of
+        the error has the figures of these samples.
     StudyInterrupted
-        Ctrl-C; its `tolerances` have the figures of the first samples, up to the first batch that is missing.
+        Ctrl-C was pressed. The attribute `tolerances` has the figures of all samples before the first unsolved batch.
     """
     if not 0 <= verify <= MAX_WORST:
         raise UsageError(
@@ -447,8 +449,8 @@ def _solve_batches(
 ) -> bool:
     """Solve the static equilibrium of all samples of a study and of its error budget, batch by batch.
 
-    The figures of each batch, by key, shape (samples,) each, are added to `figures_by_batch`, by its index. Return
-    whether all batches are solved: False if so many samples of the first one jam that the study stops.
+    The figures of each batch are added to `figures_by_batch`: by the index of the batch, then by key, shape (samples,)
+    each. Return False if the study stops because too many samples of the first batch jam, otherwise True.
     """
     total, solved_samples = sum(batch.count for batch, _ in study.work), 0
     solve = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)
@@ -542,8 +544,8 @@ class _Study:
     def _worst(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
         """Return the designs of up to `MAX_WORST` samples with the worst values, the worst first.
 
-        `values` of the budget's figure and `eligible` have shape (samples,). The largest values are the worst, unless
-        the first limit is a lower bound.
+        `values` has the figure of the error budget and `eligible` whether a sample may be selected, shape (samples,)
+        each. The largest values are the worst, unless the first limit is a lower bound.
         """
         sense = 1.0 if not self.limits or self.limits[0].at_most else -1.0
         ranked = np.argsort(-sense * values, kind="stable")
@@ -553,11 +555,11 @@ class _Study:
     def _budget(
         self, figures_by_batch: Mapping[int, Mapping[str, Array]], unjammed_values: Array
     ) -> tuple[tuple[Share, ...], str]:
-        """Compute the error budget of the study's figure; return its shares, and a sentence if there are no shares.
+        """Return the shares of the error budget and "", or no shares and a sentence that states why there are none.
 
-        This is so if the figure is constant, the study is too small or was stopped, or too many samples jam. A single
-        tolerance has the share 1. `figures_by_batch` are the figures by index of the batch and key; `unjammed_values`
-        are those of the figure for the samples that do not jam, shape (n,).
+        There are none if the figure is constant, the study is too small or was stopped, or too many samples jam. A
+        single tolerance has the share 1. `figures_by_batch` are the figures by index of the batch, then by key;
+        `unjammed_values` are those of the budget's figure for the n samples that do not jam, shape (n,).
         """
         key = self.budget_key
         if unjammed_values.size > 1 and np.ptp(unjammed_values) <= CONSTANT_RTOL * np.abs(unjammed_values).max():

@@ -95,10 +95,10 @@ def _finite(text: str) -> float:
 
 
 def wave_zones(text: str, highest_order: int, size: float) -> dict[int, Zone]:
-    """Parse the tolerances of profile waves, ``2: normal 1, 35: uniform 2``, into amplitude distributions by order.
+    """Parse the tolerances of profile waves [um], such as ``2: normal 1, 35: uniform 2``; return a `Zone` by order.
 
-    `highest_order` is the highest order that is allowed, `size` the diameter for ISO tolerance grades [m]. Orders with
-    an empty or zero tolerance are left out.
+    A zone is the distribution of the amplitude. `highest_order` is the highest order that is allowed, `size` the
+    diameter for ISO tolerance grades [m]. Orders with an empty or zero tolerance are left out.
 
     Raises
     ------
