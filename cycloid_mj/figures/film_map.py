@@ -82,17 +82,17 @@ def compute_film_map(
     Parameters
     ----------
     reducer
-        A drive at 20 °C with the law ``film``.
+        A drive at 20 °C with the friction law ``film``.
     shares
-        Torques over the nominal torque, and speeds over the design's speed.
+        Torques as shares of the nominal torque, and at the same time speeds as shares of the design's speed.
     temperatures
         Temperatures of all parts [°C].
 
     Returns
     -------
     tuple
-        For each temperature: starting and back-driving torque (the latter not of RV reducers), then for each speed the
-        no-load torque and the efficiency at each torque.
+        Points in the order of the temperatures. At each temperature they are the starting torque, the back-driving
+        torque (except of RV reducers), and for each speed the no-load torque and the efficiency at each torque.
 
     Raises
     ------

@@ -56,9 +56,10 @@ OF_STATICS = tuple(map(_make_figure, SHEET_FIGURES.values()))
 
 
 def no_load_torque(reducer: Reducer) -> float:
-    """Compute the mean torque on the crank without load at the design's speed [N m]; errors as `powers`.
+    """Compute the mean torque on the crank without load at the design's speed [N m].
 
     The load is `TOUCH` of the nominal torque: without a load the parts have no defined position within the clearances.
+    Raises the errors of `powers`.
     """
     design, load = reducer.design, TOUCH * reducer.design.rated_torque
     if isinstance(reducer, RvReducer):
@@ -78,8 +79,9 @@ def back_driving_torque(reducer: Reducer) -> float:
     """Compute the torque on the output that turns a free crank slowly [N m]; NaN if the reducer is self-locking.
 
     The torque T balances the losses: T w/i = L(-T), with the losses L [W] under a driving torque on the output, the
-    crank's speed w and the ratio i. It is determined by up to `MAX_SECANT_STEPS` steps of the secant through T and 2 T.
-    A slope of the losses of 1 or more means self-locking. Errors as `powers`.
+    crank's speed w and the ratio i. It is determined by at most `MAX_SECANT_STEPS` steps with the secant of the losses
+    between T and 2 T. The reducer is self-locking if the losses grow at least as fast as the input power. Raises the
+    errors of `powers`.
     """
     creeping = _at_creep_speed(reducer)
     lever = reducer.design.reduction / abs(creeping.design.drive.speed)
@@ -97,9 +99,9 @@ def back_driving_torque(reducer: Reducer) -> float:
 
 
 def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
-    """Compute `no_load_torque` with the law ``film`` and its interval [N m]; errors as `powers`.
+    """Compute `no_load_torque` [N m] under the friction law ``film``, with the interval of its uncertainty.
 
-    `samples` is the number of samples of the film law's inputs, from which the interval results.
+    The interval follows from random `samples` of the law's uncertain inputs. Raises the errors of `powers`.
     """
     speed, load = abs(reducer.design.drive.speed), TOUCH * reducer.design.rated_torque
     lost, outcomes = (
@@ -111,14 +113,18 @@ def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
 
 
 def starting_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
-    """Compute `starting_torque` with the law ``film`` and its interval [N m]; errors as `powers`."""
+    """Compute `starting_torque` [N m] under the friction law ``film``, with the interval of its uncertainty.
+
+    Raises the errors of `powers`.
+    """
     return no_load_spread(_at_creep_speed(reducer), samples)
 
 
 def back_driving_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
-    """Compute `back_driving_torque` with the law ``film`` and its interval [N m]; errors as `powers`.
+    """Compute `back_driving_torque` [N m] under the friction law ``film``, with the interval of its uncertainty.
 
-    The torques of the `samples` are assumed to be proportional to their losses.
+    The interval follows from random `samples` of the law's uncertain inputs, whose torques are assumed to be
+    proportional to their losses. Raises the errors of `powers`.
     """
     torque = back_driving_torque(reducer)
     lost_power, outcomes = lost_powers(_at_creep_speed(reducer), TOUCH * reducer.design.rated_torque, samples)
@@ -141,11 +147,12 @@ def _make_torque_figure(
     """Return the row of the catalogue for a torque [N m] that is not in the sheet.
 
     Key, name, definition and layouts are those of `Figure`. `function` computes the torque, `spread_function` its
-    interval under the law ``film``. RV reducers have the figure under this law only: statics leaves out their weight.
+    interval under the friction law ``film``. RV reducers have the figure under this law only, because statics leaves
+    out their weight.
     """
 
     def interval(reducer: Reducer) -> Quantity:
-        """Return the torque of a reducer with its interval [N m]; NaN without the law ``film``."""
+        """Return the torque of a reducer [N m] with its interval; NaN without the friction law ``film``."""
         if not reducer.design.has_film:
             return Quantity(key, name, math.nan, "N m")
         torque_spread = spread_function(reducer)

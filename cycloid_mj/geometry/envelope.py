@@ -91,8 +91,8 @@ class Sigma:
         """Points (..., 2) [m] of the flank in the ring frame, on the common normal through the pitch point.
 
         They are c N u(crank) + (h - rho) u(psi), with h = [(N-1) K + l^2] / (N l), K = E^2 - c^2 N^2 and u(b) = (sin b,
-        cos b). `crank` is `crank_angle_cw`, psi is `normal_angle`, l is `profile.pitch_distance`; other symbols as in
-        `CycloidGear`.
+        cos b). `crank` is `crank_angle_cw`, psi is `normal_angle`, l is `profile.pitch_distance`; N, c, E and rho are
+        those of `CycloidGear`.
         """
         N, c, _, rho = self.gear.symbols
         h = ((N - 1) * _K(self.gear) + self._l**2) / (N * self._l)
@@ -109,7 +109,7 @@ class Sigma:
 
     @property
     def arc_rate(self) -> Array:
-        """Derivative of `arc_length` by B [m]: [(N+1) l + (N-1) K^2 / l^3] / N^2 less rho times the turning rate."""
+        """Derivative of `arc_length` by B [m/rad]: [(N+1) l + (N-1) K^2 / l^3] / N^2 + rho `turning_rate`."""
         N, _, _, rho = self.gear.symbols
         return ((N + 1) * self._l + (N - 1) * _K(self.gear) ** 2 / self._l**3) / N**2 + rho * self.turning_rate
 
@@ -132,10 +132,11 @@ class Sigma:
 
     @property
     def _arc_integral(self) -> Array:
-        """Antiderivative of `arc_rate` by B [m]: the arc length plus a constant.
+        """Arc length [m] plus a constant, in the shape of B: the antiderivative of `arc_rate` over the phase B [rad].
 
-        It is (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + M] + rho psi, with the incomplete elliptic integral Ell of the
-        second kind (m of `profile.trochoid_ellipse`), `profile.moment_arm` M and `normal_angle` psi at the phase B.
+        It is (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + M] + rho psi. N, E, c and rho are those of `CycloidGear`; Ell is
+        the incomplete elliptic integral of the second kind with the parameter m of `profile.trochoid_ellipse`; M is
+        `profile.moment_arm` and psi is `normal_angle`, both at B.
         """
         N, _, _, rho = self.gear.symbols
         scale, m = profile.trochoid_ellipse(self.gear)
@@ -247,7 +248,7 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
 
 
 def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
-    """Compute phases B (n,) [rad] of points of Sigma from the junction to the middle of the root, by chord error.
+    """Compute phases B (n,) [rad] of few points of Sigma, from its junction with the arc to the middle of the root.
 
     The chords between the points deviate about equally from Sigma, by at most `chord_error` [m].
 

@@ -105,8 +105,8 @@ def ideal_output_forces(
 ) -> Array:
     """Share a torque on the gear among the output pins; return their forces (..., pins) [N] along the eccentric.
 
-    A pin lies in its hole at -c along the eccentric, so all push in the same direction, with the arm r sin(angle from
-    the eccentric to the hole) about the gear centre.
+    A pin touches its hole at -c along the eccentric, with the eccentricity c. So all pins push in the same direction,
+    with the arm r sin(beta) about the gear centre; beta is the angle from the eccentric to the hole.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def cam_force(
     crank_angle
         Crank angle [rad], counter-clockwise, shape (...).
     body_force
-        Force on the gear's centre [N], shape (..., 2): its weight less its mass times its acceleration.
+        Force on the gear's centre [N], shape (..., 2): the weight minus mass times acceleration.
     """
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)
     radial = ring.eccentric_radial + np.asarray(output_forces, float).sum(axis=-1)
@@ -232,10 +232,10 @@ def line_contact_stiffness(
 def conformal_stiffness(force: float, length: float, modulus: float, play: float) -> float:
     """Compute the secant stiffness [N/m] of a plain bearing: a shaft in a bore of nearly its own radius R.
 
-    The bore is an elastic bed as thick as the radius (assumed; Winkler's foundation, Johnson 1985, section 4.3): its
-    pressure is E*/R times its depth. The depth at the angle theta from the load is x cos(theta) - play, for a shaft
-    displaced by x = `play` + d, up to theta_0 = acos(play/x). So the force is F = E* L [x (theta_0 + sin theta_0 cos
-    theta_0) - 2 play sin theta_0], independent of R, and the stiffness F/d is at most pi/2 E* L.
+    The bore is an elastic bed as thick as the radius (assumed; Winkler's foundation, Johnson 1985, section 4.3). The
+    shaft is displaced by x = `play` + d, and penetrates the bed by x cos(theta) - play at the angle theta from the
+    load, up to theta_0 = acos(play/x). The pressure is E*/R times the penetration. So the force is F = E* L [x (theta_0
+    + sin theta_0 cos theta_0) - 2 play sin theta_0], independent of R, and the stiffness F/d is at most pi/2 E* L.
 
     Parameters
     ----------

@@ -270,10 +270,10 @@ class ContactPath:
 
 
 def contact_path(pair: tuple[InvoluteGear, InvoluteGear], centre_distance: float) -> ContactPath:
-    """Return the path of contact of pinion and mate at a centre distance [m], between their tips.
+    """Return the path of contact of pinion and mate at a centre distance [m], with nodes for Gauss-Legendre quadrature.
 
-    Each interval between pitch point, ends and changes of the number of loaded pairs has `PATH_NODES` Gauss-Legendre
-    nodes. A flank does not touch below its base circle.
+    The path is limited by the tips and by the base circles. It is divided at the pitch point and where the number of
+    tooth pairs in contact changes; each part has `PATH_NODES` nodes.
     """
     bases = [gear.base_radius for gear in pair]
     tangent = math.tan(math.acos(min(1.0, sum(bases) / centre_distance)))

@@ -63,15 +63,21 @@ def profile_offset(design: Design) -> float:
 
 
 def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
-    """Compute the ends of flanks that are rotated by `rotation` >= 0 [rad] towards the middle of their lobe.
+    """Compute where the flanks end that are rotated by `rotation` >= 0 [rad] towards the middle of their lobe.
 
-    The profile is at `offset` [m] from its trochoid. A rotated flank is cut off where it crosses the centre lines of
-    tip and valley. Before the rotation, the polar angles of these two points are smaller by `rotation`.
+    The profile is at `offset` [m] from its trochoid. A rotated flank ends where it crosses the centre lines of tip and
+    valley. For each of the two ends, the result has its distance from the gear's centre, and its parameter t relative
+    to that of tip or valley.
 
     Raises
     ------
     DesignError
         The rotation leaves nothing of the lobes.
+
+    Notes
+    -----
+    An end is the point of the flank whose clockwise polar angle before the rotation is that of the centre line minus
+    `rotation`.
     """
     half_pitch = np.pi / gear.lobes
     if rotation >= half_pitch / 2:

@@ -448,18 +448,18 @@ def solve_monotone(
 ) -> Array:
     """Solve function(x) = target in [low, high], elementwise, by Newton's method safeguarded by bisection.
 
-    The iteration ends at a step within rounding, or of at most `rtol` of the bracket; after `CURVE.max_iterations`
-    steps, the last x is returned.
+    The iteration ends when a step is within rounding errors, or at most `rtol` times the length of the bracket. After
+    `CURVE.max_iterations` steps, the last x is returned.
 
     Parameters
     ----------
     function, derivative
         Function of an array, monotone between `low` and `high`, and its derivative.
     target, low, high
-        Values of the function, and ends of the brackets; they broadcast to the shape of the result. For a target beyond
-        the range of the function, the nearer end is returned.
+        Values of the function, and both ends of the brackets; they broadcast to the shape of the result. For a target
+        beyond the range of the function, the nearer end is returned.
     rtol
-        Largest last step, relative to the bracket.
+        Largest last step, relative to the length of the bracket.
     """
     target, low, high = (np.array(array, float) for array in np.broadcast_arrays(target, low, high))
     tolerance = np.maximum(2 * np.finfo(float).eps * np.maximum(np.abs(low), np.abs(high)), rtol * (high - low))

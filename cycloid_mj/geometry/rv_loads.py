@@ -151,8 +151,9 @@ def mean_force(forces: Array) -> float:
 def closed_form_stiffness(stage: RvStage, bearing_stiffness: float, tooth_stiffness: float) -> float:
     """Compute the torsional stiffness [N m/rad] of the carrier against the ring in closed form, sun and ring fixed.
 
-    The compliances of the crank bearings (rotation of the discs, tangential and radial to the eccentric) and of the
-    teeth add up, each as the square of the force per unit torque over its stiffness.
+    Its inverse is the sum of the compliances of teeth and of crank bearings. The bearings have one for the rotation of
+    the discs, and one each for forces tangential and radial to the eccentric. The compliance of n equal springs is n
+    f^2/k, with the stiffness k and the force f of a spring per unit torque.
 
     Parameters
     ----------
@@ -194,9 +195,10 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
 
     Notes
     -----
-    Yang et al. 2021, equation (30), for any errors: -(epsilon + m_t/e + lobes rho)/(lobes + 1 + z_s/z_p), as the mean
-    of the discs. epsilon is the mean phase error of the cranks, m_t the mean of `misfit` across the eccentricity e, rho
-    the rotation of the disc that fits the misfits best, and z_s and z_p are the teeth of sun and planet.
+    Yang et al. 2021, equation (30), for any errors: -(epsilon + m_t/e + z_c rho)/(z_c + 1 + z_s/z_p), as the mean of
+    the discs. epsilon is the mean phase error of the cranks, m_t the mean component of `misfit` perpendicular to the
+    eccentricity e, and rho the rotation of the disc that fits the misfits best (least squares). z_c is the number of
+    lobes of a disc, z_s and z_p are the numbers of teeth of sun and planet.
     """
     crank_angles = np.ravel(np.asarray(crank_angles, dtype=np.float64))
     perpendicular = quarter_turned(stage.eccentrics(crank_angles))

@@ -55,10 +55,11 @@ def contact_ratio(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float
 
 
 def tooth_root(gear: InvoluteGear, mate: InvoluteGear, centre_distance: float) -> ToothRoot:
-    """Compute the critical section of a tooth of `gear`, loaded at the outer point of single contact with its mate.
+    """Compute thickness, fillet radius, bending arm and force angle at the critical section of a tooth root.
 
-    `centre_distance` is the distance of the axes [m]. The rack is profile A of ISO 53. Thinning for backlash is
-    included as a smaller profile shift.
+    The tooth of `gear` is loaded at the outer point of single contact with its `mate`. `centre_distance` is the
+    distance of the axes [m]. The rack is profile A of ISO 53. Thinning for backlash is included as a smaller profile
+    shift.
     """
     teeth, angle = gear.teeth, gear.pressure_angle
     shift = gear.shift - gear.thinning / (2.0 * gear.module * math.tan(angle))
