@@ -148,19 +148,12 @@ def solve_loading(
     with_wind_up: bool = True,
     temperatures: Mapping[str, float] | None = None,
 ) -> Loading:
-    """Solve contact forces, shaft forces, sliding and losses over a turn at one point of a duty cycle, with friction.
+    """Solve contact forces, shaft forces, sliding and losses over a turn at one `point` of a duty cycle, with friction.
 
-    The load always opposes the rotation, whatever the signs of torque and speed.
-
-    Parameters
-    ----------
-    reducer, point, crank_angles
-        The reducer of a valid design, a point of its duty, and the number of crank angles.
-    with_wind_up
-        Whether the wind-up is solved for, which only emergency stops need.
-    temperatures
-        Temperature of each part [°C] for clearances, moduli and lubricant; by default those of the reducer. The sizes
-        of shaft and covers remain those of the reducer.
+    The load always opposes the rotation, whatever the signs of torque and speed. `crank_angles` is the number of crank
+    angles. The wind-up, which only emergency stops need, is NaN unless `with_wind_up` is set. `temperatures` [°C] of
+    the parts apply to clearances, moduli and lubricant, but not to the sizes of shaft and covers; by default they are
+    those of the reducer.
 
     Raises
     ------
@@ -177,7 +170,7 @@ def solve_loading(
     try:
         contact_loads = loads(turning_reducer, springs, torque)
         power = powers(turning_reducer, abs(point.torque), turn_evenly(reducer, min(crank_angles, POWER_POSES)))
-        preload_loads = loads(turning_reducer, springs, PRELOAD_SHARE * torque) if with_wind_up else None
+        wind_up = _solve_wind_up(turning_reducer, springs, torque, contact_loads) if with_wind_up else math.nan
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
         raise RunError(
@@ -199,29 +192,42 @@ def solve_loading(
         output=contact_loads.output.reshape(crank_angles, cam.shape[1], -1),
         on_output=compute_reactions(turning_reducer, springs, contact_loads).output.force,
         teeth=float(contact_loads.teeth.max()),
-        pressures={
-            kind: peak_pressure(turning_reducer, springs, contact_loads, kind)
-            for kind in design.pair_kinds
-            if is_hertzian(turning_reducer, springs, contact_loads, kind)
-        },
+        pressures=_peak_pressures(turning_reducer, springs, contact_loads),
         sliding=_sliding_loads(turning_reducer, springs, contact_loads),
         losses=dict(power.friction),
         crank_torque=power.crank / abs(speed),
-        wind_up=abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
-        / (design.output.pin_circle_radius * (1.0 - PRELOAD_SHARE))
-        if preload_loads
-        else math.nan,
+        wind_up=wind_up,
         work=contact_loads.work,
     )
 
 
-def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
-    """Compute force times sliding speed, p v and sliding speed of the contacts that slide, by kind of pair.
+def _solve_wind_up(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
+    """Solve for the mean turn of the disc by the load, without clearances [rad].
 
-    Kinds are teeth or seats of ring pins, output pins or plain rollers, and plain cams. `springs` and `contact_loads`
-    are those of the equilibria over a turn. A ring pin that can turn slides either on the flank or in its seat, where
-    the friction is lower. The bores of sleeves and rollers wear evenly; flanks, sockets, holes and the bore of the disc
-    wear where the load presses.
+    It is extrapolated from the turn between `PRELOAD_SHARE` of the torque [N m] and the whole torque, whose equilibria
+    are `contact_loads`.
+    """
+    preload_loads = loads(reducer, springs, PRELOAD_SHARE * torque)
+    turn = abs(float((contact_loads.departures - preload_loads.departures)[:, 2].mean()))
+    return turn / (reducer.design.output.pin_circle_radius * (1.0 - PRELOAD_SHARE))
+
+
+def _peak_pressures(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, float]:
+    """Return the largest Hertz pressure [Pa] of each kind of pair for which Hertz's theory is valid."""
+    return {
+        kind: peak_pressure(reducer, springs, contact_loads, kind)
+        for kind in reducer.design.pair_kinds
+        if is_hertzian(reducer, springs, contact_loads, kind)
+    }
+
+
+def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
+    """Compute power, pressure times speed and sliding speed of the contacts that slide, by kind of pair.
+
+    The kinds are ring pins on flanks or in seats, output pins or plain rollers, and plain cams. A ring pin that can
+    turn slides where its friction is lower: on the flank or in its seat. The bores of sleeves and rollers wear evenly;
+    flanks, sockets, holes and the bore of the disc wear where the load presses. `springs` and `contact_loads` are those
+    of the equilibria over a turn.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip, count = np.abs(springs.slip), springs.teeth
@@ -295,7 +301,9 @@ def _summarize_sliding(
 
 
 def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: bool = True) -> float:
-    """Compute the largest mean of force times sliding speed per length of a surface [W/m], by `SECTORS` of a turn.
+    """Compute the largest time average of force times sliding speed per length of a surface [W/m], in any sector of it.
+
+    There are `SECTORS` equal sectors in a turn.
 
     Parameters
     ----------
