@@ -371,10 +371,10 @@ def _rate_bearing(
 
 
 def oil_viscosity(reducer: Reducer, pair: str = "cam") -> float:
-    """Return the kinematic viscosity of the oil in the bearings [m2/s].
+    """Return the kinematic viscosity of the oil in the bearings [m2/s]; 0 if the design has neither of its sources.
 
-    It is that of the design file, or of the film law's lubricant at its temperature in a kind of `pair` of
-    `lubricant_temperature`; 0 if neither is stated.
+    It is that of the design file. Otherwise it is that of the lubricant of the friction law ``film``, at its
+    temperature in a kind of `pair` (`lubricant_temperature`).
     """
     design = reducer.design
     if design.bearing.viscosity or not design.has_film:

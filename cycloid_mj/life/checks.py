@@ -55,8 +55,8 @@ KINDS = {
 def check_design(design: Named) -> Checks:
     """Check whether a design can be built, works well, and withstands its rated load for its life.
 
-    The last two kinds of checks are warnings, and are run only if the design can be built. From Python as
-    ``cm.check(design)``.
+    The checks of function and life are warnings, and are run only if the design can be built. In Python this function
+    is also ``cm.check(design)``.
 
     Parameters
     ----------

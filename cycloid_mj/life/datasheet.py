@@ -163,8 +163,8 @@ class Datasheet(Presented):
 def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) -> Datasheet:
     """Compute the data sheet of a valid design: quantities in groups, curves over torque and speed, and assumptions.
 
-    The rated torque is that for a `life` [h] at the design's speed; 0: the life of the design. `progress` is called
-    with the number of finished steps and that of all.
+    The rated torque is that for a `life` [h] at the design's speed; by default (0) the life is that of the design.
+    `progress` is called with the number of finished steps and the number of all steps.
     """
     design = reducer.design
     life = life or design.service.life
@@ -247,7 +247,7 @@ def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
 def _rating_rows(
     reducer: Reducer, life: float, rated_limit: tuple[float, RatedItem], momentary_limit: tuple[float, RatedItem]
 ) -> tuple[Quantity, ...]:
-    """Return rows of ratio, rated, bearing, acceleration, momentary and nominal torque [N m], and input speed [rpm].
+    """Return rows of ratio, input speed [rpm], and rated, bearing, acceleration, momentary and nominal torque [N m].
 
     `rated_limit` and `momentary_limit` are each a torque [N m] and the item that limits it; `life` is in [h].
     """
@@ -509,7 +509,7 @@ def _with_interval(row: Quantity, interval: Quantity | Spread) -> Quantity:
 
 
 def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return rows of mass [kg], inertia [kg cm2] and dimensions [mm] of the mechanism, and of a drive with covers."""
+    """Return rows of mass [kg], inertia [kg cm2] and dimensions [mm] of the mechanism and of a drive with covers."""
     design = reducer.design
     gear, housing = design.gear, design.housing
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}

@@ -28,10 +28,11 @@ FAR_BEYOND = 2.0
 
 
 def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) -> Iterator[RatedItem]:
-    """Yield safety factors at the peak torque [N m] of an emergency stop: output pins, skipped teeth, yield and dents.
+    """Yield safety factors at the peak torque [N m] of an emergency stop.
 
-    Forces on output pins are in proportion to those of `worst`, the solved forces at the largest torque of the duty.
-    Torque limits by contact pressure follow from the static equilibrium at the limit.
+    The items are shear and bending of an output pin, skipping of a tooth, and yield and dents at contacts. Forces on
+    output pins are scaled in proportion to the torque from `worst`, the solved forces at the largest torque of the
+    duty. Torque limits by contact pressure follow from the static equilibrium at the limit.
     """
     design = reducer.design
     torque = abs(worst.point.torque)
@@ -89,8 +90,8 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
 def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: float) -> tuple[float, str]:
     """Compute the output torque at which a kind of contact first reaches its pressure limit.
 
-    The law p ~ sqrt(T) is a lower bound of that torque, since more contacts share a larger torque. If this bound is far
-    beyond `other_limit`, it is returned, since there may be no equilibrium.
+    The law p ~ sqrt(T) is a lower bound of that torque, since more contacts share a larger torque. If the bound is more
+    than `FAR_BEYOND` times `other_limit`, the bound itself is returned, since there may be no equilibrium.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: 
     Returns
     -------
     tuple
-        The torque [N m], and kind and method in words.
+        The torque [N m], and a text with the kind of contact and how the torque was computed.
     """
     kind = min(limits, key=lambda name: limits[name] / worst.pressures[name])
     torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)

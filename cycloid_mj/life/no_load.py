@@ -39,7 +39,7 @@ GREASE = Grease()
 
 
 def grease_of(design: Design) -> Grease:
-    """Return the lubricant of a design with the law ``film``, else the assumed grease."""
+    """Return the lubricant of a design with the friction law ``film``, else the assumed grease."""
     if not design.has_film:
         return GREASE
     oil = lubricant(design.friction.lubricant)
@@ -87,12 +87,13 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
 
 
 def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
-    """Yield friction factor, number, mean diameter and speed ratio of each kind of bearing, for its no-load torque.
+    """Yield the inputs of the no-load torque of each kind of bearing.
 
     Yields
     ------
     tuple
-        Range of Palmgren's factor f0, number of bearings, mean diameter [m], and speed over the crank's [1].
+        Lower and upper value of Palmgren's factor f0, number of bearings, mean diameter [m], and ratio of the bearing's
+        speed to the crank's [1].
     """
     design = reducer.design
     for bearing in bearings_of(reducer):

@@ -114,10 +114,11 @@ class OutputBearings:
         return min(self.capacity / BALL_BEARINGS.axial_factor, self.static / BALL_BEARINGS.static_axial_factor)
 
     def tilting_stiffness(self, ball_load_factor: float = BALL_BEARINGS.no_clearance) -> float:
-        """Compute the tilting stiffness [N m/rad] at half of the moment limit, by Palmgren's approach of the balls.
+        """Compute the tilting stiffness [N m/rad] of both bearings at half of the moment limit.
 
-        `ball_load_factor` is Z Q/F, the force Q of the most loaded of Z balls relative to the bearing force F, both in
-        the direction of contact.
+        The deflection of a ball follows from its force by Palmgren's formula. The most loaded of the Z balls of a
+        bearing has the force Q; `ball_load_factor` is Z Q/F, with the force F on the bearing. Q and F are in the
+        direction of contact.
         """
         bearing_force, cosine = 0.5 * self.moment / self.spacing, math.cos(self.bearing.contact_angle)
         ball_force = ball_load_factor * bearing_force / (self.row.balls * cosine)

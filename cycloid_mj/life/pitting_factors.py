@@ -87,10 +87,11 @@ def _interpolate(limit: float, soft: float, hard: float) -> float:
 
 
 def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors | None:
-    """Compute Z_L, Z_v and Z_R [1] of a kind of pair at a point of the duty, from means over its loaded contacts.
+    """Compute the lubricant, speed and roughness factors Z_L, Z_v and Z_R [1] of a kind of pair at a point of the duty.
 
-    `limit` is the pressure allowed for long life [Pa]. None for pairs other than teeth and output pins in holes, or if
-    the design does not have the friction law ``film``.
+    They follow from means over the loaded contacts of `loading`. `limit` is the pressure allowed for long life [Pa].
+    Returns None for pairs other than teeth and output pins in holes, or if the design does not have the friction law
+    ``film``.
     """
     reducer, film = loading.reducer, loading.springs.film
     design = reducer.design
@@ -108,7 +109,9 @@ def pitting_factors(loading: Loading, kind: str, limit: float) -> PittingFactors
 
 
 def weighted_contact(rolls: Mask, surfaces: FilmSurfaces, force: Array) -> tuple[float, float]:
-    """Return entrainment speed [m/s] and reduced radius [m] of teeth, means over contacts with the weight of forces.
+    """Return the mean entrainment speed [m/s] and the reduced radius [m] of teeth, with the forces as weights.
+
+    The radius is that of the mean curvature.
 
     Parameters
     ----------
@@ -122,7 +125,7 @@ def weighted_contact(rolls: Mask, surfaces: FilmSurfaces, force: Array) -> tuple
 
 
 def factors_of_contact(design: Design, entrainment: float, radius: float, limit: float) -> PittingFactors:
-    """Compute Z_L, Z_v and Z_R [1] of a contact of a design with the law ``film``.
+    """Compute the lubricant, speed and roughness factors [1] of a contact of a design with the friction law ``film``.
 
     Parameters
     ----------
@@ -145,15 +148,16 @@ def factors_of_contact(design: Design, entrainment: float, radius: float, limit:
 
 
 def lubricated_cycles(cycles: float, factor: float, power: float) -> float:
-    """Compute the number of load cycles until pitting with a factor of the lubricant on the allowed pressure.
+    """Compute the number of load cycles until pitting with a factor Z of the lubricant (ISO 6336-2:2006, 11.3).
 
-    The factor is 1 up to `STATIC_CYCLES` and full from `FULL_CYCLES` on; between them its exponent grows linearly with
-    the logarithm of the number of cycles (ISO 6336-2:2006, 11.3).
+    Z multiplies the allowed pressure. Up to `STATIC_CYCLES` it has no effect, and from `FULL_CYCLES` on it has its full
+    effect. In between, the pressure is multiplied by Z^e, where e rises from 0 to 1 linearly with the logarithm of the
+    number of cycles.
 
     Parameters
     ----------
     cycles
-        Number of load cycles n without the factor, of the curve n = (Z S/p)^(1/power).
+        Number n of load cycles without the factor: n = (S/p)^(1/power), with the pressure p and a constant S.
     factor, power
         Factor Z [1], and exponent of the curve.
     """

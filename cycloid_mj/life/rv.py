@@ -87,7 +87,7 @@ def _bearing_speed(reducer: RvReducer, speed: float) -> float:
 
 
 def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
-    """Yield the crank bearings, in the discs then in the flanges, with load ratings [N] and forces at each torque [N].
+    """Yield both kinds of crank bearings, those in the discs first, with load ratings and forces [N] at each torque.
 
     `torques` [N m] are those on the output at the points of a duty.
     """
@@ -150,10 +150,11 @@ def _crank_forces(reducer: RvReducer, torque: float) -> Array:
 
 
 def flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
-    """Return the radial forces on the bearings of n cranks in the two flanges [N], shape (m, 2 n), flange by flange.
+    """Compute the magnitudes of the radial forces [N] on the bearings of n cranks in both flanges, shape (m, 2 n).
 
-    A crank is a beam on two supports, in the middles of the flanges. `disc_forces` [N] are those between the n cranks
-    and the D discs at m crank angles, shape (m, D, n, 2).
+    The first n columns are the cranks in the first flange, the others the same cranks in the second flange. A crank is
+    a beam on two supports, in the middles of the flanges. `disc_forces` [N] are those between the n cranks and the D
+    discs at m crank angles, as vectors, shape (m, D, n, 2).
     """
     planes, gear = np.array(reducer.design.gear.disc_planes), reducer.design.gear
     support = 0.5 * gear.stack_width + gear.disc_gap + 0.5 * reducer.cranks.flange_thickness
@@ -172,18 +173,9 @@ def _rate_bearing(
 ) -> Iterator[RatedItem]:
     """Yield life and modified life (ISO 281) and static factor (ISO 76) of the most loaded bearing of a row.
 
-    The modified life requires a known viscosity of the oil.
-
-    Parameters
-    ----------
-    bearing_row
-        Equal bearings, with their forces at each torque.
-    torques, weighted_speeds
-        Torques of the duty [N m], and speeds of the bearing times their shares of time [rad/s].
-    peak_torque
-        Torque of the static factor [N m].
-    running_share
-        Share of the time in which the bearings turn [1].
+    The row has equal bearings with their forces at each of the `torques` of the duty [N m]. `weighted_speeds` are the
+    bearing's speeds at these points times their shares of time [rad/s], and `running_share` is the sum of these shares
+    [1]. The static factor is that at `peak_torque` [N m]. The modified life requires a known viscosity of the oil.
     """
     settings = reducer.design.bearing
     means = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
@@ -231,8 +223,8 @@ def _rate_teeth(
 ) -> Iterator[RatedItem]:
     """Yield the safety against first yield and the pitting life of the cycloid teeth on their pins.
 
-    Each lobe is loaded once per turn of a crank in its disc. With the law ``film``, the life with the lubricant factors
-    follows.
+    Each lobe is loaded once per turn of a crank in its disc. With the friction law ``film``, the pitting life with the
+    lubricant factors is a third item.
 
     Parameters
     ----------
@@ -312,11 +304,12 @@ def _rate_lubricated(
 def _rate_planets(
     reducer: RvReducer, torques: Array, weighted_speeds: Array, speed_ratios: Array
 ) -> Iterator[RatedItem]:
-    """Yield the pitting life of the sun's teeth, by the pressure at the pitch point; with ``film`` as of the teeth.
+    """Yield the pitting life of the sun's teeth, by the pressure at the pitch point.
 
-    Each planet loads each tooth once per turn of the sun relative to the carrier. `weighted_speeds` are the speeds of
-    the cranks times the shares of time [rad/s] at the `torques` of the duty [N m], `speed_ratios` those at each point
-    over the design's speed [1].
+    With the friction law ``film``, the pitting life with the lubricant factors is a second item. Each planet loads each
+    tooth once per turn of the sun relative to the carrier. `weighted_speeds` are the speeds of the cranks times the
+    shares of time [rad/s] at the `torques` of the duty [N m], `speed_ratios` the speeds at these points relative to the
+    design's speed [1].
     """
     planet, material = reducer.planet, reducer.design.material
     radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
@@ -350,7 +343,8 @@ def _rate_pitting(
     pressures
         Largest Hertz pressure at each point of the duty [Pa].
     load_rates
-        Loads of a tooth per time at each point of the duty, times the point's share of time, in [rad/s]: 2 pi per load.
+        Number of loads on a tooth per second at each point of the duty, times the point's share of time and 2 pi
+        [rad/s].
     """
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
     hourly = load_rates / (2.0 * math.pi) * HOUR

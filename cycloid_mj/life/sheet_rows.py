@@ -114,20 +114,20 @@ def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantit
 def _torque_row(
     key: str, name: str, contacts: Quantity, rest: NoLoadTorque, lever: float, where: str, range_of: str
 ) -> Quantity:
-    """Return the row of a torque [N m]: that of the contacts plus `lever` times that of bearings and seals.
+    """Return the row of the sum of two torques [N m]: that of contacts, and `lever` times that of bearings and seals.
 
-    Lower ends of both intervals add up, and so do upper ends.
+    The ends of their intervals are added as well.
 
     Parameters
     ----------
     key, name
         Key and name of the row.
     contacts, rest
-        Torque of the contacts, and torque of bearings and seals on the crank.
+        Torque of the contacts at the shaft of the row, and torque of bearings and seals on the crank.
     lever
-        Factor on the latter [1].
+        Factor that converts the latter to that shaft [1].
     where, range_of
-        The shaft with the torque, and the meaning of its range, in words.
+        Texts for the note: which shaft it is, and what the ends of the interval stand for.
     """
     if not math.isfinite(contacts.value):
         return replace(contacts, key=key, name=name)
@@ -166,7 +166,7 @@ def _contact_torques_by_speed(reducer: Reducer, speeds: Array, temperature: floa
 
 
 def _at_temperature(reducer: Reducer, temperature: float) -> Reducer:
-    """Return a reducer with the law ``film`` with all parts at a temperature [°C]; with ``coulomb`` it is unchanged."""
+    """Return a reducer with all parts at a temperature [°C]; it is unchanged with the friction law ``coulomb``."""
     return reducer.but(thermal=dict.fromkeys(HEATED, temperature)) if reducer.design.has_film else reducer
 
 

@@ -150,7 +150,7 @@ def rate_lubricated_pitting(
     factors, pressures
         Factors, and largest Hertz pressure [Pa], at each point of the duty.
     speeds
-        Loads of a tooth at each point, as angular speeds times shares of time [rad/s].
+        Number of loads on a tooth per second at each point, times the point's share of time and 2 pi [rad/s].
     """
     allowed, damage = 1e6 * pitting.limit, 0.0
     for item, pressure, speed in zip(factors, pressures, speeds, strict=True):

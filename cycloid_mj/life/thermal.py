@@ -274,9 +274,9 @@ def _solve_warm_up(reducer: Reducer, duty: Duty, steady_state: _Steady, settings
 
 
 def _find_tightest_time(design: Design, course: TemperatureCourse) -> TightestTime:
-    """Return the time of the warm-up and its duty cycles at which the parts have the least play, with that play [m].
+    """Return the time of the warm-up at which the parts have the least play, with play [m] and temperature rises [K].
 
-    `course` has the temperature rises over time.
+    `course` has the temperature rises over time, for the warm-up and its duty cycles.
     """
     ambient = design.service.ambient_temperature
     times = []
@@ -307,8 +307,9 @@ def _find_torque_limit(
 ) -> _TorqueLimit:
     """Return the largest torque of a duty that heat allows [N m], what limits it, and torque limits by duty factor.
 
-    The first torque is for the duty as it is. Those by duty factor are for a drive that runs for this share of the time
-    and then rests (S3). For them, and for the times within a cycle, losses are taken as linear in the torque.
+    The first torque is for the duty as it is; all its torques are scaled by the same factor. The other torque limits
+    are for a drive that runs for a share of the time, the duty factor, and rests otherwise (S3). For these, and for the
+    limit at the tightest time, losses are assumed to be linear in the torque.
 
     Parameters
     ----------
@@ -317,8 +318,8 @@ def _find_torque_limit(
     steady_state
         Steady losses and temperatures of the duty.
     tightest
-        Time of a cycle with the least play. No limit may be exceeded at this time, as with the mean losses. None: mean
-        losses only.
+        Time of a cycle with the least play, at which no thermal limit may be exceeded either. If it is None, only the
+        steady state with the mean losses counts.
     settings
         Settings of the search.
     """
