@@ -14,7 +14,7 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.result import Curve, Quantity, by_key
+from cycloid_mj.base.result import Curve, Quantity, Table, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
@@ -61,8 +61,7 @@ def torque(
     design
         A design, or the name of a preset or a file; its crank speed is that of the test.
     quick
-        Whether to average over a shorter time, skip the run with half the time step, and vary only the friction of all
-        sliding pairs together.
+        Whether to average over a shorter time, skip the run with half the time step, and vary only the common friction.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
     published
@@ -71,17 +70,16 @@ def torque(
     Returns
     -------
     Measurement
-        Output torque and its ripple [N m], output rate (torque over input torque times ratio) and efficiency [%], each
-        with an estimate of its numerical error and its closed form; curves of the torque; tables of the losses, and of
-        the output rate at other values of friction and of other inputs.
+        Output torque and its ripple [N m], output rate (torque divided by input torque times ratio) and efficiency [%],
+        each with numerical error and closed form; curves of the torque; tables of the losses, and of the output rate at
+        other values of friction and of other inputs.
     """
     reducer = Reducer(resolve(design))
     steady_reducer = steady_design(reducer).working_at(reducer.design.rated_torque)
     periods = averaging_periods(steady_reducer, STEADY.min_periods(quick))
     rows, assumed = sensitivity.friction_variants(reducer, quick), spread.assumed_inputs(steady_reducer)
-    tested_drives = _tested_drives(
-        steady_reducer, rows, assumed, periods, None if quick else halve_time_step(steady_reducer, solver)
-    )
+    half_step = None if quick else halve_time_step(steady_reducer, solver)
+    tested_drives = _tested_drives(steady_reducer, rows, assumed, periods, half_step)
     tasks = {key: partial(_quiet_rated_test, item, count, solver) for key, (item, count) in tested_drives.items()}
     last = 1 + len(published)
     tests = all_in_threads(tasks, lambda done, task_count: progress(done, task_count + last))
@@ -91,29 +89,19 @@ def torque(
     design_at_output_torque = steady_reducer.but(load={"torque": own_test.output})
     with suppress_warnings(tuple(creep_warning(design_at_output_torque))):
         held_crank_efficiency = constant_speed_efficiency(steady_reducer, own_test.output, periods, solver)
-    explanation = explain_published(
-        published, steady_reducer, by_row, None if quick else rate_error(own_test, finer), solver
-    )
-    by_name = _name_runs(steady_reducer, tested_drives, rows, assumed, explanation) | {
-        "crank held": design_at_output_torque
-    }
-    warn(reducer.design.name, joint_creep_warning(by_name))
+    error = rate_error(own_test, finer)
+    explanation = explain_published(published, steady_reducer, by_row, None if quick else error, solver)
+    by_name = _name_runs(steady_reducer, tested_drives, rows, assumed, explanation)
+    warn(reducer.design.name, joint_creep_warning(by_name | {"crank held": design_at_output_torque}))
     progress(len(tasks) + last, len(tasks) + last)
+    quantities = _quantities(steady_reducer, own_test, finer, held_crank_efficiency, by_input)
     return Measurement(
         measure="torque",
         design=steady_reducer.design,
         condition=f"{_describe_drive(steady_reducer)}, {SOLVERS[solver]}",
-        quantities=by_key(
-            _quantities(steady_reducer, own_test, finer, held_crank_efficiency, by_input),
-            friction_quantities(explanation),
-        ),
+        quantities=by_key(quantities, friction_quantities(explanation)),
         curves=(*_curves(steady_reducer, own_test), *sensitivity.curves(by_row, explanation)),
-        tables=(
-            loss_breakdown.table(own_test.powers, explanation, rate_error(own_test, finer)),
-            *tables(own_test.output, explanation),
-            spread.table("output rate", rates["own"], by_input),
-            sensitivity.table(steady_reducer, by_row),
-        ),
+        tables=_tables(steady_reducer, own_test, error, explanation, by_row, by_input),
         assumptions=_assumptions(steady_reducer, periods),
         details=loss_breakdown.as_json(own_test.powers, explanation)
         | spread.as_json(own_test.powers.efficiency, by_input),
@@ -145,7 +133,7 @@ def _name_runs(
     tested_drives
         Result of `_tested_drives`.
     published
-        Published torques; each that was simulated at its friction adds this run.
+        Published torques from `explain_published`; the runs at their friction coefficients are included.
     """
     names = _RUNS | {variant: variant.name for variant in variants}
     names |= {end: name for item in varied_inputs for end, name in item.names.items()}
@@ -225,11 +213,12 @@ def explain_published(
     error: float | None,
     solver: Solver,
 ) -> list[Published]:
-    """Return the published torques with the common friction at which the model has the same rate.
+    """Return the published torques with the friction coefficient at which the model has the same output rate.
 
-    With the numerical `error` of a rate [1], each torque is simulated at its friction; the error of the friction is the
-    deviation of that run plus `error`, over the slope of the rate. Torques outside of the range of the variants have a
-    friction of NaN and no error. `rate_by_variant` are the output rates of the friction variants [1].
+    The coefficient is common to all sliding pairs. It is interpolated in the output rates [1] of the friction variants,
+    `rate_by_variant`, and NaN outside of their range. `error` is the numerical error of a rate [1]. Unless it is None,
+    each torque is also simulated with its coefficient. The error of the coefficient is then the sum of `error` and the
+    deviation of the simulated rate, divided by the slope of the rate over the coefficient.
     """
     rates = sensitivity.common_rates(rate_by_variant, sensitivity.pins_of(reducer))
     explained_figures = [
@@ -267,8 +256,8 @@ def _quantities(
 ) -> list[Quantity]:
     """Return the quantities of the rated test: torques, output rate, ripple, efficiency and energy balance.
 
-    Errors are the largest changes with half the time step and with half the averaging time. For the ripple, the latter
-    is the change in the second half of the run.
+    Errors are the largest changes with half the time step and with half the averaging time. Half the averaging time is
+    the second half of the run for the ripple, and otherwise the first half.
 
     Parameters
     ----------
@@ -317,6 +306,27 @@ def _quantities(
         ),
         Quantity("balance_residual", "residual of the energy balance", 1e2 * powers.residual, "% of input"),
     ]
+
+
+def _tables(
+    reducer: Reducer,
+    test: BrakedRun,
+    error: float,
+    published: Sequence[Published],
+    rate_by_variant: Mapping[FrictionVariant, float],
+    by_input: Sequence[InputEffect],
+) -> tuple[Table, ...]:
+    """Return the tables of losses, published torques, and output rates with other inputs and other friction.
+
+    `test` is the run of the design, `error` its `rate_error`, and `published` are from `explain_published`.
+    `rate_by_variant` are the output rates of the friction variants [1], `by_input` the effects of the assumed inputs.
+    """
+    return (
+        loss_breakdown.table(test.powers, published, error),
+        *tables(test.output, published),
+        spread.table("output rate", test.powers.efficiency, by_input),
+        sensitivity.table(reducer, rate_by_variant),
+    )
 
 
 def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
