@@ -172,12 +172,12 @@ def read_attachment(record: Record, path: Path) -> tuple[str, bytes]:
 
 
 def read_chunk(record: Record, path: Path) -> Messages:
-    """Read schemas, channels and messages of a chunk record, and verify its CRC.
+    """Read the schemas, channels and messages of a chunk record, see `Messages`, and verify the CRC of the chunk.
 
     Raises
     ------
     LogError
-        The chunk is malformed, its CRC is wrong, or it exceeds the limits `CHUNK`.
+        The chunk is malformed, its CRC is wrong, or it exceeds one of the limits in `CHUNK`.
     """
     with convert_parse_errors(path, f"malformed chunk at byte {record.offset}"):
         chunk = Chunk.read(_stream(record.content))
@@ -199,7 +199,7 @@ def _check_message_count(chunk: Chunk) -> None:
     Raises
     ------
     ValueError
-        There are more than `CHUNK.max_messages_per_byte`.
+        There are more than `CHUNK.max_messages_per_byte` messages for each byte of the compressed data.
     """
     limit = CHUNK.max_messages_per_byte * len(chunk.data)
     if chunk.uncompressed_size <= limit * MESSAGE_HEAD.itemsize or chunk.uncompressed_size > CHUNK.max_size:
@@ -242,12 +242,14 @@ def _inflate(data: bytes, compression: str) -> BinaryIO:
 
 
 def decompress(data: bytes, compression: str, size: int) -> bytes:
-    """Decompress a chunk of `size` bytes, without allocating more.
+    """Decompress the `data` of a chunk, which states `size` bytes as its decompressed size.
+
+    No more memory is allocated than for this size.
 
     Raises
     ------
     ValueError
-        The chunk has more or fewer bytes, or more than `CHUNK.max_size`.
+        The stated size exceeds `CHUNK.max_size`, or the decompressed data have another size.
     Exception
         An error of zstandard or lz4 about malformed data.
     """
@@ -261,7 +263,7 @@ def decompress(data: bytes, compression: str, size: int) -> bytes:
 
 
 def _parse_chunk(data: bytes) -> Messages:
-    """Parse the records of a decompressed chunk into schemas, channels and messages by channel.
+    """Parse the records of a decompressed chunk into its schemas, its channels, and the messages of each channel.
 
     Raises
     ------

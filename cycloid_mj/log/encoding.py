@@ -90,7 +90,10 @@ class ColumnGroup:
         return np.setdiff1d(np.arange(self.zeros.size), self.offsets[:, np.newaxis] + np.arange(8))
 
     def encode(self, time: Array, values: Array) -> Bytes:
-        """Return the messages of k samples, shape (k, size), from `time` (k,) [s] and `values` (k, columns)."""
+        """Return the messages of k samples as an array of bytes, shape (k, bytes of a message).
+
+        `time` has shape (k,) [s], `values` has shape (k, columns).
+        """
         messages = np.tile(self.zeros, (time.size, 1))
         records = messages.view(self.record)[:, 0]
         records[TIME] = time
@@ -99,12 +102,14 @@ class ColumnGroup:
         return messages
 
     def decode(self, messages: Bytes) -> npt.NDArray[np.void]:
-        """Return the records of k messages of shape (k, size), without a copy.
+        """Return k messages as a structured array with the fields ``time`` and the column names, shape (k,).
+
+        The array is a view of `messages`, which have shape (k, bytes of a message).
 
         Raises
         ------
         ValueError
-            A message has another length or other key bytes than this group.
+            The length of the messages, or the numbers or types of their fields, are not those of this group.
         """
         if messages.shape[1] != self.zeros.size:
             raise ValueError(

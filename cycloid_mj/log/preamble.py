@@ -17,9 +17,10 @@ Metadata = Mapping[str, Mapping[str, str]]
 
 
 def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[str, dict[str, str]]:
-    """Return the metadata at the beginning of a log: record name -> entries, as valid UTF-8 text.
+    """Return the metadata records at the beginning of a log, as a mapping from record name to entries.
 
-    They state the format, a checksum of the provenance, the names of the attachments, and the provenance.
+    The first record states the format, a checksum of the provenance, and the names of the attachments; the second is
+    the provenance. Characters that UTF-8 cannot encode are escaped.
     """
     stored = {encodable_text(key): encodable_text(value) for key, value in provenance.items()}
     names = [encodable_text(name) for name in attachments]
@@ -30,8 +31,9 @@ def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[
 def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
     """Return a clause for each missing or damaged part of a truncated log, such as "its provenance is missing".
 
-    `metadata` are the log's records by name, `attachments` the names of the attachments that were read. Logs of earlier
-    versions have no checksum and no list of attachments: of them only missing provenance is reported.
+    `metadata` maps the names of the log's metadata records to their entries, `attachments` are the names of the
+    attachments that were read. Logs of earlier versions have no checksum and no list of attachments; for these logs,
+    only missing provenance is reported.
     """
     package, provenance = metadata[PACKAGE], metadata.get(PROVENANCE)
     missing = []

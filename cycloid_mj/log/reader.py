@@ -72,7 +72,8 @@ class _GroupSamples:
     def add(self, group: ColumnGroup, block: Bytes, path: Path) -> None:
         """Append a block of message records of a group, shape (k, bytes of a record), to the columns.
 
-        The sequence numbers must continue those of the previous block. Samples that are not in `rows` are dropped.
+        The sequence numbers must continue those of the previous block. If the constructor was called with `rows`, only
+        the samples with these indices are kept.
 
         Raises
         ------
@@ -97,10 +98,10 @@ class _GroupSamples:
         self.count, self._kept = end, end_kept
 
     def finish(self, samples: int) -> list[Array]:
-        """Return times [s] and columns of this group, shape (k,) each, of the first `samples` samples of the log.
+        """Return the times [s] of this group and then each of its columns, all of shape (k,).
 
-        If only some `rows` of the log are read, the arrays contain only the rows with an index below `samples`. The
-        arrays are read-only, so that a `Run` need not copy them.
+        They contain the first `samples` samples of the log, or those of the selected rows with indices below `samples`.
+        The arrays are read-only, so that a `Run` need not copy them.
         """
         count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:
@@ -131,17 +132,17 @@ class _Contents:
 def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Run:
     """Read the run of a log.
 
-    Of a log that was truncated, by a killed process or a full disk, the samples of all complete chunks are read; the
-    run is incomplete, and its note states its last time.
+    If the log was truncated by a killed process or a full disk, the samples of all complete chunks are read. The run is
+    then incomplete, and its note states its last time.
 
     Parameters
     ----------
     path
         The log, an MCAP file of `write` or of ``cycloid-mj simulate``.
     without
-        Topics to skip, such as ``/forces``, which are most of a long run.
+        Topics to skip, such as ``/forces``, which is the largest part of a long run.
     rows
-        Numbers of the samples to read, from 0, increasing; by default all.
+        Indices of the samples to read, from 0, increasing; by default all.
 
     Returns
     -------
@@ -160,7 +161,8 @@ def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Log:
     """Read a log: its run, its viewer topics, whether the file is complete, and its size.
 
-    `without` are topics to skip, `rows` the samples to read, as in `read`, whose errors are raised.
+    The arguments are those of `read`: `without` are topics to skip, and `rows` are the indices of the samples to read.
+    Raises the errors of `read`.
     """
     path, contents = Path(path), _Contents(without, rows)
     try:
@@ -206,7 +208,8 @@ def _alternatives(path: Path) -> str:
 def _read_records(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
     """Read all records of an open log into `contents`; return whether the file is complete (not truncated).
 
-    `path` names the file in errors. Of metadata records with the same name the first counts, of attachments the last.
+    `path` names the file in errors. If metadata records have the same name, the first is kept; if attachments have the
+    same name, the last is kept.
 
     Raises
     ------
@@ -245,7 +248,9 @@ def _require_log_format(contents: _Contents, path: Path) -> None:
 
 
 def _add_messages(contents: _Contents, messages: container.Messages, path: Path) -> None:
-    """Add schemas, channels and samples of a chunk to the contents; skip excluded topics, and count those for viewers.
+    """Add schemas, channels and samples of a chunk to the contents, except the samples of excluded topics.
+
+    The messages of topics for viewers are only counted.
 
     Raises
     ------
@@ -269,7 +274,7 @@ def _add_messages(contents: _Contents, messages: container.Messages, path: Path)
 
 
 def _viewer_topics(contents: _Contents) -> dict[str, ViewerTopic]:
-    """Return the topics for viewers by name: schema, number of messages and frame rate.
+    """Return the topics for viewers as a mapping from name to schema, number of messages and frame rate.
 
     A topic is for viewers if the metadata of its channel contain no units.
     """

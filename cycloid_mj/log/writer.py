@@ -152,7 +152,7 @@ class LogWriter:
             start = stop
 
     def flush(self) -> None:
-        """Write all samples to the file, so that the log can be read up to here."""
+        """Write all samples to the file, so that the log can be read up to the last sample."""
         if not self._is_open:
             return
         try:
@@ -202,11 +202,11 @@ class LogWriter:
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
 
     def _viewer_messages(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
-        """Compute the viewer messages for k samples: time [ns] -> messages.
+        """Compute the messages for viewers that belong to k samples, as a mapping from time [ns] to messages.
 
-        `time` has shape (k,) [s], `values` (k, columns) by topic. Only the samples at the viewer's frame rate have
-        messages; the result is empty if there is no such sample, or no viewer. At the first sample of the log, the
-        messages of `Viewer.opening`, which occur once, come first.
+        `time` has shape (k,) [s], `values` maps topics to arrays of shape (k, columns). Only the samples at the frame
+        rate of the viewer have messages. The result is empty if there is no such sample, or no viewer. At the first
+        sample of the log, the messages of `Viewer.opening`, which occur once, come first.
         """
         rows = select_frames(time, self._last_time, self._viewer.rate) if self._viewer else ()
         if not (self._viewer and len(rows)):
@@ -223,10 +223,10 @@ class LogWriter:
     def _append(
         self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], viewer_messages: Mapping[int, list[Message]]
     ) -> None:
-        """Append k samples that fit into the current chunk, each after its viewer messages; flush a full chunk.
+        """Append k samples that fit into the current chunk; flush the chunk if it is full.
 
-        `nanoseconds` are their times [ns], shape (k,). `messages` has an array (k, bytes of a message) for each group,
-        `viewer_messages` maps times [ns] to messages.
+        `nanoseconds` are the times of the samples [ns], shape (k,). `messages` has an array (k, bytes of a message) for
+        each group. `viewer_messages` maps times [ns] to messages for viewers, which are written before the sample.
         """
         for row, time in enumerate(nanoseconds.tolist()):
             for topic, _, content in viewer_messages.get(time, ()):
@@ -341,7 +341,8 @@ def _open_log(
 ) -> tuple[LogFile, Writer]:
     """Open the file of a log and write metadata and attachments; return the file and its MCAP writer.
 
-    If that fails, the file is removed. Arguments are those of `LogWriter`, `metadata` those of `preamble`.
+    If that fails, the file is removed. `path`, `force`, `hidden` and `attachments` are as in `LogWriter`; `metadata` is
+    the result of `preamble`.
 
     Raises
     ------

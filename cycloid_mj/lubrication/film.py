@@ -46,7 +46,7 @@ def line_contact_groups(
 ) -> Groups:
     """Compute the dimensionless groups of line contacts, from which the formulas of this module compute film thickness.
 
-    The groups are those of speed U, material G and load W.
+    They are the groups U (speed), G (material) and W (load) of the module docstring.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def line_contact_groups(
     viscosity, pressure_coefficient
         Viscosity at the inlet [Pa s], and its pressure coefficient [1/Pa].
     modulus
-        Reduced modulus E' [Pa]: twice `ideal_loads.contact_modulus`.
+        Reduced modulus E' [Pa], which is twice the result of `ideal_loads.contact_modulus`.
     """
     force, speed, radius = (np.asarray(values, float) for values in (force, entrainment, radius))
     return Groups(
@@ -106,9 +106,10 @@ def _power_law(
     load_power: float,
     load_group: Array | None = None,
 ) -> Array:
-    """Compute a film thickness `factor` U^a G^b W^c R [m] of line contacts; 0 without speed or force.
+    """Compute the film thickness `factor` U^a G^b W^c R [m] of line contacts; 0 without speed or force.
 
-    a, b and c are `speed_power`, `material_power` and `load_power`; a `load_group` replaces W of the line contact.
+    U, G and W are the groups of `line_contact`, R is its reduced radius. The exponents a, b and c are `speed_power`,
+    `material_power` and `load_power`. If `load_group` is not None, it is used in place of W.
     """
     load_group = line_contact.load if load_group is None else load_group
     loaded = np.maximum(load_group, np.finfo(float).tiny)

@@ -97,7 +97,8 @@ def line_friction(
 ) -> MixedFriction:
     """Compute friction coefficient, film ratio and load share of the asperities [1] of line contacts in mixed friction.
 
-    The larger film thickness of hard (piezoviscous-elastic) and soft (isoviscous-elastic) contacts counts.
+    The film thickness is the larger of those of the formulas for hard (piezoviscous-elastic) and for soft
+    (isoviscous-elastic) contacts.
 
     Parameters
     ----------
