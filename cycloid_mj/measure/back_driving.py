@@ -137,13 +137,13 @@ class BreakAway:
 
 
 def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
-    """Measure the output torque at which a free crank starts to turn, by runs from several independent starts.
+    """Measure the output torque at which a free crank starts to turn, at several independent starting positions.
 
-    In each run the torque rises in proportion to time. The acceleration of the crank is then proportional to the excess
-    of the torque over the break-away torque, at which a fitted line is zero. The break-away torque contains only the
-    friction that weight and inertia of the parts cause. Friction in proportion to the load lowers the back-driving
-    efficiency instead. Contact stiffness is that at the rated load. The result has torque and error of each start,
-    their mean and spread, and whether the drive is self-locking.
+    In each run the output torque rises in proportion to time. The acceleration of the crank is then proportional to the
+    excess of the torque over the break-away torque, so the break-away torque is where a line fitted to the acceleration
+    is zero. It contains only the friction that weight and inertia of the parts cause; friction in proportion to the
+    load is part of the back-driving efficiency. Contact stiffness is that at the rated load. The result has the torque
+    and its error [N m] at each starting position, their mean and range, and whether the drive is self-locking.
     """
     return BreakAway(
         tuple(each_in_threads(lambda start: _find_break_away(Reducer(start), solver), independent_starts(reducer)))
@@ -151,10 +151,10 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
 
 
 def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
-    """Find the break-away torque and its error [N m] from one start; NaN if the crank stays at rest under all torques.
+    """Find the break-away torque and its error [N m] from one position at rest.
 
-    The first run ends at the smaller share of the rated output torque in `START.growths`. If the crank does not turn
-    clearly, a second run ends at the larger share.
+    The torque is NaN if the crank stays at rest. In the first run, the output torque rises to the smaller share of the
+    rated torque in `START.growths`. If the crank does not turn clearly, a second run rises to the larger share.
     """
     for growth in START.growths:
         start = _run_growing_torque(reducer, growth * reducer.design.rated_torque, solver)
@@ -167,8 +167,8 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
     """Simulate back-driving with an output torque that rises linearly from 0 to `max_torque` [N m]; the crank is free.
 
     The break-away torque is that at which the fitted acceleration is zero. It is NaN if the crank turns by less than a
-    share of the rotation of a crank without friction, or in too few samples. Its error is the change if only the first
-    quarter or the second half of the motion is fitted.
+    share of the rotation of a crank without friction, or in too few samples. Its error is the largest change if only
+    the first quarter, or only the second half, of the motion is fitted.
     """
     forward = -braking_sign(reducer)
     model = model_for(solver, reducer.at_rated_load, held="")

@@ -101,7 +101,9 @@ def backlash(
     progress: Progress = silent,
     solver: Solver = "planar",
 ) -> Measurement:
-    """Measure the backlash of a design at several locked crank angles, by all clearances and by each alone.
+    """Measure the backlash of a design at several locked crank angles.
+
+    It is measured with all clearances together, and with the clearance of each kind of pair alone.
 
     Parameters
     ----------
@@ -124,8 +126,8 @@ def backlash(
     Returns
     -------
     Measurement
-        Backlash [arcmin] with its extremes, by all clearances and by each alone, with numerical errors and closed
-        forms; curves over the crank angle.
+        Backlash [arcmin]: mean and extremes with all clearances together, mean with each clearance alone; with
+        numerical errors and closed forms; curves over the crank angle.
     """
     reducer = Reducer(resolve(design))
     angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles
@@ -150,14 +152,17 @@ def backlash(
 def _run_presses(
     reducer: Reducer, crank_angles: list[float], solver: Solver, progress: Progress
 ) -> tuple[dict[str, list[StopPair]], dict[str, StopPair]]:
-    """Simulate the output pressed to its stops with all clearances ("all") and each kind alone, at each crank angle.
+    """Simulate the output pressed to its stops at each crank angle [rad], with different clearances.
+
+    The cases are all clearances together, "all", and the clearance of each kind of pair alone, named by the kind.
 
     Returns
     -------
     presses_by_kind
-        Stops by name of the case, one pair per crank angle.
+        For each case the stops, one pair per crank angle.
     checks
-        Stops by name at the first angle, pressed for a longer time with a shorter time step, for the numerical error.
+        For each case the stops at the first angle, pressed for a longer time with a shorter time step, for the
+        numerical error.
     """
     cases = {_ALL: bench.without_friction(reducer)} | {
         kind: with_single_clearance(reducer, kind) for kind in reducer.design.pair_kinds
@@ -259,14 +264,17 @@ def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[s
 def _quantities(
     presses_by_kind: dict[str, list[StopPair]], checks: dict[str, StopPair], closed_forms: dict[str, ClosedForm]
 ) -> Iterator[Quantity]:
-    """Yield the backlash [arcmin] by all clearances with its extremes, by each clearance alone, and the sum of these.
+    """Yield the quantities of the backlash [arcmin].
+
+    They are mean and extremes with all clearances together, the mean with each clearance alone, and the sum of these
+    means.
 
     Parameters
     ----------
     presses_by_kind, checks
         From `_run_presses`.
     closed_forms
-        Closed forms by the same names; a case without one has no reference.
+        Closed forms by the same cases; a case without a closed form has no reference.
     """
     single_clearances = []
     for name, presses in presses_by_kind.items():
@@ -341,10 +349,10 @@ def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str
 def _angle_rows(
     presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
 ) -> list[dict[str, Any]]:
-    """Return a JSON object for each crank angle: stops and backlash [arcmin], its closed form, and time steps [s].
+    """Return a JSON object for each crank angle: both stops and backlash [arcmin], its closed form, and time steps [s].
 
-    `presses_by_kind` are from `_run_presses`. The stops are those of all clearances together; backlash, time steps and
-    closed forms are by name of the case.
+    `presses_by_kind` are from `_run_presses`. The stops are those with all clearances together. Backlash, closed form
+    and time step are objects with a value for each case of `_run_presses`.
     """
     return [
         {

@@ -86,7 +86,7 @@ def load_cases(reducer: Reducer, load: float | None, drag: float | None = None) 
     load
         Torque of the loaded condition [N m]; by default the rated torque.
     drag
-        Torque of the unloaded condition [N m]; by default `SteadySettings.drag_share` of the rated torque.
+        Torque of the unloaded condition [N m]; by default the rated torque times `SteadySettings.drag_share`.
     """
     rated_torque = reducer.design.rated_torque
     return {

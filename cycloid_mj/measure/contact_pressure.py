@@ -78,9 +78,9 @@ class ContactPressures:
 def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     """Compute forces [N] and Hertz pressures [Pa] of all contacts in the samples of a run, by kind of mating pair.
 
-    The arrays have a row for each sample and a column for each mating pair. The first crank angle is between 0 and
-    2 pi. Forces are the total forces of the mating pairs. Pressures are those at the most loaded contact line of each
-    pair; in a rolling cam bearing this is the line of one roller.
+    The arrays have a row for each sample and a column for each mating pair. The crank angles are shifted by full turns,
+    so that the first is between 0 and 2 pi. Forces are the total forces of the mating pairs. Pressures are those at the
+    most loaded contact line of each pair; in a rolling cam bearing this is the line of one roller.
     """
     crank_angle = run["crank_angle"]
     shifted_angle = crank_angle - 2.0 * math.pi * np.floor(crank_angle[0] / (2.0 * math.pi))

@@ -60,9 +60,9 @@ def efficiency(
     design
         A design, or the name of a preset or a file.
     loads
-        Output torques of the map [N m], above 0; by default `MAP.torques` of the rated torque.
+        Output torques of the map [N m], above 0; by default the rated torque times each of `MAP.torques`.
     speeds
-        Crank speeds of the map [rad/s], above 0; by default `MAP.speeds` of the design's.
+        Crank speeds of the map [rad/s], above 0; by default the design's speed times each of `MAP.speeds`.
     quick
         Whether to average over a shorter time, skip the run with half the time step, and by default measure only the
         rated point.
@@ -107,7 +107,7 @@ def efficiency(
 
 
 def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> dict[str, Any]:
-    """Return losses by pair and by part, effects of the assumed inputs, and starts from rest as JSON values.
+    """Return losses by pair and by part, effects of the assumed inputs, and break-away torques as JSON values.
 
     Losses by pair are shares of the input power at each point of the map. `published` are the torques of publications.
     """
@@ -264,10 +264,10 @@ def _loss_percentages(point: OperatingPoint) -> dict[str, float]:
 
 
 def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
-    """Return curves over the output torque: efficiency for each speed, losses at one speed, and crank speed from rest.
+    """Return curves over the output torque: efficiency at each speed, losses at one speed, and speed of a free crank.
 
     Losses are drawn at the design's speed, or at the last speed of the map if the map does not contain the design's
-    speed. Losses that are 0 are omitted.
+    speed. Losses that are 0 are omitted. The free crank starts from rest under a growing output torque.
     """
     x, rest_run = "output torque [N m]", efficiency_map.rest.run
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))

@@ -107,7 +107,7 @@ def run_map(
 ) -> EfficiencyMap:
     """Simulate all runs of the efficiency measure in threads, and collect their operating points.
 
-    The map, and the rated point with a varied input, use massless pins where pins move.
+    If the ring pins can move, they have no mass in the runs of the map and in those with a varied input.
 
     Parameters
     ----------
@@ -200,12 +200,13 @@ def run_forward(reducer: Reducer, torque: float, speed: float, periods: int, sol
 
 
 def run_backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> OperatingPoint:
-    """Simulate the output driving against a torque on the crank [N m]; return the operating point.
+    """Simulate the output driving against a `torque` on the crank [N m]; return the operating point.
 
-    A shorter first run under the output torque without losses measures the back-driving efficiency. The output torque
-    of the second run is that torque over this efficiency. If the drive is self-locking, the first run is the result. In
-    both runs the crank turns at constant speed, so that it need not first be accelerated across the clearance. Only
-    with a `torque` of 0 is the crank free. `periods` is the smallest number of mesh periods of the average.
+    A shorter first run, with the output torque of a drive without losses, measures the back-driving efficiency. In the
+    second run the output torque is divided by this efficiency. If the drive is self-locking, the first run is the
+    result. In both runs the crank turns at constant speed, so that it need not first be accelerated across the
+    clearance. Only with a `torque` of 0 is the crank free. `periods` is the smallest number of mesh periods of the
+    average.
     """
     if not torque:
         with suppress_warnings(tuple(creep_warning(reducer))):
@@ -225,8 +226,8 @@ def _operating_point(torque: float, speed: float, run: Run, reducer: Reducer) ->
 def _run_name(run_key: Hashable, point: OperatingPoint, varied_inputs: Sequence[Input]) -> str:
     """Return the name of a run for warnings: its load and speed, or the input that is varied in it.
 
-    The key is the design with a varied input, the common friction (float), a condition of the map (tuple), or a name of
-    `_RUNS`. `point` is the operating point of the run, `varied_inputs` are all inputs that are varied.
+    `run_key` is the design with a varied input, the common friction (float), a condition of the map (tuple), or a name
+    of `_RUNS`. `point` is the operating point of the run, `varied_inputs` are all inputs that are varied.
     """
     if isinstance(run_key, Design):
         return next(item.names[run_key] for item in varied_inputs if run_key in item.ends)

@@ -359,10 +359,11 @@ def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantit
 
 
 def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: float) -> dict[str, float]:
-    """Compute by kind of contact the factor on the torque at which the largest pressure reaches a limit [1].
+    """Compute, by kind of contact, the factor on the torque at which its largest pressure reaches a limit.
 
-    `pressure_limit` [1] is relative to the yield strength of the material. Pressures grow with the square root of the
-    force. The result omits kinds whose largest pressure is 0 or that of a conformal contact.
+    `pressure_limit` is the limit relative to the yield strength of the material [1]. The factor assumes that pressure
+    grows with the square root of the force. Kinds whose largest pressure is 0, or that of a conformal contact, are
+    omitted.
     """
     pressures = {
         kind: contacts.peak_pressure for kind, contacts in contacts_by_kind.items() if contacts.peak_pressure > 0.0
@@ -441,8 +442,8 @@ def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
 def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
     """Compute the tooth forces by ideal load sharing [N] at crank angles [rad] (n,), shape (n, contacts).
 
-    The columns are the ring pins or lobes on the first disc, then those on the next; with a ring in two halves each
-    disc has them twice, for one half after the other.
+    The columns are the ring pins or lobes on the first disc, then those on the next disc. With a ring in two halves,
+    each disc has all columns of the first half, followed by the equal columns of the second half.
     """
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)

@@ -66,22 +66,22 @@ def _mean_quantity(
     note: str = "",
     closed_form: ClosedForm | None = None,
 ) -> Quantity:
-    """Return the mean of a reading over the crank angles, with its errors and the mean of the reference values.
+    """Return the mean over the crank angles of a value that is read from each loop, with its errors and its reference.
 
     Parameters
     ----------
     key, name, unit, source, note
         As in `Quantity`.
     read_value
-        Function that returns the value of a loop to be averaged, in `unit`.
+        Function that reads the value from a loop, in `unit`.
     loops
         Loops, one per crank angle.
     check_loops
         Loops at the first crank angle with other settings, for the numerical error.
     reference_values
-        Reference at some crank angles; empty for none.
+        Reference at some crank angles, whose mean is the reference of the result; empty for none.
     closed_form
-        Closed form that approximates the readings, for the sampling error of the mean over the turn.
+        Closed form that approximates the values, for the sampling error of the mean over the turn.
     """
     reference = float(np.mean(reference_values)) if len(reference_values) else None
     values = [read_value(loop) for loop in loops]
@@ -99,14 +99,14 @@ def _numerical_error(read: Reading, loops: Loops, check_loops: Loops) -> float:
 def _extreme_quantities(
     key: str,
     name: str,
-    read: Reading,
+    read_value: Reading,
     loops: Loops,
     check_loops: Loops,
     unit: str,
     closed_form: ClosedForm | None = None,
 ) -> list[Quantity]:
-    """Return the smallest and the largest reading over the crank angles; arguments as in `_mean_quantity`."""
-    values, numerical = [read(loop) for loop in loops], _numerical_error(read, loops, check_loops)
+    """Return the smallest and the largest value over the crank angles; arguments as in `_mean_quantity`."""
+    values, numerical = [read_value(loop) for loop in loops], _numerical_error(read_value, loops, check_loops)
     return list(extreme_quantities(key, name, values, numerical, unit, closed_form=closed_form))
 
 
@@ -159,7 +159,7 @@ def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
 
 
 def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
-    """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion varies with it.
+    """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; it approximates lost motion.
 
     None where the linear programme is not valid: a preloaded ring, or modified flanks.
     """
@@ -252,9 +252,10 @@ def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
 
 
 def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
-    """Return curves of the loop at the first crank angle, complete and near zero torque, and readings over crank angle.
+    """Return curves of the loop at the first crank angle, and of lost motion and stiffness over the crank angle.
 
-    Readings of statics and the backlash of rigid parts are omitted if `data` lacks them.
+    The loop is drawn as a whole, and its part near zero torque once more. Curves of statics and of the backlash of
+    rigid parts are omitted if `data` lacks them.
     """
     service, ideal = data.service[0], data.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"
@@ -298,7 +299,11 @@ def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
 
 
 def angle_rows(data: LostMotionLoops) -> list[dict[str, Any]]:
-    """Convert the readings at each crank angle, simulated and by statics, to a list of JSON objects."""
+    """Return a JSON object for each crank angle, with the values that are read from its loops.
+
+    It has objects for the loops ``service`` (as designed) and ``ideal`` (without friction and weight) with lost motion,
+    stiffness, backlash and hysteresis, and for ``statics`` with lost motion and stiffness.
+    """
     rows: list[dict[str, Any]] = []
     for index, (service, ideal) in enumerate(zip(data.service, data.ideal, strict=True)):
         row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service.crank))}

@@ -39,7 +39,10 @@ def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
 
 
 def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table, ...]:
-    """Return one table of the output torque [N m] and the published torques with their friction; () without these."""
+    """Return a table of the output torque [N m] and the published torques with their friction, in a tuple.
+
+    Without published torques the tuple is empty.
+    """
     if not published:
         return ()
     first_item = published[0]

@@ -74,8 +74,9 @@ def weight_force(reducer: Reducer) -> Array:
 def unbalance(reducer: Reducer) -> Unbalance:
     """Compute static unbalance [kg m] and couple unbalance [kg m2] of discs and crank, from the masses of the solids.
 
-    With one disc, the static unbalance is returned without and with the counterweight, and all values are components
-    along the eccentric, with a sign. With several discs all values are magnitudes, and `bare` equals `balanced`.
+    With one disc, `Unbalance.bare` is without the counterweight and `Unbalance.balanced` with it; all values are
+    components along the eccentric, with a sign. With several discs there is no counterweight, so both are equal; all
+    values are magnitudes.
     """
     design = reducer.design
     shaft_solid, gear_mass, eccentricity = body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
@@ -109,9 +110,9 @@ def bearing_reactions(run: Run, reducer: Reducer) -> Reactions:
 def reaction(run: Run, reducer: Reducer) -> Reaction:
     """Compute the forces of ring, crank bearing and output bearing on the housing over a run, from its contact forces.
 
-    The forces of the ring are those logged. The force of crank or output on its bearing is the sum of its contact
-    forces and its weight less its mass times acceleration. The shaft's centroid circles the axis at the measured crank
-    speed; that of the output is on the axis.
+    The force of the ring is the sum of its logged contact forces. The force of crank or output on its bearing is the
+    sum of its contact forces, plus its weight, minus its mass times acceleration. The centroid of the shaft moves on a
+    circle at the measured crank speed; that of the output is on the axis.
     """
     masses = body_masses(reducer)
     gravity = np.array([reducer.design.environment.gravity_x, reducer.design.environment.gravity_y])

@@ -115,22 +115,22 @@ def extreme_quantities(
     reference: ClosedForm | None = None,
     source: str = "",
 ) -> Iterator[Quantity]:
-    """Yield the smallest and the largest of values over the crank angle as quantities ``key_min`` and ``key_max``.
+    """Yield the smallest and the largest value over the crank angle as quantities ``key_min`` and ``key_max``.
 
     Parameters
     ----------
     key, name, unit, source
-        As of `Quantity`.
+        As in `Quantity`; `key` and `name` without the ending for smallest and largest.
     values
         Values at some crank angles, shape (k,).
     numerical
         Numerical error of a value.
     scale
-        Divisor of values, errors and closed forms, such as the unit in SI.
+        Size of `unit` in the unit of the values, by which values, errors and closed forms are divided.
     closed_form
-        Closed form near the values, for the error; see `error_of_extreme`.
+        Closed form that approximates the values, for the sampling error; see `error_of_extreme`.
     reference
-        Closed form that is the reference of both.
+        Closed form whose smallest and largest value are the references.
     """
     values = np.asarray(values, float)
     for suffix, adjective, largest in (("min", "least", False), ("max", "largest", True)):

@@ -50,10 +50,12 @@ class FrictionVariant:
 
 
 def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
-    """Return the variants of the friction table: the design's friction, each pair alone, all pairs together.
+    """Return the variants of the friction table: designs with other friction coefficients, supports and bearings.
 
-    Each support of the ring's pins has its own variants; further variants have another bearing of cam or output.
-    `quick` omits other supports, single pairs and bearings. The law ``film`` omits single pairs and bearings.
+    For each support of the ring's pins there are the design's friction, the friction of one kind of sliding pair
+    changed at a time, and equal friction of all kinds. For the design's support, there are also variants with another
+    bearing of cam or output. `quick` omits other supports, single kinds and bearings. With the friction law ``film``,
+    single kinds and bearings are omitted.
     """
     ring_variants = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
     rows = [row for kind in ring_variants for row in _sliding_variants(kind, quick)]
@@ -118,10 +120,10 @@ def common_rates(rate_by_variant: Mapping[FrictionVariant, float], pins: str) ->
 
 
 def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) -> Table:
-    """Return a table of the output rate of each friction variant, in percent and as torque, and its change in points.
+    """Return a table of the output rate of each friction variant, in percent and as a torque, and its change.
 
-    `rate_by_variant` are the rates [1]. The change is that from the design's friction with the same support of the
-    pins.
+    `rate_by_variant` are the rates [1]. The change, in percentage points, is that from the design's friction with the
+    same support of the ring's pins.
     """
     rated_torque = reducer.design.rated_torque
     design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == OWN}
@@ -154,9 +156,10 @@ def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence
 
 
 def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
-    """Return the friction variants of one support of the pins: as designed, each pair alone, all pairs together.
+    """Return the friction variants of one support of the ring's pins.
 
-    `quick` omits each pair alone, as does the law ``film``.
+    They are the design's friction, the friction of one kind of sliding pair changed at a time, and equal friction of
+    all kinds. With `quick` or the friction law ``film``, single kinds are omitted.
     """
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)

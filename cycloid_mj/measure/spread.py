@@ -205,28 +205,28 @@ def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any
 def _equal_input(
     reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], limits: Sequence[float], scale: float = 1.0
 ) -> Input:
-    """Return an input that sets some keys of a design table to one value.
+    """Return an input that sets some keys in a table of the design to the same value.
 
     Parameters
     ----------
     name, unit
-        Name of the input, and its unit.
+        Name of the input, and the unit of its value in tables.
     table, keys
         Table of the design, and the keys in it.
     limits
         Both ends of the range [SI].
     scale
-        Factor from SI to the unit.
+        Factor from SI to `unit`.
     """
     low, high = (dict.fromkeys(keys, end) for end in limits)
     return _input_with_designs(reducer, name, unit, (scale * limits[0], scale * limits[1]), table, low, high)
 
 
 def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
-    """Return the input that scales the clearances of some kinds of pairs in common; its value is their sum [um].
+    """Return the input that scales the clearances of some `kinds` of pairs by a common factor.
 
-    `kinds` are the kinds of pairs; each of the `factors`, one for each end of the range, multiplies the design's
-    clearances.
+    `factors` are the factors on the design's clearances at both ends of the range. The value of the input in tables is
+    the sum of the clearances [um].
     """
     low, high = (
         {kind: min(factor * getattr(reducer.design.clearance, kind), INPUTS.max_clearance) for kind in kinds}

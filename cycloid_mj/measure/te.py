@@ -46,12 +46,13 @@ def te(
     load
         Torque of the loaded runs [N m]; by default the rated torque, drive.torque times the ratio.
     drag
-        Torque of the unloaded runs [N m], by default `SteadySettings.drag_share` of the rated torque; at 0 the disc
+        Torque of the unloaded runs [N m], by default the rated torque times `SteadySettings.drag_share`; at 0 the disc
         floats in its clearances.
     slow
-        Slow crank speed [rad/s], by default `TraceSettings.slow_share` of the design's.
+        Slow crank speed [rad/s], by default the design's speed times `TraceSettings.slow_share`.
     turns
-        Crank turns relative to the ring; N - 1 of them separate the orders of the ring from those of the holes.
+        Crank turns relative to the ring; N - 1 turns (N ring teeth) separate the orders of the ring from those of the
+        holes.
     quick
         Whether to skip the slow runs and those with half the time step.
     progress, solver
@@ -89,9 +90,10 @@ def te(
 def _list_conditions(
     reducer: Reducer, torques: Mapping[str, float], slow: float | None, quick: bool
 ) -> list[TraceCondition]:
-    """List the conditions of the runs: each torque [N m] in both directions, at speed and, unless `quick`, slowly.
+    """List the conditions of the runs: each load in both directions, at full speed and, unless `quick`, at slow speed.
 
-    `torques` are by load; `slow` is the slow crank speed [rad/s], None for `TraceSettings.slow_share` of the design's.
+    `torques` maps the loads to output torques [N m]. `slow` is the slow crank speed [rad/s]; None for the design's
+    speed times `TraceSettings.slow_share`.
     """
     speed = abs(reducer.design.drive.speed)
     speed_by_pace = (
@@ -112,7 +114,9 @@ def _run_traces(
     check_step: bool,
     solver: Solver,
 ) -> Mapping[tuple[TraceCondition, float], Trace]:
-    """Simulate the conditions in threads, and with `check_step` some forward mesh periods with half the time step.
+    """Simulate the conditions in threads, each over some crank `turns`.
+
+    With `check_step`, the first mesh periods of forward runs are simulated again with half the time step.
 
     Returns
     -------

@@ -92,9 +92,10 @@ def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, .
 
 
 def _panel_curves(traces: Traces, statics: Statics, pace: str, shaft: str, load: str = "") -> Iterator[Curve]:
-    """Yield the error [arcsec] of a shaft over the crank angle at one pace, with statics.
+    """Yield the error [arcsec] of a `shaft`, "gear" or "output", over the crank angle, simulated and by statics.
 
-    With a `load` only its conditions are drawn, less their means; otherwise all conditions with their means.
+    Only conditions at one `pace`, "slow" or "speed", are drawn. With a `load`, only its conditions are drawn, and the
+    mean is subtracted from each error; otherwise, all loads are drawn with their means.
     """
     panel, with_mean = f"{shaft}, {f'{load}, ' * bool(load)}{_PACES[pace]}{', minus its mean' * bool(load)}", not load
     labels = {
@@ -143,10 +144,11 @@ def evaluated_conditions(traces: Traces) -> list[TraceCondition]:
 
 
 def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics) -> Iterator[Quantity]:
-    """Yield the differences of mean errors [arcsec]: between directions the backlash, between loads the wind-up.
+    """Yield the backlash and the elastic wind-up of disc and output [arcsec], as differences of mean errors.
 
-    `traces`, `finer` and `statics` are those of `quantities`. The signs are chosen so that both are positive for a
-    carrier, which turns against the crank, and for a ring, which turns with the crank.
+    The backlash is the difference between both directions without load, the wind-up that between the loads. The order
+    of subtraction makes both positive, whether the output is a carrier, which turns against the crank, or a ring, which
+    turns with the crank. `traces`, `finer` and `statics` are those of `quantities`.
     """
     evaluated_condition = evaluated_conditions(traces)[0]
     by_load_and_direction = {
@@ -281,9 +283,9 @@ def _mean_change(traces: Traces, finer: FinerTraces, case: TraceCondition, signa
 def _compared_errors(
     traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str
 ) -> tuple[Array, Array]:
-    """Return the errors of a condition's forward run with full and with half the time step, where both ran.
+    """Return the errors of a forward run with full and with half the time step, at the crank angles that both cover.
 
-    `signal` is an attribute of `Trace`, such as "output".
+    The run has the load and the pace of `condition`; `signal` is an attribute of `Trace`, such as "output".
 
     Returns
     -------

@@ -110,8 +110,8 @@ def preload_cycle(reducer: Reducer, model: Model, start: float = 0.0) -> DriveCy
 def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCondition) -> Trace:
     """Simulate a condition over some crank turns; return the transmission errors over the crank angle.
 
-    The crank turns from the angle 0, or in reverse back to it from an integer number of turns, so that both directions
-    cover the same angles.
+    A forward run starts at the crank angle 0, a reverse run at the number of turns, rounded up. Over an integer number
+    of turns, both directions therefore cover the same angles.
     """
     direction = float(np.sign(condition.speed))
     sample_rate = TRACE.samples * reducer.mesh_periods * abs(condition.speed) / (2.0 * np.pi)
@@ -134,7 +134,8 @@ def run_trace(reducer: Reducer, model: Model, turns: float, condition: TraceCond
 def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float) -> Trace:
     """Resample the errors of disc and output [arcsec] at equal steps of the crank angle, by a cubic spline.
 
-    `turns` is the number of crank turns, `direction` the sign of the crank speed; the end of the window is omitted.
+    `turns` is the number of crank turns, `direction` the sign of the crank speed. The angles increase in both
+    directions; the last angle is one step before the end of the turns.
     """
     from scipy.interpolate import CubicSpline
 

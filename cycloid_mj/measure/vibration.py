@@ -62,7 +62,7 @@ def vibration(
     load
         Torque of the loaded runs [N m]; by default the rated torque, drive.torque times the ratio.
     speeds
-        Crank speeds besides the design's [rad/s]; by default `SHARES` of it.
+        Crank speeds besides the design's [rad/s]; by default the design's speed times each of `SHARES`.
     turns
         Crank turns of each run after it has settled.
     quick
@@ -111,9 +111,10 @@ def _run_sweep(
     solver: Solver,
     progress: Progress,
 ) -> list[VibrationRun]:
-    """Simulate every load at every crank speed [rad/s]; with `check_step` then at the design's with half the step.
+    """Simulate every load at every crank speed [rad/s], each over some crank `turns`.
 
-    `torques` maps the name of a load to the torque on the output [N m]; each run covers `turns` crank turns.
+    With `check_step`, runs at the design's speed with half the time step follow. `torques` maps the name of a load to
+    the torque on the output [N m].
     """
     points = [(reducer, model_for(solver, reducer), speed) for speed in speeds]
     if check_step:
@@ -138,11 +139,12 @@ def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
 def _level_quantities(
     reducer: Reducer, runs: Sequence[VibrationRun], half_step_runs: Mapping[str, VibrationRun]
 ) -> Iterator[Quantity]:
-    """Yield the rms levels of all signals at the design's speed, below half of the rate at which signals are evaluated.
+    """Yield the rms level of each signal at the design's speed, and further quantities of the vibration.
 
-    Then follow the share of the power above that frequency, for signals with a spectrum, the acceleration of the disc's
-    centre, and the mean force on the housing. As a second method, the momentum balance of disc and shaft provides a
-    reference for the rms force on the housing.
+    The rms levels include frequencies up to half of `VibrationRun.rate`. The further quantities are the share of a
+    signal's power above that frequency, for signals with a spectrum, the acceleration of the disc's centre, and the
+    mean force on the housing. The rms force on the housing has a reference: the force by the momentum balance of disc
+    and shaft.
 
     Parameters
     ----------
@@ -186,10 +188,10 @@ def _level_quantities(
 def _unbalance_quantities(
     reducer: Reducer, runs: Sequence[VibrationRun], half_step_runs: Mapping[str, VibrationRun]
 ) -> Iterator[Quantity]:
-    """Yield the unbalance [g mm] and couple [N m] from the solids, and the force that rotates with the crank [N].
+    """Yield static unbalance [g mm] and rocking couple [N m] of the solids, and the force rotating with the crank [N].
 
-    The force is that of the first of the `runs`, compared with the closed form m c omega^2. `half_step_runs` are those
-    with half the time step by load, for the error.
+    The force is that in the first of the `runs`. Its closed form is the sum of m c omega^2, with mass, eccentricity and
+    crank speed. `half_step_runs` are the runs with half the time step by load, for the error.
     """
     unbalances, speed_squared, is_single_disc = (
         unbalance(reducer),

@@ -87,10 +87,13 @@ class VibrationRun:
 
 
 def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, speed: float, turns: int) -> VibrationRun:
-    """Simulate a design at a crank speed [rad/s] under a torque [N m] over some turns; return its vibration signals.
+    """Simulate a design over some crank turns, after it has settled; return its vibration signals, see `VibrationRun`.
 
-    Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated. They are accelerations of
-    disc centre and output and forces on the housing, less their closed form or mean. `load` is the name of the load.
+    The closed-form accelerations are subtracted from those of disc centre and output, and the mean is subtracted from
+    all other signals. Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated.
+
+    `model` is the compiled model of the design, `load` is ``unloaded`` or ``loaded``, `torque` the torque on the output
+    [N m] and `speed` the crank speed [rad/s].
     """
     # at most ten samples are taken for each stored one
     stride = max(1, min(10, int(1.0 / (STEADY.log_rate * model.timestep) + 1e-6)))
@@ -141,7 +144,11 @@ def run_vibration(reducer: Reducer, model: Model, load: str, torque: float, spee
 
 
 def _tilting_signals(run: Run, reducer: Reducer) -> dict[str, Array]:
-    """Return tilting moments of the discs [N m] and forces of the shaft's bearings [N] by signal, shape (n, 2) each."""
+    """Return the signals of a run with several discs: tilting moments and bearing forces by name, shape (n, 2) each.
+
+    The moments [N m] are those of the discs' forces on shaft and output; the forces [N] are those of both shaft
+    bearings.
+    """
     reactions = bearing_reactions(run, reducer)
     return {
         "shaft_tilting": reactions.shaft.moment,

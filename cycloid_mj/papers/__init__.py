@@ -129,7 +129,7 @@ def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim
 
 
 def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
-    """Call `ask` for every paper; yield the papers with a result that is not None.
+    """Call `ask` for every paper; yield the papers, each with its result, for which the result is not None.
 
     A paper that fails is skipped with a warning.
     """
