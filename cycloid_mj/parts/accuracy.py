@@ -20,10 +20,11 @@ MASS_CHORD_ERROR = 5e-7
 
 
 def mass_chord_error(reducer: Reducer) -> float:
-    """Return the chord error [m] of polygons for mass properties: `MASS_CHORD_ERROR` times the thinnest radius.
+    """Return the chord error [m] of polygons for mass properties: the smallest radius times `MASS_CHORD_ERROR`.
 
-    A polygon with the chord error s loses the share 4/3 s/r of the area of a circle of radius r. The thinnest radius is
-    that of the pins or of the shaft. Volumes are therefore accurate to 1e-6.
+    The smallest radius is that of a ring pin, of an output pin or of the shaft. A polygon with the chord error s has an
+    area that is smaller than that of its circle of radius r by the share 4/3 s/r. Volumes are therefore accurate to
+    1e-6.
     """
     design = reducer.design
     return MASS_CHORD_ERROR * min(design.ring.pin_radius, design.output.pin_radius, design.shaft.radius)

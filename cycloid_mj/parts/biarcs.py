@@ -83,7 +83,7 @@ def _biarc(start: Array, start_tangent: Array, end: Array, end_tangent: Array) -
 def _arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
     """Return the arc from `start` to `end` (2,) [m] with the unit `tangent` at the start; a line if it is flat.
 
-    An `Arc` is counter-clockwise, so its ends can be exchanged.
+    An `Arc` is counter-clockwise, so a clockwise arc is returned from `end` to `start`.
     """
     chord, normal = end - start, np.array([-tangent[1], tangent[0]])
     height = float(normal @ chord)

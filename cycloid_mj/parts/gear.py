@@ -142,9 +142,9 @@ def _hole_radius(reducer: Reducer) -> float:
 
 
 def _area_inside(reducer: Reducer, chord_error: float) -> float:
-    """Compute the area [m2] inside of the outline of a disc with a `chord_error` [m], as that of `gear_outline`.
+    """Compute the area [m2] of the polygon that `gear_outline` returns for a `chord_error` [m].
 
-    It is computed from one lobe if all are equal (no rotated flanks).
+    If all lobes are equal (no rotated flanks), it is computed from one lobe.
     """
     if reducer.design.modification.rotation:
         return -signed_area(gear_outline(reducer, chord_error))

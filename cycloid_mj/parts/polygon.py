@@ -90,10 +90,7 @@ def rotate_clockwise(points: Array, angle: float) -> Array:
 
 
 def within(points: Array, loop: Array) -> Mask:
-    """Return which points (n, 2) are inside a closed polygon (m, 2), shape (n,), by ray casting along x.
-
-    `loop` is the polygon.
-    """
+    """Return which points (n, 2) are inside a closed polygon, the `loop` (m, 2), by ray casting along x; shape (n,)."""
     (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T
     x, y = points[:, :1], points[:, 1:]
     crosses_level = (ay > y) != (by > y)

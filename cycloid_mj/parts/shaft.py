@@ -103,12 +103,15 @@ class CounterweightContour:
     journal: JournalContour
 
     def polygon(self, chord_error: float) -> Array:
-        """Return its polygon, the half disc first."""
+        """Return the outline as a polygon (n, 2) [m] with chords of an error `chord_error` [m], the half disc first."""
         lower, journal = arc(self.radius, math.pi, 2 * math.pi, chord_error), self.journal.polygon(chord_error)
         return np.concatenate([lower, journal[: len(journal) // 2 + 1]])
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
-        """Return both arcs and the edges between them; `splines` is not used."""
+        """Return the outline: the arc of the half disc, an edge, the arc of the journal, and the other edge.
+
+        `splines` has no effect, because arcs and edges are exact without splines.
+        """
         outer, inner = self.radius, self.journal.radius
         return (
             Arc((0.0, 0.0), outer, math.pi, 2.0 * math.pi),
@@ -162,9 +165,10 @@ def _multi_disc_crank(reducer: Reducer) -> list[Segment]:
 
 
 def spacer_radius(reducer: Reducer) -> float:
-    """Compute the outer radius [m] of the spacer between two discs: midway between their bores and the output pins.
+    """Compute the outer radius [m] of the spacer between two discs.
 
-    Both discs are then guided over the full circumference at all crank angles.
+    It is midway between the farthest points of the discs' bores and the output pins. Both discs are then guided over
+    the full circumference at all crank angles.
     """
     design = reducer.design
     gear, output = design.gear, design.output
@@ -203,9 +207,10 @@ def bearing_seats(
 
 
 def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Segment]:
-    """Return the journal with an `outline` beyond the discs, for the bearing in the hub; empty if overhung.
+    """Return the journal beyond the discs, for the bearing in the hub, as a list; empty for an overhung shaft.
 
-    `journal` [m] is the length of the journal before the discs, which limits the width of the bearing.
+    `outline` is its cross-section. `journal` [m] is the length of the journal before the discs, which limits the width
+    of the bearing.
     """
     if reducer.design.shaft.mounting == "overhang":
         return []
@@ -216,8 +221,9 @@ def _far_journal(reducer: Reducer, outline: Contour, journal: float) -> list[Seg
 def _balancing_thickness(reducer: Reducer, cam: Contour, counterweight: Contour, chord_error: float) -> float:
     """Compute the thickness t [m] of the counterweight that balances cam and disc statically about the axis.
 
-    It solves t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0 [m4], with S the integral of y over a
-    cross-section, w the width of the cam and c the eccentricity. Cross-sections are polygons with a `chord_error` [m].
+    It solves t S_counterweight + w S_cam + V c rho_disc/rho_shaft = 0 [m4], where S is the integral of y over a
+    cross-section, w the width of the cam, V the volume of the disc, c the eccentricity and rho the density.
+    Cross-sections are polygons with a `chord_error` [m].
 
     Raises
     ------

@@ -60,7 +60,7 @@ def animate(
     magnify
         Factor by which clearances are magnified.
     turns, frames
-        Crank turns, from the start of the steady part, and the largest number of frames.
+        Number of crank turns shown, and largest number of frames; see `select_samples`.
     fps, width
         Frames per second, and width [pixels].
     progress
@@ -164,9 +164,10 @@ def draw_frames(samples: Take, width: int = ANIMATION.width) -> Iterator[Image]:
 
 
 def _render_frames(script: Script, stage: AnimatedFigure, crank_angle: Array, time: Array) -> Iterator[Image]:
-    """Yield the picture of each frame, shape (height, width, 3), after moving the parts of the figure, `stage`.
+    """Draw the frames of an animation and yield the picture of each as an RGB array, shape (height, width, 3).
 
-    `crank_angle` [rad] and `time` [s] are printed in the picture, shape (frames,) each.
+    `script` has the motion and forces of all frames; `stage` is the figure, whose parts are moved for each frame.
+    `crank_angle` [rad] and `time` [s], shape (frames,) each, are printed in the picture.
     """
     canvas = FigureCanvasAgg(stage.figure)
     for row, time_of_frame in enumerate(time.tolist()):

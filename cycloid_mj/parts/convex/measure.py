@@ -61,7 +61,7 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
 
 
 def free_distance(region: Prism, points: Array, normals: Array) -> Array:
-    """Compute the free length (k,) [m] of each wall normal: up to the next material of the prism `region`.
+    """Compute the distance (k,) [m] from each point along its normal to the next wall of a prism, the `region`.
 
     It is at most `METHOD.reach`. `points` (k, 2) [m] are on the walls, `normals` (k, 2) point out of the material.
     """

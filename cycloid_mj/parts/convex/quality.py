@@ -62,7 +62,7 @@ def polygon_body(outline: Array) -> ConvexRegion:
 
 
 def hull_body(vertices: Array) -> ConvexRegion:
-    """Return the convex hull of points `vertices` (n, 3) [m] as half spaces."""
+    """Return the convex hull of points `vertices` (n, 3) [m] as an intersection of half spaces."""
     from scipy.spatial import ConvexHull
 
     scale = np.ptp(vertices, axis=0)
@@ -164,8 +164,6 @@ def _intervals(
 ) -> tuple[npt.NDArray[np.intp], Array, Array]:
     """Intersect lines along the normals at some points with convex bodies.
 
-    Bodies farther than `max_distance` [m] from a point are skipped.
-
     Parameters
     ----------
     points, normals
@@ -173,12 +171,12 @@ def _intervals(
     bodies
         Convex bodies, of the same dimension.
     max_distance
-        Distance from the point up to which bodies count [m].
+        Distance [m] from a point beyond which bodies are skipped.
 
     Returns
     -------
     tuple of Array
-        For each interval inside a body: index of the line, and start and end along the normal [m].
+        For each interval of a line inside a body: index of the line, and start and end along the normal [m].
     """
     intervals = []
     for body in bodies:

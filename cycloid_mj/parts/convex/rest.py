@@ -66,7 +66,10 @@ def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
 
 
 def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
-    """Decompose a sector into convex pieces by CoACD, halving its threshold while the pieces exceed the bound.
+    """Decompose a sector into convex pieces by CoACD.
+
+    CoACD's threshold is halved as long as the pieces protrude by more than the bound of the sector, at most
+    `METHOD.decompositions` - 1 times.
 
     Raises
     ------
@@ -85,7 +88,7 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 
 
 def _gear_sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Return the repeating sectors of a disc inside its sliced surfaces, both about the axis.
+    """Return the two sectors that, repeated around the axis, fill a disc inside its sliced surfaces.
 
     Returns
     -------

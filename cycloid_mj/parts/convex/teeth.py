@@ -203,8 +203,8 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
     """Compute the mean relative curvature [1/m] of pin and lobe on the piece of a flank that a convex hull represents.
 
     `phases` (start, end) [rad] are the crank phases between which the pin touches this piece, and `offset` [m] is that
-    of the flank along its outward normal. The mean is geometric, as the compliance of a contact is proportional to the
-    logarithm of its curvature, and weighted by the square of the moment arm, as in the stiffness of the mesh.
+    of the flank along its outward normal. The mean is geometric, because the compliance of a contact depends on the
+    logarithm of its curvature. It is weighted by the square of the moment arm, because the stiffness of the mesh is.
     """
     B = np.linspace(phases[0], phases[1], METHOD.flank_samples)
     kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius

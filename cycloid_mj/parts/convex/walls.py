@@ -8,7 +8,10 @@ from cycloid_mj.reducer import Reducer, RvReducer
 
 
 def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Compute the thickness [m] of the slices of a disc: `settings.depth` pin radii, less where a wall is thin."""
+    """Compute the thickness [m] of the slices of a disc.
+
+    It is the pin radius times `settings.depth`, or the thinnest wall times `METHOD.wall_share` if that is less.
+    """
     design = reducer.design
     valley = reducer.gear_profile.pin_circle_radius - design.gear.eccentricity - reducer.profile_offset
     if isinstance(reducer, RvReducer):
@@ -27,7 +30,10 @@ def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
 
 
 def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
-    """Compute the thickness [m] of the slices of the ring: `settings.depth` pin radii, less where a wall is thin."""
+    """Compute the thickness [m] of the slices of the ring.
+
+    It is the pin radius times `settings.depth`, or the thinnest wall times `METHOD.wall_share` if that is less.
+    """
     design = reducer.design
     ring = design.ring
     if ring.kind == "nonpin":

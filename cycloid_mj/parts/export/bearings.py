@@ -164,9 +164,9 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
     """Return the radius [m] of the cam in a drive, for a bearing whose bore has the radius `seat`.
 
-    By default, `seat` is `cam_seat`. In a stock bearing, the cam is smaller than the seat by the cam clearance. It is
-    not smaller than eccentricity plus shaft radius, unless the seat is. Without a stock bearing, the cam is as large as
-    the seat, because the bore of the disc includes the clearance.
+    By default, `seat` is `cam_seat`. In a stock bearing, the cam is smaller than the seat by the cam clearance, but not
+    smaller than eccentricity plus shaft radius; if the seat itself is smaller than this sum, the cam is as large as the
+    seat. Without a stock bearing, the cam is as large as the seat, because the bore of the disc includes the clearance.
     """
     design, seat = reducer.design, cam_seat(reducer) if seat is None else seat
     flush = design.gear.eccentricity + design.shaft.radius

@@ -117,7 +117,7 @@ def bill(
     Parameters
     ----------
     cam_seat
-        Radius of the bore of the cam bearing [m]; 0: not chosen yet, the bearing is that of the design.
+        Bore radius of the chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
     sizes
         Casing of the drive; None: the mechanism only.
     torques
@@ -264,7 +264,7 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
     reducer
         The reducer.
     cam_seat
-        Radius of the bore of the cam bearing [m]; 0: not chosen yet.
+        Bore radius of the chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
     sizes
         Casing of the drive; None: the mechanism only.
     """
@@ -416,8 +416,8 @@ def _roller_lines(reducer: Reducer) -> Iterator[BillLine]:
 def _bearing_lines(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
     """Yield the lines of the bearings of cams and shaft.
 
-    Where no stock bearing fits, the line has the dimensions of the bearing's seats. `cam_seat` is the radius of the
-    bore of the cam bearing [m]; 0: not chosen yet, the bearing is that of the design.
+    Where no stock bearing fits, the line has the dimensions of the bearing's seats. `cam_seat` is the bore radius of
+    the chosen cam bearing [m]; 0: the bearing that `cam_bearing` chooses.
     """
     gear, shaft = reducer.design.gear, reducer.design.shaft
     if gear.bearing == "rolling":

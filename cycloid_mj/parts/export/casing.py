@@ -392,7 +392,7 @@ def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str 
     Raises
     ------
     DesignError
-        The chosen motor does not fit.
+        The casing does not fit, and the motor or the cover material is not ``auto``.
     """
     try:
         return casing(reducer, motor, cover_material), ""
@@ -437,8 +437,8 @@ def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:
 def _cavity(reducer: Reducer, screws: Screws, min_radius: float, wall: float) -> tuple[float, float]:
     """Compute the radius [m] of the cavity for the crank in the motor cover, and the largest possible radius [m].
 
-    The cover retains the ring pins: the largest cavity leaves them a fifth of their end face. Raises DesignError if the
-    crank does not fit.
+    The largest cavity still covers a fifth of the end face of each ring pin, so that the cover retains the pins. Raises
+    DesignError if the crank does not fit.
 
     Parameters
     ----------

@@ -46,7 +46,11 @@ def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
 
 
 def bearing_spacers(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
-    """Return both rings between the bearings of an overhung crank; empty for a straddled crank, and for drawn cups."""
+    """Return the outer and the inner spacer ring between the two bearings of an overhung crank.
+
+    The result is empty for a straddled crank, for bearings without a gap between them, and for needle bearings (drawn
+    cups).
+    """
     far, near = bearing_seats(reducer, crank_segments(reducer))
     if sizes.far or near[0] - far[1] < SAME_LENGTH or shaft_bearing(reducer) in stock.needle_bearings():
         return ()

@@ -281,7 +281,7 @@ Line = tuple[tuple[float, float], tuple[float, float], Dimension]
 
 
 def dimension_lines(drawing: PartDrawing) -> tuple[Line, ...]:
-    """Return the dimension lines of a drawing: both ends (x, y) [mm] of each, and its dimension.
+    """Return the dimension lines of a drawing: for each, both ends (x, y) [mm] and its `Dimension`.
 
     Lengths are below the section, diameters on its right.
     """

@@ -22,7 +22,7 @@ def has_casing(reducer: Reducer) -> bool:
 
 @once
 def drive_mass(reducer: Reducer) -> float:
-    """Compute the mass [kg] of a drive with its covers; a ring in two halves counts as an undivided one.
+    """Compute the mass [kg] of a drive with its covers; a ring in two halves is replaced by an undivided ring.
 
     Raises
     ------
@@ -46,7 +46,9 @@ def filling(part: str) -> float:
 
 
 def casing_inertia(reducer: Reducer) -> float:
-    """Compute the inertia [kg m2] at the input that the casing adds: hub and flange, less the bore of the shaft.
+    """Compute the inertia [kg m2], reduced to the input, that the casing adds to the mechanism.
+
+    It is that of hub and flange minus that of the material removed by the bore of the shaft.
 
     Raises
     ------

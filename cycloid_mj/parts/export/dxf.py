@@ -102,7 +102,7 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
 
 
 def _join_intervals(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return intervals (start, end) along z [m] with those joined that follow each other without a gap, in order."""
+    """Join intervals (start, end) along z [m] that touch or overlap; return the result in ascending order."""
     joined_intervals: list[tuple[float, float]] = []
     for low, high in sorted(ends):
         if joined_intervals and low - joined_intervals[-1][1] < SAME_LENGTH:

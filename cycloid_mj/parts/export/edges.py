@@ -63,9 +63,10 @@ def broken_edges(reducer: Reducer, sizes: Casing, part: Part) -> tuple[BrokenEdg
 
 
 def _seat_radii(reducer: Reducer, sizes: Casing, part: Part) -> Array:
-    """Return the radii of the seats of a part in the joints of a drive [m], shape (n,); both radii of a bearing.
+    """Return the radii of the seats of a part [m], shape (n,); edges next to these seats get chamfers or fillets.
 
-    Edges next to these seats get chamfers or fillets.
+    The seats are the surfaces at which the joints of the drive fit the part to another. For a bearing, they are its
+    bore and its outside.
     """
     name, diameters = part.name, set[float]()
     if name in BEARINGS:

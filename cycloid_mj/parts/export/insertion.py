@@ -73,10 +73,10 @@ def assembly_moves(reducer: Reducer, sizes: Casing) -> tuple[Move, ...]:
 
 
 def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
-    """Find the parts that cannot reach their position because others are in their way, in the order of assembly.
+    """Find the parts that cannot reach their position because others are in their way.
 
     All moves are along z. The outlines of moving parts are compared with those of all parts ahead of them that are
-    mounted already.
+    mounted already. Each `Blockage` names the moving part and the part in its way; they are in the order of assembly.
     """
     placement_by_name = {placement.name: placement for placement in place_parts(reducer, 0.0, sizes)}
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}

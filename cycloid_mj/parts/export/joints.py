@@ -147,7 +147,7 @@ def _hub_bearing_joint(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -> BoughtPart:
-    """Return the bearings of the shaft with some `numbers`: 1 is in the hub, or far from the discs; 2 is near them."""
+    """Return the shaft bearings with some `numbers`: 1 is far from the discs or in the hub, 2 is near the discs."""
     seats = bearing_seats(reducer, crank_segments(reducer))
     middles = [0.5 * (low + high) for low, high in seats]
     radius, width, bearing = reducer.design.shaft.radius, bearing_width_of(reducer), shaft_bearing(reducer)

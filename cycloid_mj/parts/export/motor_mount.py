@@ -50,6 +50,7 @@ def choose_motor_flange(
         return (motor_heads_end(flange), max_cavity) if flange.tapped else (flange.circle + hole(flange) + wall, outer)
 
     def misfits(flange: MotorFlange) -> list[str]:
+        """Return the reasons why a flange does not fit, as clauses; empty if it fits."""
         problems, crank = [], reducer.design.shaft.radius
         needed_radius, available_radius = reach(flange)
         if needed_radius > available_radius:

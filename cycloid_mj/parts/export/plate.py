@@ -96,7 +96,7 @@ def plates(
     sizes: Casing | None = None,
     bed: tuple[float, float] | None = None,
 ) -> tuple[PrintPlate, ...]:
-    """Lay out all printed parts on plates that fit on the bed of a printer, as many as it takes.
+    """Lay out all printed parts on plates that fit on the bed of a printer, as many plates as necessary.
 
     Each part lies on its larger end face; plastic parts have supports.
 
@@ -107,7 +107,7 @@ def plates(
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of the bore of the cam bearing [m], for which the cams are made; 0: cams as large as its outside.
+        Bore radius of the cam bearing [m], which the cams fit; 0: cams with the outer radius of the bearing.
     sizes
         Casing, to include covers and flanges.
     bed
@@ -151,9 +151,15 @@ def _build_plate(
 ) -> PrintPlate:
     """Return a plate with copies of parts, at their positions, with their supports.
 
-    Each copy has the name of its part, whether it is turned over, two corners (2, 3) [m] of its bounding box, and its
-    shift (3,) [m]. The mappings have, for each part, its mesh, the meshes of its supports, and the areas [m2] of faces
-    without support by their height [m].
+    Parameters
+    ----------
+    copies
+        For each copy the name of its part, whether it is turned over, two corners (2, 3) [m] of its bounding box, and
+        its shift (3,) [m].
+    shapes, supports
+        Mesh, and meshes of the supports, of each part.
+    unsupported_areas
+        For each part, height [m] -> area [m2] of faces that cannot have a support.
     """
     positions = tuple(
         PlatePosition(
@@ -270,7 +276,11 @@ def pack_rows(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[fl
 def _pack_rows_to(
     sizes: Sequence[tuple[float, float]], order: Sequence[int], limit: float, gap: float
 ) -> list[tuple[float, float]]:
-    """Pack rectangles, in an `order` of indices, into rows up to a length `limit` [m]; return lower left corners."""
+    """Pack rectangles (length, depth) [m] into rows that are at most `limit` [m] long, with a `gap` [m] between them.
+
+    They are placed in the `order` of their indices. The result has the lower left corner [m] of each rectangle, in the
+    order of `sizes`.
+    """
     corners = [(0.0, 0.0)] * len(sizes)
     x = y = depth = 0.0
     for i in order:

@@ -77,7 +77,8 @@ def print_warnings(
 ) -> Iterator[str]:
     """Yield a warning for each plastic part that is hard to print: thin walls, small holes, faces without support.
 
-    `unsupported_areas` has the faces that cannot be supported, as ``PrintPlate.hanging``.
+    `unsupported_areas` are the areas of faces that cannot have a support [m2], by part and height [m], as in
+    `PrintPlate.hanging`.
     """
     for name, part in printed_parts(reducer, chord_error, 0.0, sizes).items():
         if not is_printed(reducer, material_part(reducer, name)):

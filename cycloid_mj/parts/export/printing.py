@@ -113,7 +113,7 @@ def manufactured_parts(
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of the bore of the cam bearing [m], for which the cams are made; 0: cams as large as its outside.
+        Bore radius of the cam bearing [m], which the cams fit; 0: cams with the outer radius of the bearing.
     sizes
         Sizes of the casing, to include covers and flanges.
 
@@ -170,7 +170,7 @@ def separate_parts(
     reducer
         The reducer; its clearances are in the outlines.
     cam
-        Radius of the cams [m]; 0: that of the outside of the cam bearing.
+        Radius of the cams [m]; 0: cams with the outer radius of the cam bearing.
     sizes
         Sizes of the casing, to include its parts and its holes in other parts.
     chord_error

@@ -75,9 +75,10 @@ def dowel_body(dowel: stock.Dowel) -> RoundPart:
 
 
 def cut_holes(name: str, part: RoundPart, base_segments: Sequence[Segment] = ()) -> tuple[Segment, ...]:
-    """Cut the holes and pockets of `part` into `base_segments` and into the part; return the segments of both.
+    """Join the cylinders and blocks of `part` to `base_segments`, and cut its holes and pockets into all of them.
 
-    Segments are divided at each face of the part, of its holes and of its pockets; new segments have the name `name`.
+    The result has the segments of both, divided along z at each face of the part, of its holes and of its pockets; new
+    segments have the name `name`.
     """
     rounds = ((CircleContour(radius), z0, z1) for radius, z0, z1 in part.rounds)
     shells = [*base_segments, *(Segment(name, contour, (), z0, z1) for contour, z0, z1 in (*rounds, *part.blocks))]

@@ -83,9 +83,9 @@ class RunningGap:
 
 
 def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
-    """Return the smallest distance of each pair of parts of different bodies; pairs at 0 or less touch.
+    """Return the smallest distance [m] of each pair of parts of different bodies; parts at 0 or less touch.
 
-    Pairs that overlap along z by design are left out where they overlap.
+    Where parts overlap along z by design, such as a cam and its disc, their distance is ignored.
 
     Raises
     ------
@@ -106,9 +106,10 @@ def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
 
 
 def _are_mates(annulus: Annulus, other: Annulus, axial: float, radial: float) -> bool:
-    """Return whether two parts overlap along z by design, or one is a shoulder that ends at the rolling elements.
+    """Return whether two parts are close to each other by design, so that their distance is not a running gap.
 
-    `axial` and `radial` are the distances of their annuli [m].
+    These are parts that overlap along z by design, and rolling elements next to the shoulder of a ring. `axial` and
+    `radial` are the distances of the annuli [m], negative where they overlap.
     """
     families = {names.family(annulus.part), names.family(other.part)}
     if ROLLING_ELEMENTS in families and radial > -SAME_LENGTH:

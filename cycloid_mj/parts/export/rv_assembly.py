@@ -57,7 +57,7 @@ def rv_masses(reducer: RvReducer) -> dict[str, float]:
 def place_rv_parts(reducer: RvReducer, crank: float = 0.0) -> Iterator[PlacedPart]:
     """Yield all parts with their positions at a crank angle [rad] against the ring, which is drawn at rest.
 
-    All clearances are centred, so nothing touches.
+    Each part is in the middle of its clearances, so no parts touch.
     """
     kinematics, axial, origin = reducer.kinematics, axial_layout(reducer), (0.0, 0.0, 0.0)
     carrier_angle = crank / float(kinematics.crank_per_carrier)

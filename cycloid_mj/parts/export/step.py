@@ -46,7 +46,9 @@ class BrokenEdge:
 def step_part(
     name: str, sections: Sequence[PartSection], solids_wanted: int = 1, edges: Sequence[BrokenEdge] = ()
 ) -> bytes:
-    """Encode the sections of a part as a STEP file with the chamfers and fillets `edges`; equal input, equal bytes.
+    """Encode the sections of a part as a STEP file, with the chamfers and fillets `edges`.
+
+    Equal arguments give files with equal bytes.
 
     Raises
     ------

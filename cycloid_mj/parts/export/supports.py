@@ -125,7 +125,10 @@ def _circle_of(loop: Array) -> tuple[tuple[float, float], float] | None:
 
 
 def _floor_heights(solid: Solid, points: Array, z: float) -> set[float]:
-    """Return the set of heights [m] below points (n, 2) at a height z [m]: faces of the part, or the plate (0)."""
+    """Return the heights [m] of the first faces below points (n, 2) [m] at the height `z` [m].
+
+    They are faces of the part, or the plate (0); points above the same face share a height.
+    """
     heights = np.zeros(len(points))
     for prism in solid.prisms:
         if prism.z1 <= z:
