@@ -52,9 +52,9 @@ def calibration_figure(calibration: Calibration) -> Figure:
 
 @with_style
 def protocol_figure(result: Protocol) -> Figure:
-    """Draw deflection over torque in the measured and modelled loops of a test protocol.
+    """Draw the hysteresis loops of a test protocol: deflection of the output against its torque, model and measurement.
 
-    Each loop is shifted, so that the middle of its range of deflection is at zero.
+    The crank is fixed. Each loop is shifted so that the middle of its range of deflection is at zero.
     """
     figure = create_figure(3.2)
     axes = figure.subplots(1, 1, squeeze=False)[0, 0]
@@ -79,9 +79,9 @@ def _centred_turn(loop: MeasuredLoop) -> Array:
 
 @with_style
 def comparison_figure(result: BenchComparison) -> Figure:
-    """Draw measured and modelled transmission error over the crank angle, and their amplitudes by order below.
+    """Draw measured and modelled transmission error against the crank angle; the lower panel has their spectra.
 
-    `result` is the comparison of both.
+    The spectra are bars with the amplitude at each order, in cycles per crank turn.
     """
     figure = create_figure(4.4)
     error_axes, order_axes = figure.subplots(2, 1)

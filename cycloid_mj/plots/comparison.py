@@ -56,7 +56,10 @@ ROW, HEAD = 1.25, 0.75
 
 
 def comparison_captions(designs: Sequence[str]) -> dict[str, str]:
-    """Return a sentence for each figure of a comparison of `designs`, which are names, by the figure's name."""
+    """Return the captions of a comparison's figures: figure name -> one sentence.
+
+    `designs` are the names of the compared designs.
+    """
     names = " and ".join(designs)
     captions = {
         f"compare_{name}": f"{title} over one crank turn of the settled hold: {names}, one column for each load."
@@ -69,12 +72,14 @@ def comparison_captions(designs: Sequence[str]) -> dict[str, str]:
 
 
 def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
-    """Return the figures of a comparison by name: signals over one crank turn after settling, and vibration spectra.
+    """Return the figures of a comparison by name: a figure for each signal over one crank turn, and one of the spectra.
+
+    The crank turn is `Series.one_turn`.
 
     Parameters
     ----------
     motions
-        The runs, load by load, each in the order of the designs.
+        The runs, each design at each load. All designs have the same loads in the same order.
     """
     names = list(dict.fromkeys(motion.design.name for motion in motions))
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]
@@ -86,8 +91,9 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
 def _draw_signal(grid: Grid, title: str, signal: Signal) -> Figure:
     """Draw a signal of every run over one crank turn: a row of axes for each design, a column for each load.
 
-    `grid` are the runs, design by design, `title` is that of the figure. Axes of one load share their scale. The mean
-    of a transmission error is subtracted and stated, because backlash and wind-up would hide its variation.
+    `grid` has a sequence of runs for each design, one per load. `title` is the title of the figure. All axes in a
+    column have the same scale. The mean of a transmission error is subtracted and stated in the heading, because
+    backlash and wind-up would hide its variation.
     """
     unit = signal.unit
     figure, axes = _empty_figure(len(grid), len(grid[0]), f"{title}, {_speed(grid)}", sharey="col")
@@ -112,10 +118,10 @@ def _draw_signal(grid: Grid, title: str, signal: Signal) -> Figure:
 
 @with_style
 def _draw_spectra(grid: Grid) -> Figure:
-    """Draw the spectral densities of the vibration by load, with dotted lines at multiples of the mesh frequency.
+    """Draw the spectra of the vibration, a column for each load, with dotted lines at multiples of the mesh frequency.
 
-    The upper row is the acceleration of the disc's centre, the lower that of the output; `grid` are the runs, design by
-    design.
+    Spectra are the square roots of the spectral densities of acceleration: that of the disc's centre in the upper row,
+    that of the output in the lower row. `grid` has a sequence of runs for each design, one per load.
     """
     loads = len(grid[0])
     figure, axes = _empty_figure(

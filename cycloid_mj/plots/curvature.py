@@ -31,10 +31,11 @@ MAX_LINE_WIDTH = 4.0
 
 @with_style
 def curvature_figure(designs: Sequence[Design]) -> Figure:
-    """Draw relative curvature and Hertz pressure of all contact lines in a mesh period over the phase of the contact.
+    """Draw the relative curvature and the Hertz pressure of the contact lines against their phase on the disc.
 
-    The `designs` share both axes. The pressure is that of the tooth force at the rated load on a single line. Phase 0
-    is a valley of the disc at the tooth, 180 deg the tip of a lobe.
+    All contact lines over a mesh period are drawn, and all `designs` in the same two panels. The pressure is that of a
+    single line under the working force of the teeth at the rated load (`Contact.force`). At phase 0 deg the ring tooth
+    touches a valley of the disc, at 180 deg the tip of a lobe.
     """
     figure = create_figure(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)

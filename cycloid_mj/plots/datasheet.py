@@ -54,7 +54,7 @@ def datasheet_pages(sheet: Datasheet) -> list[Figure]:
 
 @with_style
 def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
-    """Return the dimensioned views and the curves of a data sheet as figures by name, for an HTML page."""
+    """Return the figures of a data sheet's HTML page: ``views`` (dimensioned views) and ``curves`` (all its curves)."""
     views = NotebookFigure(figsize=(9.0, 6.0))
     draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), Reducer(sheet.design))
     curves = NotebookFigure(figsize=(9.0, 2.7), layout="constrained")
@@ -106,7 +106,7 @@ def _operation_page(sheet: Datasheet) -> Figure:
 
 
 def _empty_page(sheet: Datasheet, number: int) -> Figure:
-    """Return a page of a data sheet with header and footer, numbered `number` of 3."""
+    """Return page `number` of the three pages of a data sheet, with header and footer only."""
     figure, design = NotebookFigure(figsize=LAYOUT.size), sheet.design
     figure.add_artist(Rectangle((0.0, 0.913), 1.0, 0.087, facecolor=NAVY, edgecolor="none"))
     figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
@@ -133,7 +133,10 @@ def _name_size(name: str) -> float:
 
 
 def _draw_tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
-    """Draw the main quantities of a data sheet in a row of boxes at the height `bottom`, relative to the page."""
+    """Draw the main quantities of a data sheet in a row of boxes.
+
+    `bottom` is the vertical position of the row, as a fraction of the page height.
+    """
     by_key = {quantity.key: quantity for group in sheet.groups.values() for quantity in group}
     gap, count = 0.012, len(KEYS)
     width = (LAYOUT.right - LAYOUT.left - (count - 1) * gap) / count

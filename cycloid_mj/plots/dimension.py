@@ -28,9 +28,10 @@ def draw_dimension(
     ends
         Coordinates of both ends of the distance [mm].
     level
-        Coordinate of the dimension line in the other direction [mm].
+        Coordinate of the dimension line, perpendicular to the distance [mm].
     starts
-        Coordinate at which the extension line of each end starts, in the other direction [mm].
+        Coordinates at which the two extension lines begin, perpendicular to the distance [mm]. They end at the
+        dimension line.
     text
         Text of the dimension.
     upright
@@ -53,7 +54,7 @@ def draw_dimension(
 
 
 def draw_leader(axes: Axes, point: tuple[float, float], text_position: tuple[float, float], text: str) -> None:
-    """Draw a leader line with an arrow from a text to a point; both positions are (x, y) in mm."""
+    """Draw a leader line from a text at `text_position` to an arrow head at `point`, both (x, y) [mm]."""
     side = "left" if text_position[0] >= point[0] else "right"
     axes.annotate(
         text,

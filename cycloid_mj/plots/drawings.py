@@ -25,9 +25,10 @@ ARROW = {"arrowstyle": "<->", "linewidth": 0.35, "shrinkA": 0.0, "shrinkB": 0.0}
 
 
 def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
-    """Draw the manufactured parts of a drive: ``drawings.pdf`` with a page for each, and ``NAME-drawing.dxf`` of each.
+    """Draw the manufactured parts of a drive, and return the contents of the files: file name -> bytes.
 
-    `sizes` are those of the covers. Return the contents by name.
+    The files are ``drawings.pdf`` with a page for each part, and ``NAME-drawing.dxf`` for each part. `sizes` are the
+    dimensions of the covers.
 
     Raises
     ------
@@ -80,7 +81,7 @@ def drawing_figure(drawing: PartDrawing) -> Figure:
 def _draw_dimension(axes: Axes, start: tuple[float, float], end: tuple[float, float], dimension: Dimension) -> None:
     """Draw a dimension line between the points `start` and `end`, (x, y) in mm, with its text.
 
-    A diameter is upright and has its text on the left. The text of a length is above its line.
+    The text of a diameter is vertical, to the left of the line. The text of a length is above the line.
     """
     axes.annotate("", end, start, arrowprops=ARROW)
     middle = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])

@@ -46,10 +46,11 @@ def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
 
 @with_style
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
-    """Draw the section of a drive through its axis: assembled, and below it exploded along the axis by kinds of parts.
+    """Draw the axial section of a drive twice: assembled, and below it exploded along the axis.
 
-    Each part is rotated about the axis into the plane. The kinds are those of `ALONG`, numbered in its order from input
-    to output; parts of other kinds are in neither view. `sizes` are those of the casing.
+    In the exploded view, equal parts stay together, with a label that has their number. Parts follow each other in the
+    order of `ALONG`, from input to output; parts that are not in `ALONG` are left out of both views. Parts beside the
+    axis are rotated about it into the plane of the section. `sizes` are the dimensions of the casing.
     """
     geometry, components = assembly_parts(reducer, sizes), place_parts(reducer, 0.0, sizes)
     prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in geometry.items()}
@@ -94,11 +95,10 @@ def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
 
 
 def _draw_section(axes: Axes, component: PlacedPart, prisms: tuple[Prism, ...], shift: float) -> float:
-    """Draw the section of a part in a plane through the axis, in mm, with the axis to the right.
+    """Draw the section of a part with a plane through the reducer's axis, in mm; the axis points to the right.
 
-    A part next to the axis is rotated about it into the plane, so that its centre is above the axis. A disc is not
-    rotated: it is cut through its centre, and drawn at its y. Return the largest distance of the section from the axis
-    [m].
+    A part beside the axis is rotated about it into the plane, so that its centre is above the axis. A cycloid disc is
+    not rotated: it is cut at the y coordinate of its centre. Return the height of the section above the axis [m].
 
     Parameters
     ----------

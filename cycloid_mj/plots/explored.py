@@ -53,9 +53,10 @@ SWEEP = SweepStyle()
 
 @with_style
 def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
-    """Draw quantities of a sweep over its inputs; failed points are marked on the input axes.
+    """Draw quantities of a sweep against its inputs; failed points are marked on the axis of the input.
 
-    One input: a line; two inputs: a contour map or a line for each value; more inputs: a grid of points.
+    With one input, the points are joined by a line. With two inputs, the figure is a contour map, or a line for each
+    value of one of them. With more inputs, each quantity is drawn as points against each input.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
 
 
 def _draw_panels(sweep: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
-    """Return a figure with two columns of panels, one for each quantity; `draw` draws a quantity by its name."""
+    """Return a figure with a panel for each quantity, in two columns; `draw` is called with axes and name of each."""
     rows = max(1, math.ceil(len(quantities) / 2))
     figure = NotebookFigure(figsize=(WIDTH, SWEEP.row_height * rows + 0.4), layout="constrained")
     panels = figure.subplots(rows, 2, squeeze=False).ravel()
@@ -121,7 +122,7 @@ def _draw_over_input(axes: Axes, sweep: Sweep, key: str, name: str) -> None:
 
 
 def _draw_lines(axes: Axes, sweep: Sweep, abscissa: str, parameter: str, name: str) -> None:
-    """Draw the quantity `name` over the input `abscissa`, with a line for each value of the input `parameter`."""
+    """Draw the quantity `name` against the input `abscissa`, with a line for each value of the input `parameter`."""
     positions, values = _input_positions(axes, sweep, abscissa), sweep.frame.numbers[name]
     for colour, value in zip(COLOURS, dict.fromkeys(sweep[parameter].tolist()), strict=False):
         rows = sweep[parameter] == value
@@ -145,9 +146,10 @@ def _draw_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> 
 
 
 def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
-    """Label the x axis with the input `key`, and return the position of each point on it, shape (points,).
+    """Label the x axis with the input `key`, and return the x coordinate of each point of the sweep, shape (points,).
 
-    This is the value of the input; if the values are text, it is 0, 1, ... in the order of their first occurrence.
+    The coordinate is the value of the input. Values that are text get the coordinates 0, 1, ... in the order in which
+    they first occur.
     """
     axes.set_xlabel(_title(sweep, key))
     if key in sweep.frame.numbers:
@@ -158,7 +160,7 @@ def _input_positions(axes: Axes, sweep: Sweep, key: str) -> Array:
 
 
 def _mark_failures(axes: Axes, sweep: Sweep, key: str) -> None:
-    """Mark the points that failed by crosses on the x axis, at their values of an input, by its `key`."""
+    """Mark failed points of a sweep by crosses on the x axis, at their values of the input `key`."""
     is_failed = sweep["error"] != ""
     if is_failed.any():
         positions = _input_positions(axes, sweep, key)[is_failed]
@@ -206,7 +208,10 @@ def _draw_map(axes: Axes, sweep: Sweep, name: str) -> None:
 
 
 def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
-    """Draw every quantity over every input as points, with Spearman's rank correlation of numeric pairs."""
+    """Draw every quantity against every input as points; numeric pairs have Spearman's rank correlation above.
+
+    There is a row of panels for each quantity, and a column for each input.
+    """
     keys = _main_inputs(sweep, quantities)
     rows = max(1, len(quantities))
     figure = NotebookFigure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
@@ -233,9 +238,10 @@ def _draw_pairs(sweep: Sweep, quantities: Sequence[str]) -> Figure:
 
 
 def _main_inputs(sweep: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Return the inputs to draw in their order; if there are too many, those with the largest rank correlations.
+    """Return the names of the inputs to draw: all, or at most `SWEEP.max_inputs`.
 
-    The correlations are those with the `quantities` that are drawn.
+    If there are more, those with the largest rank correlations with any of the `quantities` are selected. Their order
+    is that of the sweep.
     """
     if len(sweep.task.keys) <= SWEEP.max_inputs:
         return sweep.task.keys

@@ -60,7 +60,7 @@ def measurement_figure(measurement: Measurement) -> Figure:
 
 @with_style
 def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
-    """Draw curves, grouped by their panels, one panel below the other, under a `title`."""
+    """Draw curves in panels one below the other, under a `title`; curves of one panel have the same `Curve.panel`."""
     panels: dict[str, list[Curve]] = {}
     for curve in curves:
         panels.setdefault(curve.panel, []).append(curve)
@@ -86,7 +86,7 @@ def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
 
 
 def _draw_curves(axes: Axes, curves: list[Curve]) -> None:
-    """Draw the curves of a panel as lines, bars or markers according to their styles, with labels and legend."""
+    """Draw the curves of a panel as lines, bars or markers according to `Curve.style`, with labels for the legend."""
     measured_curves = [curve for curve in curves if curve.style not in ("theory", "rings")]
     colours = {id(curve): COLOURS[number % len(COLOURS)] for number, curve in enumerate(measured_curves)}
     by_name = {curve.name: colours[id(curve)] for curve in measured_curves}
@@ -127,7 +127,7 @@ def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None
 
 
 def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
-    """Draw the curves of forces around a ring in polar axes, clockwise from +y.
+    """Draw forces around a ring in polar axes: `Curve.x` is the angle [deg] clockwise from +y, `Curve.y` the radius.
 
     A curve with at most `PanelStyle.max_markers` points is drawn as markers, other curves as lines.
     """
@@ -153,7 +153,11 @@ def _draw_polar(axes: Axes, curves: list[Curve]) -> None:
 
 
 def _limit_axes(axes: Axes, curves: list[Curve]) -> None:
-    """Set the limits of the axes to the values of the curves; the span of y is at least `PanelStyle.min_span`."""
+    """Set the limits of the axes so that all finite points of the curves are inside.
+
+    The y axis begins at 0 if the values are positive and their relative variation is large; otherwise it spans at least
+    `PanelStyle.min_span` of the largest magnitude.
+    """
     x, y = (np.concatenate([getattr(curve, name) for curve in curves]) for name in ("x", "y"))
     x, y = x[np.isfinite(x)], y[np.isfinite(y)]
     if not len(x) or not len(y):

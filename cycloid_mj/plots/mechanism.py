@@ -45,7 +45,7 @@ MAX_ARROW = 0.3
 
 @with_style
 def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | None = None) -> Figure:
-    """Draw ring, discs, output pins, cam and shaft to scale, for a run with the contact forces on the discs.
+    """Draw ring, discs, output pins, cam and shaft to scale; with a `run`, also the contact forces on the discs.
 
     Parameters
     ----------
@@ -54,7 +54,8 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
     run
         Run that determines the poses and forces; without it, the ideal mechanism is drawn without forces.
     crank_angle
-        Crank angle [rad]. With a run the nearest sample of its last turn; by default its last sample.
+        Crank angle [rad]; by default `CRANK_ANGLE`. With a run, the nearest sample of its last turn is drawn, and by
+        default its last sample.
     """
     figure = NotebookFigure(figsize=(6.5, 6.9), layout="constrained")
     axes = figure.subplots()
@@ -84,7 +85,7 @@ def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | Non
 
 
 def _ideal_columns(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
-    """Compute log columns by name, shape (1,) each, of the ideal mechanism at a crank angle [rad], as `poses` needs."""
+    """Return the log columns (1,) by name that `poses` needs, for the ideal mechanism at a crank angle [rad]."""
     design = reducer.design
     gear, crank = reducer.tooth_profile, np.array([crank_angle])
     turn = reducer.member.gear_angle(crank)
@@ -166,8 +167,8 @@ def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> Non
 def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
     """Draw the forces of ring and output pins on the discs as arrows with a common scale, in a colour for each disc.
 
-    Only the first sample of `acting` is drawn, without contacts that have no force. The longest arrow has `MAX_ARROW`
-    of the housing's radius; a reference arrow states the scale [N]. Without any force, nothing is drawn.
+    Only the first sample of `acting` is drawn. Contacts without force have no arrow. The length of the longest arrow is
+    `MAX_ARROW` times the housing's radius; a reference arrow states the scale [N].
     """
     has_force = acting.size[0] > 0.0
     if not has_force.any():
@@ -184,9 +185,9 @@ def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
 
 
 def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
-    """Draw the outline and the holes of a prism in mm at a pose: x [m], y [m] and angle [rad], (3,).
+    """Draw the outline and the holes of a prism in mm, at a `pose` (3,): x [m], y [m] and angle [rad].
 
-    `part` is the key of its style in `PART_STYLES`, `opacity` that of its fill, 0 to 1.
+    `part` is the key of the part's style in `PART_STYLES`, and `opacity` is the opacity of its fill, 0 to 1.
     """
     rings = [1e3 * transform(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
@@ -206,9 +207,10 @@ def _style_of(part: str, opacity: float) -> dict[str, Any]:
 
 
 def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, sweep: float) -> None:
-    """Draw an arc with an arrow head about a centre [mm], shape (2,), with a radius [m].
+    """Draw an arc with an arrow head; its centre (2,) is in mm, its radius in m.
 
-    The arc begins at the angle `start` [rad], counter-clockwise from +x, and covers `sweep` [rad], negative clockwise.
+    The arc begins at the angle `start` [rad], counter-clockwise from +x. It covers the angle `sweep` [rad], clockwise
+    if negative.
     """
     angle = np.linspace(start, start + sweep, 60)
     arc = centre + 1e3 * radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -217,7 +219,7 @@ def _rotation_arrow(axes: Axes, centre: Array, radius: float, start: float, swee
 
 
 def _list_legend(reducer: Reducer, forces: bool) -> list[Patch]:
-    """List the legend entries of the parts, and with `forces` those of the forces on each disc."""
+    """Return the legend entries of the parts and, if `forces` is True, of the forces on each disc."""
     has_pins = reducer.design.ring.kind == "pin"
     names = {"ring": "ring" if has_pins else "internal gear", "pins": "ring pins" if has_pins else ""}
     names |= {"gear": "cycloid disc", "output": "output pins", "cam": "cam", "shaft": "input shaft"}

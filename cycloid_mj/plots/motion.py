@@ -62,23 +62,23 @@ def gear_speed_figure(motion: Series) -> Figure:
 
 
 def _draw_speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tuple[Figure, Axes, Axes]:
-    """Draw a speed with its closed form, and the error below.
+    """Draw a simulated speed and its closed form, and their difference in a panel below.
 
     Parameters
     ----------
     motion
         The run.
     key
-        Name of the speed [rad/s] in `SIGNALS`; its error is ``key_error``.
+        Name of the speed [rad/s] in `SIGNALS`; its error is the signal ``KEY_error`` there.
     rows, x
-        The samples, and their abscissa: time [s] or crank angle [deg], shape (n,).
+        The samples to draw, and their abscissa: time [s] or crank angle [deg], shape (n,).
     layout
         Further arguments of `Figure.subplots`.
 
     Returns
     -------
     tuple
-        The figure, and the axes of speed and error.
+        The figure, the axes of the speed, and the axes of the difference.
     """
     figure = create_figure(3.6)
     top, bottom = figure.subplots(2, 1, sharex=True, **layout)

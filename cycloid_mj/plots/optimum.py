@@ -40,10 +40,11 @@ COLUMNS = 3
 
 @with_style
 def tradeoff_figure(optimum: Optimum) -> Figure:
-    """Draw all evaluated points: one objective over the other, and below the first objective over each varied key.
+    """Draw the evaluated points of an optimisation: its two objectives in the upper panel, its variables below.
 
-    A single objective is drawn over the number of the evaluation. Keys with a list of values have no panel, nor have
-    keys beyond the first `MAX_KEYS`. The axes cover the feasible points and the starting design.
+    The upper panel has the second objective against the first, or a single objective against the number of the
+    evaluation. Each lower panel has the first objective against a varied key of the design. Keys with a list of values
+    and keys beyond the first `MAX_KEYS` have no panel. The axes cover the feasible points and the starting design.
     """
     objectives, varied_ranges = optimum.task.objectives, optimum.task.ranges[:MAX_KEYS]
     rows = -(-len(varied_ranges) // COLUMNS)

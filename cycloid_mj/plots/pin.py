@@ -30,7 +30,11 @@ CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
 
 @with_style
 def pin_figure(motion: Series, pin: PinPath) -> Figure:
-    """Draw the path of the centre of pin 1 within its clearance, and its distance and spin over a crank turn."""
+    """Draw the motion of ring pin 1, or of its sleeve, over a crank turn; `pin` has its clearance.
+
+    The panels have the path of its centre within the clearance, the distance of the centre from the middle of its seat,
+    and its spin (speed of rotation).
+    """
     figure = create_figure(3.2)
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
     distance, spin, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
@@ -59,12 +63,12 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
 
 
 def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) -> Array:
-    """Compute the curve that limits the position of a pin's centre in its seat [um], shape (2, n).
+    """Compute the curve that the centre of a pin can reach in its seat, as points (2, n) [um]: x, then y.
 
-    The origin is the centre of the seat, and y points outward. Within the arc of the seat, the curve is a circle with
-    the radius `clearance` [um]. At either end of the arc of an open socket, the pin rolls over an edge: its centre
-    moves on a circle with the radius of the pin about this edge. This part ends beyond the distance `max_distance` [um]
-    from the origin, or where the pin touches both edges.
+    The origin is the centre of the seat, and y points away from the reducer's axis. Where the pin touches the arc of
+    the seat, the curve is a circle with the radius `clearance` [um]. At either end of the arc of an open socket, the
+    pin rolls over an edge, so that its centre moves on a circle about this edge, with the radius of the pin. The curve
+    ends where the distance from the origin exceeds `max_distance` [um], or where the pin touches both edges.
     """
     design = reducer.design
     half_angle = socket_half_angle(design) if design.ring.has_sockets else np.pi
@@ -78,7 +82,7 @@ def _limit_of_centre(reducer: Reducer, clearance: float, max_distance: float) ->
 
 
 def _draw_path(axes: Axes, position: Array, limit: Array, part: str) -> None:
-    """Draw the path of the centre of a pin, `position` (n, 2) [um], and its `limit` (2, m) [um].
+    """Draw the path of a pin's centre, `position` (n, 2) [um], and the curve that it can reach, `limit` (2, m) [um].
 
     `part` is the name of the pin in the title.
     """

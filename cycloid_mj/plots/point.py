@@ -32,9 +32,9 @@ _LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
 
 @with_style
 def path_figure(motion: Series) -> Figure:
-    """Draw the path of point q of the disc over a crank turn, as Fig. 7 of Hsieh 2014.
+    """Draw the path of point q of the disc over a crank turn, simulated and by Eq. 16 of Hsieh 2014 (Fig. 7 there).
 
-    The closed form, Eq. 16 there, is drawn as well. Further panels have a detail at the largest error, and the error.
+    Further panels magnify the path where the difference of both is largest, and show this error over the crank angle.
     """
     figure = create_figure(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
@@ -49,9 +49,9 @@ def path_figure(motion: Series) -> Figure:
 
 @with_style
 def velocity_figure(motion: Series) -> Figure:
-    """Draw the velocity of point q of the disc over a crank turn, as Fig. 8 of Hsieh 2014.
+    """Draw the velocity of point q of the disc over a crank turn, by simulation and closed form (Hsieh 2014, Fig. 8).
 
-    The closed form, Eqs 17 and 18 there, is drawn as well. The lower panel has the error.
+    The closed form is Eqs 17 and 18 there. The lower panel has the difference of both.
     """
     figure = create_figure(4.2)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
@@ -90,9 +90,9 @@ def _draw_path(axes: Axes, position: Compared, q: Array) -> None:
 
 
 def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
-    """Draw the simulated path of a point and its closed form around the sample with the index `worst`, in um.
+    """Draw the simulated and the closed-form path of a point, in um relative to the closed form at the sample `worst`.
 
-    `position` has both paths in m. Lines connect corresponding samples.
+    `position` has both paths in m, and `worst` is a sample's index. Lines connect the two points of each sample.
     """
     centre = position.theory[worst]
     theory, simulated_path = (1e6 * (path - centre).T for path in (position.theory, position.simulated))
@@ -113,7 +113,7 @@ def _draw_detail(axes: Axes, position: Compared, worst: int) -> None:
 
 
 def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
-    """Mark a point of the path [mm], shape (2,), and connect it with the axes of the detail."""
+    """Mark a point (2,) [mm] of the path, and draw lines from it to the panel `detail` in which it is magnified."""
     axes.plot(*point, marker="o", markersize=7, markerfacecolor="none", markeredgecolor=VERMILION, markeredgewidth=1.0)
     for corner in ((0.0, 0.0), (0.0, 1.0)):
         axes.annotate(
@@ -128,14 +128,14 @@ def _connect_detail(axes: Axes, detail: Axes, point: Array) -> None:
 
 
 def _draw_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
-    """Draw components x and y and magnitude of the path error [um] over the crank angle [deg], with a sample marked.
+    """Draw the path error (x, y and magnitude) [um] against the crank angle [deg], and mark the sample `worst`.
 
     Parameters
     ----------
     degrees
         Crank angles [deg], shape (n,).
     position
-        Simulated path and closed form [m].
+        Simulated and closed-form path [m].
     worst
         Index of the marked sample.
     """

@@ -78,7 +78,7 @@ SIZING_FIGURES = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm
 
 
 def figure_of(result: object, name: str = "") -> Figure:
-    """Return one figure of a result: that of the name, or the first figure.
+    """Return the figure of a result that is called `name`, or its first figure if `name` is empty.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def _of_orders(orders: Orders) -> Figures:
 
 @figures_of.register
 def _of_joint(joint: ReducedJoint) -> Figures:
-    """Draw the output's angle of a reduced joint over the torque at a locked crank.
+    """Draw the output angle of a reduced joint against the torque on the output, with a locked crank.
 
     The step at zero torque is the backlash.
     """
@@ -224,7 +224,7 @@ def _of_findings(findings: Findings) -> Figures:
 
 @figures_of.register
 def _of_rating(rating: Rating) -> Figures:
-    """Draw the smallest margins of a rating as bars: safety factor, or life over required life."""
+    """Draw the smallest margins of a rating as bars: safety factors, and lives divided by the required life."""
     margins = {item.name: item.margin(rating.life) for item in rating.items.values() if item.decisive}
     finite_margins = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
     tightest = dict(sorted(finite_margins.items(), key=lambda item: item[1])[: RESULT.max_checks])
@@ -272,7 +272,7 @@ def _of_answer(answer: Answer) -> Figures:
 
 @with_style
 def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figure:
-    """Draw an angle of the output over the torque on it [N m], shape (n,).
+    """Draw an output angle against the torque on the output [N m], shape (n,) each.
 
     `label` names the angle with its unit, `condition` is printed below.
     """
@@ -287,7 +287,7 @@ def _draw_curve(torque: Array, angle: Array, label: str, condition: str) -> Figu
 
 @with_style
 def _draw_stems(order: Array, amplitude: Array, condition: str) -> Figure:
-    """Draw the amplitude of each order as a vertical line, arrays of shape (n,); `condition` is printed below."""
+    """Draw the amplitude at each order as a vertical line, arrays of shape (n,); `condition` is printed below."""
     figure = create_figure(2.4)
     axes = figure.subplots()
     axes.vlines(order, 0.0, amplitude, color=BLUE, linewidth=1.0)
@@ -299,9 +299,10 @@ def _draw_stems(order: Array, amplitude: Array, condition: str) -> Figure:
 
 @with_style
 def _draw_bars(values: Mapping[str, float], label: str, condition: str, fails_below_1: bool = False) -> Figure:
-    """Draw a horizontal bar for each value, the first on top; with `fails_below_1`, a log axis with bars from 1.
+    """Draw a horizontal bar for each of `values`, by name, the first at the top.
 
-    `label` is that of the axis, `condition` is printed below.
+    `label` is the label of the value axis, and `condition` is printed below. If `fails_below_1` is True, the axis is
+    logarithmic and bars extend from 1, with a different colour below 1.
     """
     figure = create_figure(RESULT.head + RESULT.row * len(values))
     axes = figure.subplots()

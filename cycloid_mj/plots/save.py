@@ -74,7 +74,10 @@ def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]
 
 @with_style
 def encode_figure(figure: Figure, form: str) -> bytes:
-    """Encode a figure in a format (png, svg or pdf); the first encoding fixes the layout for later encodings."""
+    """Return a figure as the bytes of a picture in the format `form` ("png", "svg" or "pdf").
+
+    The layout of the figure is fixed at its first encoding, so that all formats look the same.
+    """
     for text in figure.findobj(Text):  # undecodable bytes of file names have no glyphs
         text.set_text(encodable_text(text.get_text()))
     content = BytesIO()

@@ -96,7 +96,10 @@ class Script:
 
 
 def create_stage(script: Script, width: int) -> AnimatedFigure:
-    """Draw everything of an animation once, and return the figure with its movable artists; `width` is in pixels."""
+    """Draw the first frame of an animation, and return the figure with the artists that later frames change.
+
+    `width` is the width of the figure [pixels].
+    """
     reducer, forces = script.reducer, script.acting
     figure = Figure(figsize=(WIDTH, HEIGHT), dpi=width / WIDTH)
     axes = figure.add_axes((0.02, 0.262, 0.96, 0.7), aspect="equal")
@@ -116,7 +119,7 @@ def create_stage(script: Script, width: int) -> AnimatedFigure:
 
 
 def update_stage(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Move parts, arrows and bars of an animation's figure, `stage`, to the frame with index `row` of a script."""
+    """Show the frame with index `row` of a script: move the parts, force arrows and load bars of the figure `stage`."""
     poses = script.drawn
     _move_part(stage, GEAR, [poses.gear[row]])
     _move_part(stage, OTHER_DISCS, _other_disc_poses(script, row))
@@ -139,7 +142,7 @@ def _move_part(stage: AnimatedFigure, part: str, poses: Any) -> None:
 
 
 def _update_forces(stage: AnimatedFigure, script: Script, row: int) -> None:
-    """Set force arrows and load bars of a figure, `stage`, to the frame with index `row` of a script.
+    """Show the contact forces of the frame with index `row` of a script, as force arrows and load bars of `stage`.
 
     Contacts without force have no arrow.
     """
@@ -173,9 +176,9 @@ def _other_discs(reducer: Reducer, disc: int) -> list[int]:
 
 
 def _other_disc_poses(script: Script, row: int) -> list[Array]:
-    """Compute the ideal poses (x [m], y [m], angle [rad]), shape (3,), of the discs that are shown as outlines.
+    """Return the ideal poses of the discs drawn as dashed outlines, in the frame with index `row` of a script.
 
-    They are those in the frame with the index `row`.
+    A pose has shape (3,): x [m], y [m] and angle [rad].
     """
     gaps, mesh, phases = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
     crank, angle = gaps.crank_angle[row], gaps.gear[row, 2]
@@ -203,10 +206,11 @@ def _update_ring(housing: Any, script: Script, row: int) -> None:
 
 
 def _draw_parts(axes: Axes, reducer: Reducer, poses: Drawing) -> dict[str, list[Any]]:
-    """Draw the parts from back to front, each in its own coordinates; dots on disc and shaft show their rotation.
+    """Draw the parts from back to front, each in its own coordinates, and return their artists.
 
-    `poses` are those of the whole animation; the radii of the parts are taken from them. Return by name of the part a
-    list with an entry for each copy (such as each pin): the list of its artists, which move together.
+    Dots on disc and shaft show their rotation. `poses` is the drawing of the whole animation; only its radii are used.
+    The result has a list for each part name: for every copy of the part, such as each pin, the list of the artists that
+    move together.
     """
     design = reducer.design
     ring, output, gear, radii, disc = design.ring, design.output, design.gear, poses.radii, poses.gaps.disc
@@ -285,9 +289,9 @@ def _draw_disc(axes: Axes, circle: tuple[float, float, float], patch_style: Mapp
 
 
 def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
-    """Draw the force arrows of one kind of contact in the first frame, tips at the contacts, and return them.
+    """Draw and return the force arrows of one kind of contact in the first frame, with their tips at the contacts.
 
-    The largest force of all frames has the length `MAX_ARROW` of the housing's radius.
+    The largest force of all frames has an arrow of `MAX_ARROW` times the housing's radius.
     """
     largest = max(float(forces.size.max(initial=0.0)), 1e-9)
     return axes.quiver(
@@ -306,7 +310,7 @@ def _draw_arrows(axes: Axes, reducer: Reducer, forces: ContactForces) -> Any:
 
 
 def _add_legend(figure: Figure, forces: ContactForces) -> None:
-    """Add a legend of the force arrows that states the largest force of each kind of contact."""
+    """Add a legend of the force arrows, with the largest force [N] of each kind of contact over all frames."""
     entries = [
         Patch(color=colour, label=f"{name}: at most {forces.of(kind).size.max():.4g} N")
         for kind, (name, colour) in FORCES.items()
@@ -319,9 +323,10 @@ def _add_legend(figure: Figure, forces: ContactForces) -> None:
 
 
 def _draw_load_bars(figure: Figure, ring: ContactForces, ideal: Array | None) -> tuple[Any, Any]:
-    """Draw the force on each pin or lobe of the ring as bars, and the closed form as a step line.
+    """Draw the force on each pin or lobe of the ring in the first frame as bars, and the closed form as a step line.
 
-    `ideal` is the closed form [N], shape (frames, pins), or None.
+    `ring` are the contact forces of the ring, and `ideal` are the forces by the closed form [N], shape (frames, pins),
+    or None.
 
     Returns
     -------

@@ -44,10 +44,10 @@ PANEL = 2.9
 
 @with_style
 def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
-    """Draw the largest von Mises stress of a part over the crank angle for each design.
+    """Draw the largest von Mises stress of a part against the crank angle, with a curve for each design.
 
-    The upper panel has the stress away from the contacts (bulk), the lower panel that below the contacts by Hertz. A
-    dashed line marks the upper end of the range that Hsieh 2014 reports, for designs of that paper at its load.
+    The upper panel has the bulk stress (away from the contacts), the lower panel the stress below the contacts by
+    Hertz. For designs of Hsieh 2014 at the load of that paper, a dashed line marks the largest stress that it reports.
     """
     studies = [
         (index, findings_of_design, findings_of_design[part])
@@ -85,12 +85,12 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
 def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
     """Draw a map of the von Mises stress of every part, at the crank angle of its `StressMap`.
 
-    The colours end at the part's largest stress away from the contacts (bulk).
+    The colour scale ends at the part's largest bulk stress (away from the contacts).
 
     Parameters
     ----------
     maps
-        Stress at the nodes, by part.
+        Stress at the nodes, by name of the part.
     condition
         Design and load, for the title.
     """
@@ -105,9 +105,9 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
 
 @with_style
 def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
-    """Draw the finite-element mesh of every part, and magnified lobes of planar discs.
+    """Draw the finite-element mesh of every part, and magnified lobes of the discs whose mesh is planar.
 
-    `grids` are the meshes by part, `design` is the name of the design for the heading.
+    `grids` are the meshes by name of the part, `design` is the name of the design for the heading.
     """
     magnified_parts = [part for part, grid in grids.items() if part in GEARS and grid.dimension == 2]
     names = [name for part in grids for name in ([part, f"{part}, magnified"] if part in magnified_parts else [part])]
@@ -124,9 +124,10 @@ def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
 
 @with_style
 def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
-    """Draw the mesh convergence of each part: deviation of the largest bulk stress from the finest mesh [%].
+    """Draw the mesh convergence of each part: its largest bulk stress against the number of unknowns of the mesh.
 
-    The abscissa is the number of unknowns. The grey band is the allowed change per refinement, `MAX_CHANGE`.
+    The stress is drawn as relative deviation [%] from the stress with the finest mesh. The grey band is the allowed
+    change per refinement, `MAX_CHANGE`.
     """
     figure = create_figure(3.4)
     axes = figure.subplots()
@@ -200,10 +201,10 @@ def _create_panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]
 
 
 def _draw_map(axes: Axes, stress: StressMap, values: Array, top: float) -> Any:
-    """Draw nodal values, shape (n,), as colours on the part of a `stress` map, interpolated linearly.
+    """Draw nodal values (n,) of a part as colours on the mesh of `stress`, and return the artist of its triangles.
 
-    A solid part is drawn in its view, with visible faces only; `top` is the value at the end of the colours. Return the
-    coloured triangles.
+    Values are interpolated linearly between nodes. A solid part is drawn in its view (`VIEWS`), visible faces only. The
+    colour scale ends at the value `top`.
     """
     map_style: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
     if stress.points.shape[1] == 2:
@@ -250,19 +251,20 @@ def _split_quadratic(cells: Integers) -> Integers:
 
 
 def _project(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
-    """Project the surface of a solid part in its view (`VIEWS`).
+    """Project the surface of a solid part onto the plane of its view (`VIEWS`), and select the visible faces.
 
     Parameters
     ----------
     points, cells
-        Nodes [m], shape (n, 3), and quadratic tetrahedra, shape (m, 10).
+        Nodes [m], shape (n, 3), and quadratic tetrahedra (node indices), shape (m, 10).
     part
         Name of the part.
 
     Returns
     -------
     tuple of Array
-        Nodes [mm], shape (n, 2), visible faces from far to near, shape (f, 6), and their depth [m], shape (f,).
+        Positions of all nodes in the view [mm], shape (n, 2); node indices of the f visible faces from far to near,
+        shape (f, 6); and coordinates of the faces along the line of sight [m], shape (f,), larger if nearer.
     """
     view = VIEWS.get(part, FRONT)
     right_axis = view[0] / np.linalg.norm(view[0])

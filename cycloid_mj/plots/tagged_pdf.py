@@ -96,9 +96,9 @@ class TaggedRenderer(RendererPdf):
         self._element: dict[str, Any] = {}
 
     def open_group(self, s: str, gid: str | None = None) -> None:
-        """Begin a group of artists named `s` (overrides Matplotlib's renderer).
+        """Begin a group of artists; `s` is its kind, such as "text" or "axes" (overrides Matplotlib's renderer).
 
-        A text or axes directly in the figure becomes a structure element; `gid` is not used.
+        A group of a kind in `ROLES` that is directly in the figure becomes a structure element. `gid` is not used.
         """
         if s == "figure":
             return
@@ -107,9 +107,10 @@ class TaggedRenderer(RendererPdf):
         self._groups.append(s)
 
     def close_group(self, s: str) -> None:
-        """End the group of artists named `s` (overrides Matplotlib's renderer), and its structure element, if any.
+        """End the current group of artists, of the kind `s`, and its structure element if it has one.
 
-        Axes get an alternative text: the labels drawn in them.
+        Axes get the labels that were drawn in them as alternative text. This overrides a method of Matplotlib's
+        renderer.
         """
         if s == "figure":
             return
@@ -133,7 +134,7 @@ class FigureCanvasTaggedPdf(FigureCanvasPdf):
     ) -> None:
         """Write the figure to a file name or stream as PDF, or append it as a page if `filename` is a `TaggedPdfFile`.
 
-        `Figure.savefig` calls this method; it has applied its other arguments to the figure before.
+        `Figure.savefig` calls this method, after it has applied its arguments `_others` to the figure.
         """
         appended = isinstance(filename, TaggedPdfFile)
         file = filename if appended else TaggedPdfFile(filename, metadata=metadata)

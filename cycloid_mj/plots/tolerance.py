@@ -54,10 +54,10 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
 
 @with_style
 def budget_figure(tolerances: Tolerances) -> Figure:
-    """Draw the error budget as bars: the share of each tolerance in the variance of a quantity (Sobol indices).
+    """Draw the error budget of a quantity: the share of each tolerance in its variance (Sobol index), as bars.
 
-    The quantity is `Tolerances.budget_of`. A wide bar is the total index with its 95 % interval, the narrow bar in it
-    the first-order index (not below 0). The axis ends at 1, or beyond the highest end of an interval.
+    The quantity is `Tolerances.budget_of`. For each tolerance, a wide bar is the total index with its 95 % confidence
+    interval, and a narrow bar inside it is the first-order index, which is drawn as 0 if negative.
     """
     figure = create_figure(1.3 + 0.26 * len(tolerances.budget))
     axes = figure.subplots()
@@ -84,7 +84,7 @@ def budget_figure(tolerances: Tolerances) -> Figure:
 
 @with_style
 def distributions_figure(tolerances: Tolerances) -> Figure:
-    """Draw a histogram of every computed quantity over the samples that do not jam, with lines at its limits."""
+    """Draw a histogram of each computed quantity over the samples that do not jam, with lines at its limits."""
     figure_keys = list(tolerances.figures)
     rows = -(-len(figure_keys) // HISTOGRAM.columns)
     figure = create_figure(HISTOGRAM.row_height * rows + 0.4)

@@ -56,7 +56,8 @@ def draw_views(axes: Axes, reducer: Reducer) -> None:
 def _draw_front_view(axes: Axes, reducer: Reducer, outer: float) -> None:
     """Draw ring, pins, last disc, output pins and cam, seen from the output, with their dimensions [mm].
 
-    `outer` is the housing's radius [mm]. Labels state number and diameter of ring pins (or lobes) and output pins.
+    `outer` is the housing's radius [mm]. Labels state number and diameter of the ring pins, or the number of lobes, and
+    the same for the output pins.
     """
     design = reducer.design
     solids, ring, output, mm = parts(reducer, VISUAL_CHORD_ERROR), design.ring, design.output, MILLIMETRES
@@ -106,9 +107,10 @@ def _disc_centres(reducer: Reducer) -> list[Array]:
 
 
 def _draw_section(axes: Axes, reducer: Reducer, shift: float) -> None:
-    """Draw the cross sections of all parts with the plane through axis and eccentricity, hatched, and the axis.
+    """Draw the axial section of a reducer with hatched parts and its centre line, in mm.
 
-    `shift` moves the section along x [mm].
+    The plane of the section contains the axis and the direction of the eccentricity. `shift` moves the section along x
+    [mm].
     """
     for name, prism, centre, plane in _placed_prisms(reducer):
         part = family(name)
@@ -144,9 +146,9 @@ def _placed_prisms(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]
 
 
 def _draw_lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> None:
-    """Draw the axial dimensions below the section, from the top: stack of discs, output disc, total length [mm].
+    """Draw three axial dimensions [mm] below the section: stack of discs, output disc, and total length at the bottom.
 
-    `shift` is that of the section and `outer` the housing's radius [mm].
+    `shift` is the displacement of the section along x, and `outer` the housing's radius [mm].
     """
     mm, half_width = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     solids = body_solids(reducer)
@@ -164,9 +166,10 @@ def _draw_lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> N
 
 
 def _draw_diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, ends: tuple[float, float]) -> None:
-    """Draw the diameters next to the section: input journal on the left, output disc and housing on the right.
+    """Draw the diameters beside the section: input journal on the left, output disc and housing on the right.
 
-    `shift` is that of the section, `outer` the housing's radius, and `ends` the ends of the drive along its axis [mm].
+    `shift` is the displacement of the section along x, `outer` the housing's radius, and `ends` are the coordinates of
+    both ends of the drive along its axis, without `shift`; all in mm.
     """
     mm, half_width = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
     shaft, disc = mm * reducer.design.shaft.radius, body_solids(reducer)[OUTPUT].prisms[0]

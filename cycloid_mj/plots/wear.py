@@ -14,7 +14,10 @@ PANEL_HEIGHT = 2.0
 
 @with_style
 def wear_figure(result: WearLife) -> Figure:
-    """Draw lost motion over the hours, and below it the depth of wear along each surface that wears unevenly."""
+    """Draw the lost motion against the operating hours, and below it the wear depth of each unevenly worn surface.
+
+    The wear depth is drawn along the section of the surface, after the last hour of the typical case.
+    """
     unevenly_worn = [item for item in result.surfaces if item.surface.place is not None]
     figure = create_figure(PANEL_HEIGHT * (1 + len(unevenly_worn)) + 0.4)
     panels = figure.subplots(1 + len(unevenly_worn), 1, squeeze=False)[:, 0]
@@ -31,7 +34,10 @@ def wear_figure(result: WearLife) -> Figure:
 
 
 def _draw_lost_motion(axes: Axes, result: WearLife) -> None:
-    """Draw the lost motion of a `result` over the hours for each case of wear coefficients, and the limit."""
+    """Draw the lost motion against the operating hours, with the limit, for each case of the wear coefficients.
+
+    The cases are "low", "typical" and "high" coefficients: 5 % quantile, typical value and 95 % quantile.
+    """
     courses = {
         case: (wear_course.hours, wear_course.lost_motion / ARCMINUTE) for case, wear_course in result.courses.items()
     }

@@ -241,9 +241,9 @@ def phases(design: Design) -> tuple[float, ...]:
 def are_discs_identical(discs: int, output_pins: int, lobes: int) -> bool:
     """Return whether all discs are identical parts, which are only mounted at different angles on the output pins.
 
-    `discs`, `output_pins` and `lobes` (of a disc) are their numbers D, n and L. The teeth of disc d are ahead of its
-    holes by d/D of a tooth pitch. A rotation by j hole pitches is one by j L/n tooth pitches. The fractional parts of
-    these are the multiples of 1/m, with m = n/gcd(n, L). So the discs are identical if m is a multiple of D.
+    Symbols: D `discs`, n `output_pins`, and L `lobes` of a disc. On disc d, the teeth are ahead of the holes by d/D of
+    a tooth pitch. Rotating a disc by j hole pitches rotates it by j L/n tooth pitches. The fractional parts of j L/n
+    are the multiples of 1/m, with m = n/gcd(n, L). So the discs are identical if m is a multiple of D.
     """
     return output_pins // math.gcd(output_pins, lobes) % discs == 0
 
@@ -361,7 +361,7 @@ def ring_surfaces(design: Design, errors: Deviations) -> tuple[Surfaces, list[Ma
 def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
     """Return the mating of a disc's teeth with the ring's pins or lobes, `ring_side`.
 
-    The teeth are rotated by the disc's phase on the crank.
+    `disc` is the index of the disc. The teeth are rotated by the phase of the disc on the crank.
     """
     teeth = Surfaces(
         names=(_of_disc(design, names.TEETH, disc),),
@@ -378,9 +378,9 @@ def tooth_mating(design: Design, disc: int, ring_side: Surfaces) -> Mating:
 
 
 def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
-    """Return the mating of the bore of a disc with its cam, whose position has the errors of the crank.
+    """Return the mating of a disc's bore with its cam; `errors` displace the cam on the shaft.
 
-    The clearance is in the radius of the bore.
+    `disc` is the index of the disc. The clearance is included in the radius of the bore.
     """
     gear, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
     bore, cam = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
@@ -397,9 +397,9 @@ def _cam_mating(design: Design, errors: Deviations, disc: int) -> Mating:
 
 
 def _hole_mating(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
-    """Return the mating of the holes of a disc with the output pins `pins`; hole positions have their errors.
+    """Return the mating of a disc's holes with the output pins, `pins`; `errors` displace the holes in the disc.
 
-    The clearance is in the radius of the holes.
+    `disc` is the index of the disc. The clearance is included in the radius of the holes.
     """
     output = design.output
     hole_names = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
@@ -430,19 +430,21 @@ def surfaces_on_circle(
     Parameters
     ----------
     surface_names, body
-        Names of the n surfaces; name of the body of all, or of the body of each.
+        Names of the n surfaces, and name of their body: a common name, or one for each surface.
     role
         Kind of the surfaces, see `Role`.
-    circle_radius, radius
-        Radius of the circle [m], and of the surfaces, one for all or shape (n,) [m].
+    circle_radius
+        Radius of the circle [m].
+    radius
+        Radius of the surfaces [m], common or of shape (n,).
     error
-        Displacement of the centres [m], shape (n, 2).
+        Displacement of the centres from the circle [m], shape (n, 2).
     angles
-        Clockwise from +y [rad], shape (n,); by default evenly spaced.
+        Angles of the centres, clockwise from +y [rad], shape (n,); by default evenly spaced from 0.
     play
-        Clearance of massless pins [m], one for all or shape (n,).
+        Clearance of massless pins in their seats [m], common or of shape (n,).
     disc
-        Index of the disc whose width they have; None if they span all discs.
+        Index of the disc whose width the surfaces have; None if they span all discs.
     """
     count = len(surface_names)
     angle = _angles(count) if angles is None else angles

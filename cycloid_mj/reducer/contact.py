@@ -103,17 +103,17 @@ class Contact:
 
     @property
     def force(self) -> float:
-        """Working force of the pair [N], for which the secant stiffness is computed; for a cam the total force.
+        """Working force of the pair [N], at which its secant stiffness is computed; for a cam, the force on all of it.
 
-        The first of these values that the design sets is used:
+        The first of these values that exists is used:
 
-        - ``working_force`` of the kind of pair;
-        - ``contact.working_force`` for all pairs. A rolling cam has this force on its most loaded roller. A plain cam
-          has N/4 times this force, as under ideal sharing with this force on the most loaded of N teeth;
-        - by default the force under ideal sharing of the torque T of a disc, which is `Contacts.working_load` divided
-          by the number of discs: 4 T/(N c (N-1)) on the most loaded of N teeth, with the eccentricity c; 4 T/(n R) on
-          the most loaded of n output pins on the radius R; on a cam, the mean over a turn of the force that balances
-          both.
+        - ``working_force`` of this kind of pair in the design file;
+        - ``contact.working_force`` in the design file, for all pairs. A rolling cam has this force on its most loaded
+          roller. A plain cam has N/4 times this force, because ideal sharing among N teeth leads to this ratio of the
+          cam's force to that of the most loaded tooth;
+        - the largest force of the pair under ideal sharing of a disc's torque T, which is `Contacts.working_load`
+          divided by the number of discs. It is 4 T/(N c (N-1)) for the N teeth, with the eccentricity c, and 4 T/(n R)
+          for n output pins on a circle of radius R. A cam has the mean force over a turn that balances both.
         """
         design = self._reducer.design
         stated_force: float = getattr(design.working_force, self.kind)
@@ -129,7 +129,10 @@ class Contact:
 
     @property
     def source(self) -> Source:
-        """Source of the working force: "given" in the design file, or the load that it follows from; see `Source`."""
+        """Origin of the working force: "given" (in the design file), or the load that it follows from.
+
+        The values are those of `Source`.
+        """
         design = self._reducer.design
         if getattr(design.working_force, self.kind) or design.contact.working_force:
             return "given"
@@ -175,9 +178,9 @@ class Contact:
 
     @property
     def curvature_law(self) -> CurvatureLaw:
-        """Stiffness of a line contact by its curvature, from material, width, pin radius and working force.
+        """Stiffness of a line contact as a function of its curvature, for the pair's material, width and working force.
 
-        It does not depend on the curvature with the law IMPACT, or if ``contact.stiffness_law`` is not "local".
+        With the law IMPACT, or with another ``contact.stiffness_law`` than "local", the stiffness is constant.
 
         Raises
         ------
@@ -188,25 +191,26 @@ class Contact:
 
     @property
     def stiffness(self) -> float:
-        """Stiffness of the pair [N/m]: that of the design file, or the secant at the working force.
+        """Stiffness of the pair [N/m]: that of the design file, or the secant stiffness at the working force.
 
-        The secant depends on the kind of pair:
+        The secant stiffness depends on the kind of pair:
 
-        - teeth: a pin on a flat; sockets, sleeves and holes: by their relative curvature;
-        - rolling cam: the roller in the middle of the loaded half carries 4.08/Z of the load of Z rollers (Stribeck;
-          Harris, Rolling Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat;
+        - teeth: stiffness of a pin on a flat;
+        - sockets, sleeves and holes: stiffness at their relative curvature;
+        - rolling cam: stiffness at the load of the most loaded roller, which is 4.08/Z of the load of Z rollers
+          (Stribeck; Harris, Rolling Bearing Analysis). It has two contacts in series, each as stiff as a pin on a flat;
         - plain cam: `ideal_loads.conformal_stiffness`.
 
-        With the law IMPACT, all pairs have the secant stiffness of its spring.
+        With the law IMPACT, all pairs have the secant stiffness of the spring of this law.
         """
         return self._kept(Contact.stiffness, self._compute_stiffness)
 
     @property
     def stiffness_by_disc(self) -> tuple[float, ...]:
-        """Stiffness of a contact on each disc in the simulation, with the parts in series with it [N/m], shape (D,).
+        """Stiffness [N/m] of a simulated contact on each of the D discs, shape (D,), including parts in series with it.
 
-        These are the seat of a massless pin and, with ``structure = "springs"``, the bending of an output pin. Raises
-        the errors of `curvature_law`.
+        Parts in series are the seat of a massless pin and, with ``structure = "springs"``, an output pin, which bends.
+        Raises the errors of `curvature_law`.
         """
         contacts = self._reducer.contacts
         stiffness = contacts.mesh_stiffness if self._is_through_pin else self.stiffness
@@ -304,9 +308,9 @@ class Contact:
         return self.force * STRIBECK / rollers if self.kind == "cam" else self.force
 
     def _ideal_force(self, torque: float) -> float:
-        """Compute the largest force [N] of the pair on one disc under ideal sharing of that disc's output torque [N m].
+        """Compute the largest force [N] of the pair on a disc if the disc's output torque [N m] is shared ideally.
 
-        For the cam it is the mean over a turn.
+        For a cam it is the mean force over a turn.
         """
         reducer, design = self._reducer, self._reducer.design
         gear, output, torque = design.gear, design.output, reducer.share * torque
@@ -410,10 +414,10 @@ class Contacts:
 
     @property
     def working_load(self) -> float:
-        """Output torque [N m] from which the working forces follow by ideal sharing.
+        """Output torque [N m] whose ideal sharing determines the working forces.
 
-        It is ``contact.working_load``, or by default the magnitude of the load, but at least `own_load`; with a
-        preloaded ring, whose contacts are loaded at any torque, at least the nominal torque.
+        It is ``contact.working_load`` if the design sets it. Otherwise it is the magnitude of the load, or `own_load`
+        if that is larger. A preloaded ring, whose contacts are loaded at any torque, has at least the nominal torque.
         """
         design = self._reducer.design
         preload_torque = design.rated_torque if design.ring.preload else 0.0
@@ -421,12 +425,12 @@ class Contacts:
 
     @property
     def own_load(self) -> float:
-        """Output torque [N m] that causes the same contact forces as weight and inertia of the discs.
+        """Output torque [N m] that causes contact forces as large as those of the discs' weight and inertia.
 
-        A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam, with the crank speed
-        w and the eccentricity c. A load torque T on N ring teeth presses the teeth sideways against the cam by T/(c
-        (N-1)). So W corresponds to a torque W c (N-1) for each disc, or W c N if the ring is the output. The mass m is
-        approximated by a round disc of the radius E - rho: pin-circle radius minus pin radius.
+        A disc of mass m presses on its cam by weight and inertia force W = m (g + c w^2), with the gravity g, the crank
+        speed w and the eccentricity c. A load torque T on N ring teeth presses the disc on its cam by T/(c (N-1)). So W
+        corresponds to a torque of W c (N-1) for each disc, or W c N if the ring is the output. The mass is that of a
+        round disc, whose radius is the radius of the pin circle minus that of a pin.
         """
         design = self._reducer.design
         gear, ring, output = design.gear, design.ring, design.output
@@ -435,7 +439,10 @@ class Contacts:
         return self._weight_torque(area) * design.reduction
 
     def _weight_torque(self, area: float) -> float:
-        """Compute the torque [N m] of weight and inertia of discs with a section `area` [m2] on their eccentrics."""
+        """Compute the weight and inertia force of all discs times the eccentricity [N m].
+
+        `area` is the section of a disc [m2].
+        """
         design = self._reducer.design
         gear = design.gear
         weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
@@ -508,7 +515,7 @@ class Contacts:
 
 @lru_cache(maxsize=64)
 def _cam_force_per_torque(gear: CycloidGear, pins: int, radius: float) -> float:
-    """Return the mean magnitude of the cam force on a disc over a turn, under ideal sharing, per load torque [1/m].
+    """Return the mean force on the cam of a disc over a turn, under ideal sharing of an output torque of 1 N m [N].
 
     `pins` and `radius` [m] are the number of output pins and the radius of their circle.
     """

@@ -108,7 +108,7 @@ def gaps(reducer: "Reducer", crank_angle: float) -> Gaps:
     """Compute the gaps of teeth and output pins of all discs at one crank angle in the frame of the ring [rad].
 
     The teeth come first, then the output pins. With an internal gear, the gaps of its flanks follow, 4 or 5 per disc.
-    The cams are not included, because their gaps are not linear: see `cam_displacements`.
+    The cams are not included, because their gaps are not linear in the pose: see `cam_displacements`.
     """
     discs = range(len(reducer.phases))
     flanks = [flank_gaps(reducer, crank_angle, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
@@ -118,9 +118,10 @@ def gaps(reducer: "Reducer", crank_angle: float) -> Gaps:
 def arc_gaps(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Gaps:
     """Compute the gaps of all round contacts (pins or arcs of the ring, and output pins) at crank angles [rad].
 
-    `crank_angle` is in the frame of the ring, shape (k,) or (). The contacts at each angle are those of all discs with
-    the ring, then those with the output pins. If the ring has two halves, the contacts of a disc with the first half
-    come first. The flanks of an internal gear between its arcs are not included; see `flank_gaps`.
+    `crank_angle` is in the frame of the ring, shape (k,) or (). At each angle, the contacts of all discs with the ring
+    come first, disc by disc, then those with the output pins. In a ring of two halves, each disc has the contacts with
+    the first half, then with the second. The flanks of an internal gear between its arcs are not included; see
+    `flank_gaps`.
     """
     angles = np.asarray(crank_angle, dtype=np.float64)
     discs = range(len(reducer.phases))
@@ -139,9 +140,10 @@ def _arc_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
 
 
 def flank_gaps(reducer: "Reducer", crank_angle: float, disc: int = 0) -> Gaps:
-    """Compute the 4 or 5 gaps between a disc and the flanks of an internal gear at a crank angle [rad], to first order.
+    """Compute the gaps between a disc and the flanks of an internal gear at a crank angle [rad]: 4 or 5 gaps.
 
-    The crank angle is in the frame of the ring; `disc` is the index of the disc.
+    They are exact to first order in the displacements. The crank angle is in the frame of the ring; `disc` is the index
+    of the disc.
     """
     gear, turned = reducer.tooth_profile, crank_angle + reducer.phases[disc]
     lines, middle = envelope.sigma_contacts(gear, turned), gear_centre(gear, turned)
@@ -154,13 +156,17 @@ def _gaps_with_each_half(reducer: "Reducer", disc: int, lines: envelope.RingCont
 
 
 def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, centre: Array, half_index: int) -> Gaps:
-    """Compute the gaps (n,) between a disc and the ring, or a half of it, at the contact lines of the ideal mesh.
+    """Compute the n gaps between a disc and the ring, or one half of it, at the n contact lines of the ideal mesh.
 
-    A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A pin radius that is larger by r
-    closes the gap by r, and reduces the clearance in the socket by r; a disc profile that is larger by r closes the gap
-    by r. A disc that is generated with a pin circle larger by x has the gaps of ring pins that are closer to the centre
-    by x. Flanks rotated by a open the gap by a times the lever arm of the normal. `Gaps.distance` and `Gaps.curvature`
-    are those of the disc's trochoid and the centre of the pin, a point.
+    Errors and modifications of the profile change the gap of a line as follows:
+
+    - a displacement d of the pin opens it by d . n, where n is the outward normal of the disc;
+    - a pin radius larger by r closes it by r, and reduces the clearance of the pin in its socket by r;
+    - a disc profile larger by r closes it by r;
+    - a disc generated with a pin circle larger by x has the same gaps as ring pins closer to the axis by x;
+    - a rotation of the flanks by an angle a opens it by a times the lever arm of the normal.
+
+    `Gaps.distance` and `Gaps.curvature` are those between the disc's trochoid and the centre of the pin.
 
     Parameters
     ----------
@@ -212,9 +218,9 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, cen
 def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
     """Compute the gaps between the holes of a disc and the n output pins at crank angles (...) [rad], shape (..., n).
 
-    Every pin touches the inner side of its hole, and pushes the disc inwards along the eccentric. A hole displaced by d
-    in the disc opens its gap by the component of d in this direction. The lever arm of a contact is the same for a
-    rotation of the disc and of the output, as holes and pins are on equal circles.
+    Every pin touches the inner side of its hole, and pushes the disc in the direction opposite to its eccentricity. A
+    displacement of a hole in the disc opens its gap by the component in this direction. The lever arm of a contact is
+    the same about the centre of the disc and about the axis of the output, because holes and pins are on equal circles.
     """
     gear, errors, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
     output_angle = crank_angle[..., np.newaxis] / gear.lobes
@@ -251,12 +257,12 @@ def _output_gaps(reducer: "Reducer", crank_angle: Array, disc: int) -> Gaps:
 
 
 def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
-    """Compute the ideal motion of the unknowns z per crank rotation [m/rad], shape (..., 3 D + 1).
+    """Compute the derivatives of the unknowns z of the module by the crank angle in the ideal motion [m/rad].
 
-    `crank_angle` [rad] has the shape (...). z are x, y and R phi of each disc, then R psi of the output; see the
-    module. Disc centres move on circles, discs and output rotate by -1/(N-1) of the crank (Hsieh 2014, Eqs 12 and 13,
-    corrected). The product with `Gaps.slip_slope` is the sliding distance of each contact per crank rotation [m/rad];
-    the product with `Gaps.slope` is 0.
+    The result has the shape (..., 3 D + 1) for crank angles (...) [rad]. Disc centres move on circles; discs and output
+    rotate by -1/(N-1) of the crank's rotation (Hsieh 2014, Eqs 12 and 13, corrected). The product with
+    `Gaps.slip_slope` is the sliding distance of each contact per crank rotation [m/rad]; the product with `Gaps.slope`
+    is 0.
     """
     gear, angles = reducer.tooth_profile, np.asarray(crank_angle, dtype=np.float64)
     motion = np.full((*angles.shape, unknowns(reducer)), -reducer.lever / gear.lobes)
@@ -266,9 +272,10 @@ def ideal_motion(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
 
 
 def cam_displacements(reducer: "Reducer", crank_angle: npt.ArrayLike) -> Array:
-    """Compute the displacement of each cam by the errors of the crank [m], shape (..., D, 2), at crank angles (...).
+    """Compute the displacement of each cam by manufacturing errors of the crank [m], shape (..., D, 2).
 
-    Crank angles [rad] are in the frame of the ring. A disc's centre is at most the cam's clearance away from the cam.
+    The crank angles (...) [rad] are in the frame of the ring. The clearance of the cam limits the distance between a
+    disc's centre and the displaced cam.
     """
     gear, errors = reducer.tooth_profile, reducer.deviations
     crank_column = np.asarray(crank_angle, dtype=np.float64)[..., np.newaxis]

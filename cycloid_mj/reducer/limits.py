@@ -77,10 +77,10 @@ def pressed_fit(reducer: "Reducer", crank_angle: float, pose: Array) -> Fit:
 
 
 def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) -> Fit:
-    """Convert a pose (u,) [m] (see the module) to displacements [m] and rotations [rad] of the parts.
+    """Convert a pose (u,) [m], see the module, to a `Fit` with displacements [m] and rotations [rad] of the parts.
 
-    The pose is relative to the ring; if the ring is the output, the rotations of `Fit` include the rotation of the
-    ring. `mesh_gaps` are the gaps at this crank angle, `min_gap` [m] is the smallest gap in this pose.
+    The pose is relative to the ring. If the ring is the output, its rotation is added to the rotations in `Fit`.
+    `mesh_gaps` are the gaps at this crank angle, and `min_gap` [m] is the smallest gap in this pose.
     """
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
@@ -93,15 +93,15 @@ def _make_fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, min_gap: float) 
 
 
 def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, dict[str, float]]:
-    """Compute the minimum gap [m] of `best_fit` at a crank angle [rad], and how far each kind of pair limits it.
+    """Compute the minimum gap of `best_fit` at a crank angle [rad], and how much each kind of pair limits it.
 
     Clearances may be negative here, unlike in a design file.
 
     Returns
     -------
     tuple
-        The gap [m], and for each kind of pair, ``cam`` among them, its share [1] in the forces that would press the
-        parts into this pose (dual values of the linear program); the shares add up to 1.
+        The minimum gap [m]; and for each kind of pair, including ``cam``, a share from 0 to 1. It is the share of this
+        kind in the contact forces that press the parts into the pose (dual values of the linear program).
     """
     mesh_gaps, _, min_gap, forces = _maximize_min_gap(reducer, crank_angle)
     kinds = np.concatenate([mesh_gaps.kind, np.full(len(forces) - len(mesh_gaps.kind), "cam")])
@@ -109,13 +109,13 @@ def find_tightest_pairs(reducer: "Reducer", crank_angle: float) -> tuple[float, 
 
 
 def _maximize_min_gap(reducer: "Reducer", crank_angle: float) -> tuple[Gaps, Array, float, Array]:
-    """Maximize the minimum gap at a crank angle [rad] by linear programming.
+    """Find the pose with the largest minimum gap at a crank angle [rad] by linear programming.
 
     Returns
     -------
     tuple
-        Gaps (n,) of teeth and output pins; pose (u,) [m] (see the module); its minimum gap [m]; and the dual values [1]
-        of all limits: of the n gaps, then of the sides of each cam's polygon.
+        Gaps (n,) of teeth and output pins; the pose (u,) [m], see the module; its minimum gap [m]; and the dual values
+        [1] of the constraints: one for each of the n gaps, then one for each side of each cam's polygon.
     """
     from scipy.optimize import linprog
 
@@ -141,10 +141,15 @@ def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple
 
 
 def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> Array:
-    """Compute the rotations (n, 2) [rad] from the ideal angle at which the output stops, at crank angles (n,) [rad].
+    """Compute how far the output can turn from its ideal angle in both directions, at n crank angles [rad].
 
-    The first is clockwise, the second counter-clockwise. Parts are rigid, with all clearances, errors and
-    modifications. `sides` is the number of sides of the polygon that represents a cam's clearance.
+    Parts are rigid, with all clearances, errors and modifications. `sides` is the number of sides of the polygon that
+    represents a cam's clearance.
+
+    Returns
+    -------
+    Array
+        Rotations [rad], shape (n, 2), counter-clockwise positive: the stop in clockwise direction, then the other.
 
     Raises
     ------
@@ -156,10 +161,10 @@ def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> A
 
 
 def _solve_stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
-    """Solve one linear program for the stops (n, 2) [rad] at crank angles `cranks` (n,) [rad], which are independent.
+    """Solve a single linear program for the stops (n, 2) [rad], see `stops_at`, at the n crank angles `cranks` [rad].
 
-    `sides` is the number of sides of a cam's polygon. If the program has no solution, each angle is solved alone, to
-    name the angle at which the disc jams.
+    The angles are independent of each other. If the program has no solution, each angle is solved alone, so that the
+    error message can name the angle at which the disc jams. `sides` is the number of sides of a cam's polygon.
 
     Raises
     ------
@@ -207,15 +212,15 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) ->
 
 
 def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Return the inequalities slope @ z + gap >= 0 on a pose z (u,) [m]: one per contact, then one per side of a cam.
+    """Return the limits on a pose z (u,) [m] as inequalities ``slope @ z + gap >= 0``.
 
-    The clearance of each cam is a polygon of `sides` sides; its centre is displaced by `cams` (D, 2) [m]. `mesh_gaps`
-    are the gaps of teeth and output pins.
+    There is one for each contact, then one for each side of each cam's polygon, which has `sides` sides. `mesh_gaps`
+    are the gaps of teeth and output pins, and `cams` (D, 2) [m] are the displacements of the cams.
 
     Returns
     -------
     tuple of Array
-        Gradients [1], shape (m, u), and gaps [m], shape (m,).
+        ``slope`` [1], shape (m, u), and ``gap`` [m], shape (m,).
     """
     slopes, widths = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
     directions = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
@@ -228,10 +233,10 @@ def _linear_limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int)
 
 
 def _pin_displacements(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
-    """Return the displacements of moving pins that separate them from the discs in a pose, shape (mates, 2) [m].
+    """Return the displacement of each ring pin that avoids an overlap with the discs in a pose, shape (mates, 2) [m].
 
-    A pin that overlaps a disc moves along the normal of the deepest overlap, half-way between touching the disc and
-    touching its seat. Other pins have the displacement 0, as have all pins that cannot move.
+    A moving pin that overlaps a disc is displaced along the normal of the deepest overlap, to the middle between
+    touching the disc and touching its seat. The displacement of all other pins is 0.
 
     Parameters
     ----------

@@ -131,16 +131,17 @@ def view_from_ring(design: Design) -> Design:
 def view_columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> dict[str, Array]:
     """Convert the columns of a run to the frame of the ring (`view_from_ring`); unchanged if the ring is fixed.
 
-    Angles, positions, speeds and forces are rotated back with the ring; pins are logged in its frame already. The
-    torque of the load is replaced by the torque on the fixed carrier, which balances crank and ring.
+    Angles, positions, speeds and forces are converted to the rotating frame; the columns of pins are in this frame
+    already. The load torque becomes the torque on the carrier, which is fixed in this frame and balances crank and
+    ring.
 
     Parameters
     ----------
     reducer
         The reducer of the run.
     columns
-        Columns of a run by name, shape (n,), in SI units; ``output_angle`` is required, and the speed of the output
-        counts as 0 if it is missing.
+        Columns of a run by name, shape (n,), in SI units. ``output_angle`` is required; a missing ``output_speed``
+        counts as 0.
     """
     viewed = dict(columns)
     if not reducer.member.turns_ring:

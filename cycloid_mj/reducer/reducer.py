@@ -66,7 +66,9 @@ class Reducer:
     """Joint of the driven shaft."""
 
     def __init__(self, design: Design, worn: "WornGaps | None" = None) -> None:
-        """Store a design at its temperatures, with the wear of its surfaces if any; equal designs share their cache.
+        """Create the reducer of a design, with parts expanded to their temperatures and the wear `worn`, if any.
+
+        Reducers of equal designs without wear share a cache.
 
         Raises
         ------
@@ -97,9 +99,9 @@ class Reducer:
         return type(self)(self.design.steady(settled, turns, samples, **changes), self.worn)
 
     def working_at(self, torque: float) -> Self:
-        """Return the reducer whose contact stiffnesses are those at an output torque [N m], whatever its load.
+        """Return the reducer whose contact stiffnesses are those at an output torque [N m], not those at its load.
 
-        A design with a working load, or with a working force for all pairs, is returned unchanged.
+        If the design sets a working load, or a working force for all pairs, the reducer itself is returned.
         """
         contact = self.design.contact
         if contact.working_load or contact.working_force:
@@ -119,9 +121,9 @@ class Reducer:
     def for_slices(self) -> Self:
         """Reducer for simulations with mesh contact, in which working surfaces are divided into convex slices.
 
-        Its contact stiffnesses are those at the nominal torque, or at its load if that is larger. They are not adapted
-        to a smaller load, because the contact of slices is softer at a small depth by itself. The creep speed is that
-        of the design, or `SLICES_CREEP`.
+        Its contact stiffnesses are those at the nominal torque, or at its load if that is larger. They are not reduced
+        for a smaller load, because the contact of slices becomes softer at a small depth anyway. The creep speed is
+        that of the design, or `SLICES_CREEP` if the design has none.
         """
         stiffened_reducer = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
         return stiffened_reducer.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
@@ -256,7 +258,10 @@ class Reducer:
 
     @property
     def disc_section(self) -> float:
-        """Cross-section area of a disc [m2]: outline less bore and holes, with clearances, without flank rotation."""
+        """Cross-section area of a disc [m2]: area within its outline minus bore and holes.
+
+        Outline, bore and holes include the clearances. A flank rotation of the outline is not included.
+        """
         from cycloid_mj.geometry import profile
 
         gear, output, clearance = self.design.gear, self.design.output, self.design.clearance
@@ -292,10 +297,10 @@ Drive = TypeVar("Drive", bound=Reducer)
 
 
 def once(function: Callable[Concatenate[Drive, Given], Value]) -> Callable[Concatenate[Drive, Given], Value]:
-    """Decorate a function of a reducer so that its results are cached, for each value of further arguments.
+    """Decorate a function of a reducer so that its result is cached for each value of its other arguments.
 
-    The reducer has the cache, so that the function runs only once for equal designs. Results are shared and must not be
-    changed.
+    The cache belongs to the reducer and is shared by reducers of equal designs, so the function runs once for all of
+    them. Callers must not change a result.
     """
 
     @wraps(function)

@@ -62,7 +62,7 @@ class RvReducer(Reducer):
 
     @property
     def kinematics(self) -> "RvKinematics":
-        """Ratios, and orders of periodic errors, from the numbers of teeth."""
+        """Speed ratios, and orders of periodic errors, which follow from the numbers of teeth."""
         from cycloid_mj.geometry.rv import RvKinematics
 
         design, planet = self.design, self.planet
@@ -83,7 +83,7 @@ class RvReducer(Reducer):
 
     @property
     def stage(self) -> "RvStage":
-        """Dimensions of the discs on their cranks, for the closed forms of loads and errors."""
+        """Cycloidal stage (discs on their cranks), for the closed forms of loads and errors in `geometry.rv_loads`."""
         from cycloid_mj.geometry.rv_loads import RvStage
 
         return RvStage(
@@ -235,10 +235,11 @@ class RvReducer(Reducer):
 
     @property
     def play(self) -> float:
-        """Backlash of the output with rigid parts without errors [rad], at a fixed sun.
+        """Backlash of the output [rad] with rigid parts without errors, while the sun is fixed.
 
-        The principle of virtual work adds the backlash of the planets, the clearance of the crank bearings along the
-        circle of cranks and across the eccentricity, and the clearance of the teeth.
+        It is the sum of the backlash of the planets, the clearance of the crank bearings and the clearance of the
+        teeth, each converted to the output (principle of virtual work). The clearance of the bearings acts along the
+        circle of the cranks and across the eccentricity.
         """
         design, clearance = self.design, self.bearing_clearance
         tooth = getattr(design.clearance, design.tooth_pair) + design.pin_play

@@ -97,8 +97,7 @@ class PlanetMesh:
 def compute_planet_mesh(reducer: "RvReducer") -> PlanetMesh:
     """Return the mesh of sun and planets of an RV reducer.
 
-    At crank angle 0, parts are in the middle of their backlash; planets are rotated on their cranks such that they
-    mesh.
+    At crank angle 0, each planet is mounted on its crank such that its teeth are in the middle of the backlash.
     """
     planet, (sun_gear, planet_gear) = reducer.planet, reducer.stage_gears
     sun_base, planet_base = sun_gear.base_radius, planet_gear.base_radius
@@ -149,9 +148,9 @@ def crank_joint(crank: str) -> str:
 
 
 def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
-    """Yield the bodies: fixed member, sun, discs, loaded member, cranks, moving pins.
+    """Yield the bodies in this order: fixed member, sun, discs, loaded member, cranks, moving pins.
 
-    `errors` displace the ring pins.
+    The loaded member is the output: the carrier or the ring. `errors` displace the ring pins.
     """
     design, axis = reducer.design, np.zeros(2)
     loaded, fixed = reducer.member.turning_and_held
@@ -176,9 +175,9 @@ def _bodies(reducer: "RvReducer", errors: Deviations) -> Iterator[Body]:
 
 
 def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
-    """Return the mating of the crank bores of a disc, by its index, with the eccentrics of the cranks.
+    """Return the mating of a disc's crank bores with the eccentrics of the cranks; `disc` is the index of the disc.
 
-    The clearance of needles and tapered bearing is in the radius of the bores.
+    The clearances of needle bearing and tapered bearing are included in the radius of the bores.
     """
     design, errors, count = reducer.design, reducer.crank_errors, reducer.cranks.count
     shape, cranks, gear = (design.gear.discs, count), crank_names(reducer), reducer.gears[disc]
@@ -217,7 +216,7 @@ def _bearing_mating(reducer: "RvReducer", disc: int) -> Mating:
 
 
 def _planet_mating(reducer: "RvReducer") -> Mating:
-    """Return the mating of the sun with the planets, whose teeth are displaced from their cranks by run-out."""
+    """Return the mating of the sun with the planets; run-out displaces each planet's teeth from its crank's axis."""
     count, errors = reducer.cranks.count, reducer.crank_errors
     sun_gear, planet_gear = reducer.stage_gears
     runout = np.stack([listed(errors.planet_x, (count,)), listed(errors.planet_y, (count,))], axis=-1)
@@ -232,15 +231,15 @@ def _planet_mating(reducer: "RvReducer") -> Mating:
 
 
 def rv_motion(reducer: "RvReducer", sun: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Compute positions and speeds of all joints at an angle [rad] and speed [rad/s] of the sun.
+    """Compute positions and speeds of the joints at an angle [rad] and speed [rad/s] of the sun, in the ideal motion.
 
-    This is the ideal motion of rigid parts without errors. Joints that are left out, such as those of moving pins, are
-    at 0, in the middle of their seats.
+    Parts are rigid and have no errors. Joints that the result does not have, such as those of moving pins, are at 0,
+    the middle of their seats.
 
     Returns
     -------
     tuple of dict
-        Positions [m] or [rad], and speeds [m/s] or [rad/s], by joint.
+        Positions [m] or [rad], and speeds [m/s] or [rad/s], by name of the joint.
     """
     member, gear = reducer.member, reducer.tooth_profile
     crank, crank_speed = float(member.crank_angle(sun)), float(member.crank_angle(speed))

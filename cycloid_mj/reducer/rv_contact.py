@@ -51,7 +51,8 @@ class SpringContact(Contact):
     def _compute_force(self) -> float:
         """Compute the working force [N], which the property `force` caches.
 
-        It is the mean over the crank bearings and over a turn, or the force of a planet mesh along its line of action.
+        For crank bearings it is the mean force over all bearings and over a turn, for a planet mesh the force along its
+        line of action.
         """
         reducer = self._rv
         torque = reducer.contacts.working_load * reducer.share

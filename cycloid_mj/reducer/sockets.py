@@ -18,21 +18,21 @@ WALL_GAP = 0.1
 
 
 def wall_radius(design: Design) -> float:
-    """Compute the radius [m] of the wall between sockets: that of the pin centres, or more for clearance of the disc.
+    """Compute the inner radius [m] of the wall between sockets, at least the radius of the pin circle.
 
-    With the pin circle radius E, pin radius rho and eccentricity c, the gear's tips reach E - rho + 2c from the
-    reducer's axis, and the bottoms of the sockets are at E + rho: if c is less than rho, a wall fits in between. It
-    keeps the gap `WALL_GAP` to the tips.
+    With the pin circle radius E, pin radius rho and eccentricity c, the tips of the disc's lobes reach E - rho + 2c
+    from the reducer's axis, and the sockets reach E + rho. So there is room for a wall if c is less than rho. The gap
+    between wall and tips is at least `WALL_GAP` times rho - c.
     """
     centre, pin, eccentricity = design.ring.pin_circle_radius, design.ring.pin_radius, design.gear.eccentricity
     return max(centre, centre - pin + 2.0 * eccentricity + WALL_GAP * (pin - eccentricity))
 
 
 def arc_half_angle(design: Design, radius: float) -> float:
-    """Compute half the angle [rad] over which a circle of `radius` [m] about a pin centre lies within the ring's wall.
+    """Compute half the angle [rad] of the arc of a pin-centred circle that lies in the wall between sockets.
 
-    The angle is counted from the direction away from the reducer's axis; 0 if the entire circle is inside the wall's
-    radius.
+    The arc is symmetric to the direction away from the reducer's axis. `radius` [m] is that of the circle. The result
+    is 0 if the entire circle is inside the wall's inner radius.
     """
     centre, wall = design.ring.pin_circle_radius, wall_radius(design)
     cosine = (wall**2 - centre**2 - radius**2) / (2.0 * centre * radius)
@@ -52,9 +52,9 @@ def is_drawn(design: Design) -> bool:
 
 
 def require_open_sockets(design: Design, feature: str) -> None:
-    """Raise an error if the sockets of a design are closed, as its parts have no solids then.
+    """Raise an error if the sockets of a design are closed, because solids of such parts cannot be generated.
 
-    `feature` is the name of what needs the solids, for the message.
+    `feature` is the name of the feature that needs the solids, for the message.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def require_open_sockets(design: Design, feature: str) -> None:
 
 
 def require_one_ring(reducer: "Reducer", feature: str) -> None:
-    """Raise DesignError if the ring of a design is in two halves, for a feature that supports an undivided ring only.
+    """Raise DesignError if the ring of a design is in two halves, for a `feature` that supports an undivided ring only.
 
     `feature` is its name in the message.
     """
