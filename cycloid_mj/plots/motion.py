@@ -47,7 +47,7 @@ def input_figure(motion: Series) -> Figure:
 
 @with_style
 def gear_speed_figure(motion: Series) -> Figure:
-    """Draw the disc speed over a crank turn with Eq. 12 of Hsieh 2014, and the error magnified below (Fig. 6)."""
+    """Draw the disc speed over a crank turn, simulated and by Eq. 12 of Hsieh 2014, above its error (Fig. 6 there)."""
     degrees = turn_degrees(motion)
     figure, top, bottom = _draw_speed(motion, "gear_speed", motion.one_turn, degrees)
     speed = motion.gear_speed.select(motion.one_turn)

@@ -503,7 +503,7 @@ class Contacts:
         return ", ".join(forces)
 
     def _describe_source(self, source: Source) -> str:
-        """Describe in words where a working force comes from, with the torque that it follows from."""
+        """Describe a `source` of working forces (`Contact.source`) in words, with the torque that they follow from."""
         return {
             "given": "given",
             "working load": f"ideal sharing of {self.working_load:.4g} N m",

@@ -38,9 +38,9 @@ class ReportPage(str):
 
 
 def review_page(log: Path, run: Run | None = None) -> str:
-    """Return the HTML report of one logged run; raises as `report`.
+    """Return the report of one logged run as an HTML page; raises the errors of `report`.
 
-    Forces, which are most of a long log, are read only for the samples in which the page shows the mechanism.
+    Forces are most of a long log. They are read only for the samples at which the page shows the mechanism.
 
     Parameters
     ----------

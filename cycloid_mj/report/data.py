@@ -45,7 +45,10 @@ def figures(reviewed: Sequence[Reviewed]) -> list[SignalFigure]:
 
 
 def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
-    """Return the data of a report page as JSON values: panels of charts (``figures``) and curves by run (``runs``)."""
+    """Return the data of a report page as JSON values, in lists ``figures`` and ``runs``.
+
+    ``figures`` has name and panels of each chart (`_panel_json`), ``runs`` the data of each run (`_run_data`).
+    """
     return {
         "figures": [
             {"name": figure.name, "panels": [_panel_json(key, HEIGHTS[len(figure.panels)]) for key in figure.panels]}
@@ -56,9 +59,9 @@ def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
 
 
 def curves(motion: Series) -> dict[str, Array]:
-    """Compute the curves of a run by name, in the units of their panels, shape (n,) each.
+    """Return the curves of a run over its n samples, shape (n,) each, in the units of `SIGNALS`: name -> values.
 
-    Names are keys of `SIGNALS`; those of closed forms end in ``_theory``.
+    Names are keys of `SIGNALS`; the name of a closed form is that of its signal with ``_theory`` appended.
     """
     by_name = {}
     for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):
@@ -70,7 +73,10 @@ def curves(motion: Series) -> dict[str, Array]:
 
 
 def _panel_json(key: str, height: float) -> dict[str, Any]:
-    """Return label, names of curves, and `height` of a chart's panel as JSON values; see `HEIGHTS` for the height."""
+    """Return the description of a chart's panel as JSON values: label, names of its curves, and height.
+
+    `key` is the name of the signal in `SIGNALS`, and `height` is one of `HEIGHTS`.
+    """
     signal = SIGNALS[key]
     return {
         "label": signal.label,
@@ -87,11 +93,12 @@ def _theory(key: str) -> str:
 
 
 def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
-    """Return the data of one of `runs` runs on a page as JSON values: curves, paths, mechanism and spectrum.
+    """Return the data of a run as JSON values: curves, paths, mechanism and spectrum.
 
-    Curves are decimated, so that those of all runs together have at most `CHARTS.max_values` values. ``time`` [s]
-    counts from the first sample, which is at the time ``start`` [s] of the run. ``spans`` has the first and last time
-    [s] of the evaluated part, of one crank turn, and of the run.
+    `runs` is the number of runs on the page: curves are decimated so that all runs together have at most
+    `CHARTS.max_values` values. ``time`` [s] counts from the first sample, which is at the time ``start`` [s] of the
+    run. ``spans`` has the first and last time [s] of the evaluated part (``hold``), of one crank turn (``turn``), and
+    of the run (``all``).
     """
     motion, signals = item.motion, curves(item.motion)
     max_samples = min(CHARTS.max_samples, CHARTS.max_values // (runs * len(signals)))
@@ -112,9 +119,10 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
 
 
 def _path_json(key: str, motion: Series) -> dict[str, Any]:
-    """Return the path `key` over one crank turn as JSON values, shape (m, 2), and the unit of both axes.
+    """Return the path `key` of `SIGNALS` over one crank turn as JSON values: points (m, 2), and their unit.
 
-    A path with a closed form has it as ``theory``; that of pin 1 has its clearance as ``circle`` [um].
+    The keys are ``simulated`` and ``unit``, and ``theory`` if the path has a closed form. The path of pin 1 has its
+    clearance as ``circle`` [um].
     """
     signal, turn = SIGNALS[key], motion.one_turn
     path = {"unit": signal.unit, "simulated": encode_array(signal.simulated(motion)[turn])}
@@ -128,11 +136,11 @@ def _ends(time: Array) -> list[float]:
 
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
-    """Compute the order spectra of output and disc speed [mrad/s] over the crank angle as JSON values.
+    """Compute the order spectra of output and disc speed as JSON values; None without a crank turn at constant speed.
 
-    They cover the first `CHARTS.max_spectrum_turns` crank turns at constant speed, up to `CHARTS.max_mesh_orders` times
-    the ``mesh`` order. ``order`` is in cycles per crank turn. The result is None without a complete crank turn at
-    constant speed.
+    ``output`` and ``gear`` are the amplitudes [mrad/s] at the orders ``order``, in cycles per crank turn. ``mesh`` is
+    the order of the tooth mesh; spectra reach `CHARTS.max_mesh_orders` times this order. They are evaluated over the
+    first `CHARTS.max_spectrum_turns` crank turns at constant speed.
     """
     motion, teeth = item.motion, item.motion.reducer.mesh_periods
     if motion.phase != "hold":

@@ -30,8 +30,8 @@ def decimate(time: Array, values: Array, max_samples: int) -> tuple[Array, Array
     Returns
     -------
     tuple
-        Times (m,) and values (m, k): unchanged if there are not more samples; else the smallest and the largest value
-        of each column in each of m/2 spans of time, in the order in which they occur.
+        Times (m,) and values (m, k). They are unchanged if there are at most `max_samples` samples. Otherwise each
+        column has its smallest and its largest value in each of m/2 spans of time, in the order in which they occur.
     """
     count = time.size
     if count <= max_samples:

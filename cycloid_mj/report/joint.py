@@ -44,9 +44,9 @@ def joint_page(
     comparison
         Its comparison with the full model.
     steps
-        Trials of time steps.
+        Trials of time steps, from `study_time_steps`.
     scene
-        Trial of the scene's time step.
+        Trial of the time step in scene.xml.
     bam
         Parameters of the friction models of BAM, from `fit_bam_models`.
     drives
@@ -110,9 +110,9 @@ def _quantity_table(reduced: ReducedJoint) -> TextTable:
 
 
 def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
-    """Return the data of a chart as JSON values: curves sorted by x, those of the full model marked as ``theory``.
+    """Return the data of a chart as JSON values: title, axis labels, and ``curves`` with points in the order of x.
 
-    ``span`` is the range of x over all curves.
+    ``theory`` is true for curves of the full model. ``span`` is the range of x over all curves.
     """
     first_curve = curves[0]
     data = []
@@ -137,10 +137,10 @@ def _chart_data(curves: Sequence[Curve]) -> dict[str, Any]:
 
 
 def _friction_table(reduced: ReducedJoint) -> TextTable:
-    """Tabulate constant friction [N m] and damping [N m s/rad] at the joint for simulators without other models.
+    """Tabulate constant friction [N m] and damping [N m s/rad] at the joint, for simulators without friction by load.
 
-    Each row is correct at one of `FRICTION_LOADS` at the rated speed, with the crank driving and with the output
-    driving.
+    Each row has the values that are correct at the rated speed under one of `FRICTION_LOADS`: friction with the crank
+    driving, friction with the output driving, and damping.
     """
     rows = []
     for share in FRICTION_LOADS:
@@ -157,7 +157,10 @@ def _friction_table(reduced: ReducedJoint) -> TextTable:
 
 
 def _efficiency_table(reduced: ReducedJoint) -> Table:
-    """Tabulate the efficiency [%]: a row per torque, two columns per speed, with crank and with output driving."""
+    """Tabulate the efficiency [%]: a row for each output torque, and two columns for each crank speed.
+
+    The two columns have the efficiencies with the crank driving and with the output driving.
+    """
     friction = reduced.friction
     header = ["output torque [N m]"]
     rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]
@@ -170,7 +173,10 @@ def _efficiency_table(reduced: ReducedJoint) -> Table:
 
 
 def _harmonics_table(reduced: ReducedJoint) -> TextTable:
-    """Tabulate the harmonics of the transmission error at nominal torque, down to `MIN_HARMONIC` of the largest."""
+    """Tabulate the harmonics of the transmission error at nominal torque: amplitudes and numerical errors [arcsec].
+
+    Harmonics below `MIN_HARMONIC` of the largest are left out.
+    """
     load = reduced.ripple.loads[-1] * reduced.rated_torque
     rated_harmonics = [
         harmonic
@@ -198,7 +204,10 @@ def _harmonics_table(reduced: ReducedJoint) -> TextTable:
 
 
 def _bam_table(bam: Mapping[str, Any]) -> TextTable:
-    """Tabulate the parameters of BAM's friction models M3 and M5 (`fit_bam_models`), and their largest errors [N m]."""
+    """Tabulate the parameters of BAM's friction models M3 and M5, and the largest errors of their friction [N m].
+
+    `bam` is the result of `fit_bam_models`.
+    """
     models = [bam["m3"], bam["m5"]]
     keys = [key for key in models[1] if key != "model"]
     keys = list(dict.fromkeys([*(key for key in models[0] if key != "model"), *keys]))

@@ -32,9 +32,9 @@ MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
     """Return the outlines of the mechanism [mm] and its motion over one crank turn as JSON values.
 
-    `samples` has the samples of a run that are shown, with forces. ``usual`` is the largest of `MAGNIFICATIONS` at
-    which the pins are drawn inside their holes, ``widest`` the widest gap [mm]; for the others see `_outlines_json`
-    and `_frames_json`.
+    `samples` are the samples of a run that are shown, with forces. ``usual`` is the largest of `MAGNIFICATIONS` at
+    which the pins are drawn inside their holes, and ``widest`` is the widest gap [mm]. ``frames`` has the keys of
+    `_frames_json`; the other keys are those of `_outlines_json`.
     """
     ring_reducer, ring_columns = (
         Reducer(view_from_ring(reducer.design)),
@@ -51,9 +51,9 @@ def mechanism(reducer: Reducer, samples: Run) -> dict[str, Any]:
 def _outlines_json(reducer: Reducer) -> dict[str, Any]:
     """Return the outlines of the parts as JSON values: lengths in mm, in the frame of the reducer axis or of the part.
 
-    ``angles`` of the ring's pins or lobes [rad] are clockwise from +y (x = sin, y = cos); the ``phase`` [rad] of each
-    further disc (``others``) on the crank is counter-clockwise. ``magnifications`` has the radii of the parts at each
-    possible magnification of the clearances (``times``). ``wall`` is the inner radius of the housing.
+    ``angles`` are the angles of the ring's pins or lobes [rad], clockwise from +y. ``others`` has the outline of each
+    disc but the first, and its ``phase`` on the crank [rad], counter-clockwise. ``magnifications`` has the radii of the
+    parts at each possible magnification of the clearances, ``times``. ``wall`` is the inner radius of the housing.
     """
     design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
@@ -99,17 +99,20 @@ def _outlines_json(reducer: Reducer) -> dict[str, Any]:
 
 
 def _frames_json(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:
-    """Return the motion and the forces on the first disc of n samples as JSON values, arrays of shape (n, ...).
+    """Return the motion and the forces on the first disc at n samples as JSON values, arrays of shape (n, ...).
 
-    `columns` are those of a run in the frame of the ring, `time` [s], shape (n,) each. Keys of the result:
+    `columns` are the columns of a run in the frame of the ring, and `time` is in seconds, shape (n,) each. Keys of the
+    result:
 
     - ``time``: time from the first sample [s]; ``start``: time of the first sample [s]
-    - ``crank``: crank angle [rad]; ``deviation``: pose of the disc minus the ideal one, x, y [mm] and angle [rad]
-    - ``opening``: gap between the disc and each pin or arc of the ring, less the clearance [mm]
-    - ``outputAway``: distance of the centres of each output pin and its hole, less the eccentricity [mm]
+    - ``crank``: crank angle [rad]
+    - ``deviation``: pose of the disc minus its ideal pose, x, y [mm] and angle [rad]
+    - ``opening``: gap between the disc and each pin or arc of the ring, minus the clearance [mm]
+    - ``outputAway``: distance between the centres of each output pin and its hole, minus the eccentricity [mm]
     - ``force``: forces x, y [N], by the groups of contacts in `GROUPS`
-    - with ring pins also ``away``: position of each pin in its socket, x, y [mm]; ``pinAngle``: its rotation [rad];
-      ``ideal``: force on each pin by ideal load sharing [N]
+    - ``away``, with ring pins only: position of each pin in its socket, x, y [mm]
+    - ``pinAngle``, with ring pins only: rotation of each pin [rad]
+    - ``ideal``, with ring pins only: force on each pin by ideal load sharing [N]
     """
     gap_values, forces = measure_gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
     deviation = gap_values.deviation * [MILLIMETRES, MILLIMETRES, 1.0]

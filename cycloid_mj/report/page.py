@@ -70,10 +70,11 @@ def _unmet(reviewed: Sequence[Reviewed]) -> Iterator[tuple[str, Checks]]:
 
 
 def _main_values(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield name and text, with unit, of the main quantities of a run: efficiency, errors of output and disc, contacts.
+    """Yield the main quantities of a run as pairs of name and text with unit.
 
-    Without a load, or if the run is a ramp only, a remark replaces the value of the efficiency. Backlash and stiffness
-    are those of the static equilibrium, and are omitted if there is none.
+    They are efficiency, transmission and speed errors of output and disc, largest contact force, number of contacts,
+    and backlash and stiffness in static equilibrium. The last two are omitted if there is no equilibrium. The text of
+    the efficiency is a remark if there is no load, or if the run ended before reaching constant speed.
     """
     findings = item.findings
     no_value_text = "not evaluated in a ramp" if findings.condition.load else "no load"

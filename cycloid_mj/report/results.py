@@ -35,10 +35,12 @@ def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[
 
     Parameters
     ----------
+    calibration
+        The calibration.
     figure
-        SVG of its loops.
+        Figure of its hysteresis loops, as SVG text.
     remarks
-        Why the calibrated design cannot be used, a sentence each.
+        Sentences on why the calibrated design cannot be used, one for each reason.
     """
     from cycloid_mj.bench.calibration import UNEXPLAINED
 

@@ -19,7 +19,10 @@ MAX_ROWS = 500
 
 
 def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
-    """Return a sweep as one HTML page: inputs, ranges of quantities, correlations, errors and the figure, an SVG."""
+    """Return a sweep as one HTML page: inputs, ranges of quantities, correlations, errors and the figure.
+
+    `quantities` are names of numeric columns, and `figure` is the content of an SVG file.
+    """
     task = sweep.task
     return (
         environment()
@@ -42,7 +45,10 @@ def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
 
 
 def _inputs_table(sweep: Sweep) -> Table:
-    """Tabulate the varied keys of a sweep: the range of numbers, the list of words, and the rules of linked keys."""
+    """Tabulate the varied keys of a sweep with their values: a range for numbers, a list for words.
+
+    Further rows have the keys that follow from varied keys, with their rules.
+    """
     rows = []
     for key in sweep.task.keys:
         values = list(dict.fromkeys(sweep[key].tolist()))

@@ -47,10 +47,11 @@ def setup(reviewed: Sequence[Reviewed]) -> TextTable:
 
 
 def findings(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Tabulate simulation, closed form and error of each finding: a row for each finding, three columns for each run.
+    """Tabulate simulation, closed form and error of the evaluated quantities of runs.
 
-    Findings are in the order of `GROUPS`, each group below its heading; a run without a finding has empty cells.
-    Several runs have their names and conditions in a second head row.
+    There is a row for each quantity, with three columns for each run; cells are empty if a run has no such quantity.
+    Rows are grouped below headings in the order of `GROUPS`. With several runs, another head row has their names and
+    conditions.
     """
     rows_by_run = [
         {group.name: {row.quantity: row for row in group.rows} for group in groups(item.findings)} for item in reviewed
@@ -72,9 +73,10 @@ def findings(reviewed: Sequence[Reviewed]) -> TextTable:
 
 
 def losses(reviewed: Sequence[Reviewed]) -> TextTable:
-    """Tabulate the mean losses [W] by friction and by contact damping: a row for each run and kind of mating pair.
+    """Tabulate the mean losses by friction and by contact damping [W]: a row for each kind of mating pair of each run.
 
-    The share of the input power is empty if the crank receives no power. Without losses, the table has no rows.
+    The last column is the share in the input power [%]; it is empty if the crank receives no power. Without losses, the
+    table has no rows.
     """
     rows = []
     for item in reviewed:
@@ -105,7 +107,7 @@ def design_checks(item: Reviewed) -> Checks:
 
 
 def _setup_rows(item: Reviewed) -> Iterator[tuple[str, str]]:
-    """Yield name and text, with units, of each row of a run's setup: design, drive, load, time step, evaluated time.
+    """Yield the rows of a run's setup as pairs of name and text with units: design, drive, load, time, ...
 
     The row "accuracy at this time step" is omitted if the run does not state it.
     """

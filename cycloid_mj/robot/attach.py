@@ -11,11 +11,11 @@ from cycloid_mj.robot.reducer import ReducedJoint
 
 
 def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
-    """Attach a reducer to a hinge of an editable MuJoCo model: crank body, springs to the hinge, motors on the crank.
+    """Attach a reducer to a hinge of an editable MuJoCo model: add a crank body, springs to the hinge, and friction.
 
-    Armature, friction loss and damping of the hinge are replaced by those of the reducer. Its actuators act on the
-    crank, with a gear that keeps the meaning of their controls: a torque at the joint, or its angle as seen by the
-    motor. Keyframes get the angle of the crank. At the level `rigid` there is no crank.
+    Armature, friction loss and damping of the hinge are replaced by those of the reducer. Its actuators are moved to
+    the crank, with a gear that keeps the meaning of their controls: a torque at the joint, or the joint's angle as
+    measured at the motor. Keyframes get the angle of the crank. At the level `rigid` there is no crank.
 
     Parameters
     ----------
@@ -121,9 +121,9 @@ def _add_light_body(joint: Any, model: Any, name: str) -> Any:
 
 
 def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int) -> str:
-    """Add the fixed tendon of a spring between crank and hinge, with its dead band, and return its name.
+    """Add a spring between crank and hinge as a fixed tendon with a dead band, and return the tendon's name.
 
-    `reduced` is the reducer's joint, `joint` the name of the hinge, `index` that of the spring.
+    `reduced` has the springs, `joint` is the name of the hinge, and `index` is the index of the spring.
     """
     spring, name = reduced.springs[index], reducer_name(joint, index)
     tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)
@@ -139,9 +139,10 @@ def _add_spring_tendon(spec: Any, reduced: ReducedJoint, joint: str, index: int)
 
 
 def _add_slip_element(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, index: int) -> None:
-    """Add slip element number `index` of the hinge: a body with friction that a spring couples to crank and hinge.
+    """Add a slip element of the hinge: a body with friction, which a spring couples to crank and hinge.
 
-    `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer.
+    `joint` is the hinge in the ``MjSpec``, `model` the compiled ``MjModel`` without the reducer, and `index` the index
+    of the element in `reduced`.
     """
     slip, name = reduced.slips[index], slip_name(joint.name, index)
     armature, damping = slip_inertias(reduced)[index]
@@ -174,10 +175,10 @@ def _add_tuple(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[str])
 
 
 def _move_actuators_to_crank(spec: Any, reduced: ReducedJoint, joint: str) -> None:
-    """Move the actuators of a hinge to its crank, and multiply their gear so that the torque on the hinge is the same.
+    """Move the actuators of a hinge to its crank, and change their gear so that the torque on the hinge is the same.
 
-    The factor is the speed of the hinge over that of the crank, the signed inverse ratio ``-reduced.coefficient``.
-    `reduced` is the reducer's joint, `joint` the name of the hinge.
+    The gear is multiplied by the speed of the hinge divided by that of the crank, which is ``-reduced.coefficient``.
+    `joint` is the name of the hinge.
     """
     kinds = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for actuator in spec.actuators:
@@ -190,14 +191,16 @@ def _move_actuators_to_crank(spec: Any, reduced: ReducedJoint, joint: str) -> No
 def _write_keyframes(
     spec: Any, keyframes: list[tuple[list[float], list[float]]], model: Any, reduced: ReducedJoint, joint: str
 ) -> None:
-    """Insert the crank into all keyframes: its angle in the middle of the play, and the speed of the hinge.
+    """Insert position and speed of the crank into all keyframes.
+
+    The crank's angle is that in the middle of the play, and its speed is the ideal one at the speed of the hinge.
 
     Parameters
     ----------
     spec
         Editable model with the crank.
     keyframes
-        Positions and speeds of each keyframe before the crank was added, an empty list for the default.
+        Positions and speeds of each keyframe before the crank was added; an empty list stands for the default values.
     model
         Compiled ``MjModel`` without the reducer.
     reduced, joint

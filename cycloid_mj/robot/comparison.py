@@ -127,7 +127,7 @@ class ModelComparison:
 def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelComparison:
     """Compare the reduced joint in MuJoCo with the full model of the reducer, at the levels `backlash` and `full`.
 
-    Compared are play, wind-up, resonance, efficiency, and the harmonics of the transmission error.
+    The comparison covers play, wind-up, resonance, efficiency, and the harmonics of the transmission error.
     """
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     play = solve_play(reducer, COMPARISON.angles_factor * POSES)
@@ -161,15 +161,15 @@ def _strongest_order(ripple: Ripple) -> float:
 
 
 def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
-    """Compare backlash, lost motion and wind-up [arcmin] at rest under a series of torques with a locked crank.
+    """Compare backlash, lost motion and wind-up [arcmin] of the joint and the full model, at rest with a locked crank.
 
-    `reduced` is the joint, `play` the full model's play and wind-up. The backlash is extrapolated to zero from two
-    small torques on either side.
+    `reduced` is the joint, and `play` has play and wind-up of the full model. The joint's backlash is extrapolated to
+    zero torque from two small torques in either direction.
 
     Returns
     -------
     tuple
-        The quantities, and the curves of the output's angle over the torque, which have no hysteresis.
+        The quantities, and curves of the output's angle against the torque; they have no hysteresis.
     """
     scene = create_trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold()
@@ -219,9 +219,9 @@ def _compare_loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], li
 
 
 def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
-    """Yield the resonance frequency [Hz] of a reduced joint with a heavy load under the nominal torque, crank locked.
+    """Yield the resonance frequency [Hz] of a reduced joint with a heavy inertia under nominal torque, crank locked.
 
-    Its reference is sqrt(k/J) with the slope of the full model's wind-up, which is part of `play`.
+    Its reference is sqrt(k/J)/(2 pi), with the slope k of the full model's wind-up, `play`, and the inertia J.
     """
     inertia = 10.0 * reduced.reflected_inertia
     expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
@@ -235,14 +235,14 @@ def _compare_resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
 
 
 def _compare_efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantity], list[Curve]]:
-    """Compare the efficiencies of a reduced joint and of the full model at the rated speed, at several loads.
+    """Compare the efficiencies of a reduced joint and of the full model at the rated speed, at `COMPARISON.loads`.
 
     Both are computed with the crank driving and with the output driving.
 
     Returns
     -------
     tuple
-        The efficiencies as quantities [%], and curves over the load.
+        The efficiencies as quantities [%], and curves against the output torque.
     """
     rows, curves = [], []
     cases = (("driving", True, "efficiency"), ("driven", False, "efficiency of back-driving"))
@@ -308,19 +308,20 @@ def _compare_transmission_error(
 ) -> tuple[list[Quantity], list[Curve]]:
     """Compare the harmonics of the transmission error at nominal torque over a full, slow turn of the output.
 
-    Compared are harmonics of at least `COMPARISON.min_harmonic` of the largest.
+    Only harmonics of at least `COMPARISON.min_harmonic` of the largest are compared.
 
     Parameters
     ----------
     reducer, reduced
         Full model, and reduced joint.
     name, direction
-        Name of the crank's direction, and 1 or -1.
+        Direction of the crank in words, and as 1 or -1.
 
     Returns
     -------
     tuple
-        Amplitude of each harmonic [arcsec], and the curves over one turn of the crank.
+        Amplitude of each harmonic as a quantity [arcsec], and the transmission errors over one turn of the crank as
+        curves.
     """
     errors = solve_error(reducer, 1.0, direction)
     fine, _ = compute_amplitudes(errors)

@@ -72,10 +72,10 @@ class LinkInertia:
 def compute_link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> dict[str, LinkInertia]:
     """Compute mass [kg] and inertia [kg m2] of the links `housing`, `drive` and `output` of a reduced joint.
 
-    They follow from the parts of the reducer. The housing is a solid cylinder with the diameter and length of the whole
-    reducer; its mass is that of the reducer less output and crank. Covers are included if the casing fits. The link
-    `drive` has the crank's inertia reflected to the output; at the level `rigid`, there is no such link, and the output
-    has this inertia. With `armature`, the simulator adds it to the joint, and `drive` has the crank's own inertia only.
+    The link `drive` has the crank's inertia, reflected to the output. With `armature`, the simulator adds the reflected
+    inertia to the joint, and `drive` has the crank's own inertia only. At the level `rigid` there is no link `drive`,
+    and its inertia is added to the output. The housing is a solid cylinder with diameter and length of the whole
+    reducer, and with the mass of the reducer minus output and crank. Covers are included if the casing fits.
     """
     masses = moving_masses(reducer)
     output_body, crank = masses[reducer.mechanism.turning], masses[names.SHAFT]
@@ -110,10 +110,13 @@ def write_descriptions(reduced: ReducedJoint, reducer: Reducer, file_format: For
     Parameters
     ----------
     reduced, reducer
-        The joint, and the reducer that its masses are from.
+        The joint, and the reducer whose masses its links have.
     file_format
-        ``urdf``, ``sdf``: NAME.urdf or NAME.sdf. ``isaaclab``: NAME.urdf and NAME_cfg.py, whose actuators are
-        configurations of Isaac Lab. ``mjx``: joint.xml and scene.xml with an integrator and a time step of MJX.
+        One of these:
+
+        - ``urdf``, ``sdf``: NAME.urdf or NAME.sdf;
+        - ``isaaclab``: NAME.urdf, and NAME_cfg.py with actuator configurations for Isaac Lab;
+        - ``mjx``: joint.xml and scene.xml, with an integrator and a time step that suit MJX.
     """
     name = reduced.name
     if file_format == "mjx":
@@ -144,11 +147,11 @@ def list_description_files(name: str, file_format: Format) -> tuple[str, ...]:
 
 
 def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> str:
-    """Return the URDF of a reduced joint: links with inertia, the actuated joint `drive`, and the play as a joint.
+    """Return the URDF of a reduced joint: links, the actuated joint `drive`, and the play, a passive joint `output`.
 
-    The links have the masses of the reducer's parts; the play is the joint `output`. With `armature`, the simulator
-    adds the crank's reflected inertia to the actuated joint, so that no link has it, and the play joint is named
-    `PLAY`. All values are in SI units; at the level `rigid` there is no play.
+    The links have the masses of the reducer's parts. With `armature`, the simulator adds the crank's reflected inertia
+    to the actuated joint, so that no link has it, and the passive joint is named `PLAY`. At the level `rigid` there is
+    no play. All values are in SI units.
     """
     robot = ElementTree.Element("robot", name=reduced.name)
     robot.append(ElementTree.Comment(_describe_joint(reduced)))
@@ -178,10 +181,10 @@ def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -
 
 
 def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
-    """Return the SDFormat model of a reduced joint (`SDF_VERSION`): links with inertia, the driven joint, and the play.
+    """Return the SDFormat model of a reduced joint (`SDF_VERSION`): links, the driven joint, and the play as a joint.
 
-    The links have the masses of the reducer's parts. The ends of the play have the stiffness of the drive [N m/rad].
-    All values are in SI units.
+    The links have the masses of the reducer's parts. The stops at the ends of the play have the stiffness of the drive
+    [N m/rad]. All values are in SI units.
     """
     root = ElementTree.Element("sdf", version=SDF_VERSION)
     model = ElementTree.SubElement(root, "model", name=reduced.name)
@@ -212,16 +215,16 @@ def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
 
 
 def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
-    """Compute the DC motor at a reduced joint that has the joint's rated and peak torque, with the keys of BAM.
+    """Compute the parameters of a DC motor at a reduced joint that has the joint's rated and peak torque, for BAM.
 
-    Torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed. The
-    motor stands in for that of the robot: its torque constant and resistance are those at the joint, not at the crank.
+    It stands in for the motor of the robot, which is not known; its values are those at the joint, not at the crank.
+    The torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed.
 
     Returns
     -------
     dict
-        Torque constant ``kt`` [N m/A]; ``resistance`` [ohm]; ``error_gain``, the ratio of motor voltage to supply
-        voltage per position error [1/rad]; and ``max_current`` [A].
+        Torque constant ``kt`` [N m/A]; ``resistance`` [ohm]; ``error_gain``, the share of the supply voltage per
+        position error [1/rad]; and ``max_current`` [A].
     """
     stall_torque = MJCF.motor_peak * reduced.rated_torque
     no_load_speed = reduced.rated_speed / reduced.ratio / (1.0 - 1.0 / MJCF.motor_peak)
@@ -237,8 +240,8 @@ def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
 def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
     """Return a Python module with the configurations of Isaac Lab for a reduced joint: motor, actuators and asset.
 
-    `urdf` is the name of the URDF file. `BamMotorCfg` has the parameters of BAM's model M5; the play is a passive
-    joint.
+    `urdf` is the name of the URDF file. The configuration of the motor, `BamMotorCfg`, has the parameters of BAM's
+    friction model M5. The play is a passive joint.
     """
     drive = _list_joints(reduced)[0]
     friction = {key: value for key, value in fit_bam_models(reduced)["m5"].items() if isinstance(value, float)}

@@ -36,14 +36,14 @@ def choose_scenes(
     reduced
         The joint.
     inertia
-        Inertia on the output [kg m2]; by default the reducer's own, reflected.
+        Inertia on the output [kg m2]; by default the inertia of the reducer itself, reflected to the output.
     timestep, integrator
-        Time step [s] and integrator; by default those of `stability.choose_time_step`.
+        Time step [s] and integrator; by default those that `stability.choose_time_step` selects.
 
     Returns
     -------
     tuple of StepTrial
-        Trials with the time step of either scene; the second is None at the level `rigid`.
+        Trials of the time steps of scene.xml and lossy_scene.xml; the second is None at the level `rigid`.
     """
     inertia = reduced.reflected_inertia if inertia is None else inertia
     if reduced.slips:
@@ -62,8 +62,8 @@ def choose_scenes(
 def joint_files(reduced: ReducedJoint, main_scene: StepTrial, lossy: StepTrial | None) -> dict[str, bytes]:
     """Return the MJCF and other files of a reduced joint: name -> content.
 
-    These are `BASE_FILES`, and `SPRING_FILES` unless `lossy` is None. `main_scene` and `lossy` are the time steps of
-    both scenes, from `choose_scenes`.
+    These are `BASE_FILES` and, unless `lossy` is None, `SPRING_FILES`. `main_scene` and `lossy` are the trials whose
+    time steps the scenes have, from `choose_scenes`.
     """
     texts = [
         joint_xml(reduced),

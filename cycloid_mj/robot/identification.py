@@ -143,10 +143,10 @@ class Play:
 
     @property
     def springs(self) -> tuple[Spring, ...]:
-        """Springs with dead bands that together have the wind-up at `GRID.springs` (isotonic regression).
+        """Springs with dead bands whose sum has the torque of the wind-up at `GRID.springs` (isotonic regression).
 
-        Each spring adds its stiffness to those that start before it. Where the full model softens with the load, one
-        slope replaces two.
+        Beyond its dead band, each spring adds its stiffness to that of the springs before it, so that the total can
+        only grow. Where the full model softens with the load, neighbouring slopes are replaced by their mean.
         """
         from scipy.optimize import isotonic_regression
 
@@ -169,10 +169,10 @@ class Play:
 
     @property
     def polynomial(self) -> Array:
-        """Coefficients a, b, c of the torque a x + b x^2 + c x^3 at x [rad] beyond the stop, shape (3,).
+        """Coefficients a, b, c of the torque a x + b x^2 + c x^3 at the angle x [rad] beyond the stop, shape (3,).
 
-        Units: N m/rad, N m/rad^2, N m/rad^3. Least squares of the relative error at `GRID.polynomial`, up to the
-        nominal torque.
+        Their units are N m/rad, N m/rad^2 and N m/rad^3. The relative error at the torques of `GRID.polynomial`, up to
+        the nominal torque, is minimised by least squares.
         """
         wind_ups, torques = (
             np.array([self.wind_up[share] for share in GRID.polynomial]),
@@ -191,9 +191,9 @@ class Play:
 
 
 def solve_play(reducer: Reducer, poses: int) -> Play:
-    """Solve play and wind-up of a reducer in static equilibrium with a locked crank, as means over crank angles.
+    """Compute play and wind-up of a reducer in static equilibrium with a locked crank, as means over crank angles.
 
-    `poses` is the number of evenly spaced crank angles. Raises as `loads`.
+    `poses` is the number of evenly spaced crank angles. Raises the errors of `statics.loads`.
     """
     rated_torque = reducer.design.rated_torque
     resting_reducer = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
@@ -233,10 +233,10 @@ def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
 
 
 def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
-    """Compute friction torques on the crank [N m] over output torque and crank speed, at the points of `GRID`.
+    """Compute the friction torques on the crank [N m] at the output torques and crank speeds of `GRID`.
 
-    The crank drives in one table of the map, the output in the other. `on_step` is called after each point. Raises
-    RunError where the crank cannot turn against a load.
+    The map has a table for a driving crank and one for a driving output. `on_step` is called after each computed
+    torque. Raises RunError where the crank cannot turn against a load.
     """
     speed, rated_torque = reducer.design.drive.speed, reducer.design.rated_torque
     rows_by_sign: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
@@ -262,8 +262,9 @@ def _compute_friction_map(reducer: Reducer, on_step: Callable[[], None]) -> Fric
 def _compute_no_load_torque(reducer: Reducer) -> float:
     """Compute the friction torque on the crank without a load [N m].
 
-    The first torque of `GRID.no_load` with a static balance is used; unless it is the smallest, the friction torque is
-    extrapolated linearly to zero torque, but not below 0. It is 0 if friction jams the parts at all of them.
+    It is the friction torque at the first output torque of `GRID.no_load` that has a static balance. If this is not the
+    smallest torque, the result is extrapolated linearly to zero torque, but not below 0. The result is 0 if friction
+    jams the parts at all of these torques.
     """
     rated_torque = reducer.design.rated_torque
     for torque in GRID.no_load:
@@ -305,10 +306,10 @@ def _compute_friction_torque(reducer: Reducer, torque: float, on_step: Callable[
 def _compute_damping(reducer: Reducer) -> float:
     """Compute the damping of the wind-up [N m s/rad] between carrier and ring.
 
-    Each contact is a spring with a parallel damper, and all are in series. For slow motion, their damping is
-    c = k^2 sum(s C/K), with the stiffness k of all in series, the time constant C/K of a contact (damping C, stiffness
-    K), and its compliance s at the output [rad/(N m)]. The time constant of pin and seat together is their mean,
-    weighted by compliance 1/K. Bending of output pins and twist of the structure have that of the output contacts.
+    Each contact is a spring (stiffness K) with a parallel damper (damping C), and all contacts are in series. For slow
+    motion, their total damping is c = k^2 sum(s C/K), with the total stiffness k and the compliance s of each contact
+    at the output [rad/(N m)]. A pin and its seat together have the mean of their time constants C/K, weighted by their
+    compliances 1/K. Bending of output pins and twist of the structure have the time constant of the output contacts.
     """
     contact_laws_by_pair, rated_torque = contact_laws(reducer), reducer.design.rated_torque
     compliances = [
@@ -340,7 +341,8 @@ def _compute_damping(reducer: Reducer) -> float:
 def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
     """Yield the identified quantities of a joint with units and numerical errors, for tables and JSON.
 
-    `fine` and `coarse` are play and wind-up at two numbers of crank angles; their difference is the numerical error.
+    `fine` and `coarse` are play and wind-up, computed with many and with fewer crank angles; their difference is the
+    numerical error.
     """
     condition = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
     friction, rated_torque, speed = joint.friction, joint.rated_torque, joint.rated_speed
@@ -392,7 +394,7 @@ def _list_quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: 
 
 
 def _efficiency_spread(reducer: Reducer) -> str:
-    """Return a sentence on how far assumed inputs change the efficiency, from one variation of each input at a time."""
+    """Return a sentence on how much the efficiency changes if assumed inputs are varied, one at a time."""
 
     def rate(varied_reducer: Reducer) -> float:
         try:
@@ -408,10 +410,10 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
 
 def _efficiency_error(reducer: Reducer, share: float) -> float:
-    """Compute the numerical error of the efficiency [1] as its change with a larger number of crank angles.
+    """Estimate the numerical error of the efficiency [1] as its change when more crank angles are used.
 
-    The number is multiplied by `GRID.angles_factor`. `share` is the output torque over the nominal one, negative if the
-    output drives.
+    Their number is multiplied by `GRID.angles_factor`. `share` is the output torque as a share of the nominal torque,
+    negative if the output drives.
     """
     torque = share * reducer.design.rated_torque
     return abs(

@@ -60,10 +60,10 @@ class ImpactLoad:
 def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     """Solve the impact of a joint under an alternating load by LSODA, as a reference for MuJoCo; results are cached.
 
-    The equation is J x'' = T cos(2 pi f t) - spring(x) - c x', with the nominal torque T, the angle x of the output,
-    and the inertia J of `inertia` [kg m2] and output together. At the level `full`, the damping c acts beyond the stops
-    only, as in `ReducedJoint.step`. At the level `backlash`, it acts within the play as well, as in MJCF. The frequency
-    f is reduced until the output crosses the play within half a cycle.
+    The equation is J x'' = T cos(2 pi f t) - spring(x) - c x'. T is the nominal torque, f the frequency, x the angle of
+    the output, J the inertia of the output and of its load (`inertia` [kg m2]), and c the damping. At the level `full`,
+    damping acts beyond the stops only, as in `ReducedJoint.step`. At the level `backlash`, it acts within the play as
+    well, as in MJCF. The frequency is halved until the output crosses the play within half a cycle.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
 
 
 def run_impact(scene: TrialScene, load: ImpactLoad) -> float | None:
-    """Simulate an impact in MuJoCo; return the largest wind-up [rad], comparable with `ImpactLoad.peak`.
+    """Simulate an impact in MuJoCo; return the largest wind-up beyond the lower stop [rad], like `ImpactLoad.peak`.
 
     Return None if the simulation diverges.
     """
@@ -151,10 +151,10 @@ def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tu
 
 
 def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
-    """Return a fast function from the deviation L [rad] of a reduced joint to its springs' torque [N m].
+    """Return a fast function that computes the springs' torque [N m] of a reduced joint at a deviation L [rad].
 
-    L is the output's angle less the ideal angle. The function is that at the crank angle 0, and interpolates linearly
-    between the breakpoints of the piecewise linear torque.
+    L is the output's angle minus the ideal angle. The torque is piecewise linear in L; the function interpolates
+    between its breakpoints at the crank angle 0.
     """
     breakpoints = reduced.bends(0.0)
     span = float(np.ptp(breakpoints))

@@ -81,11 +81,12 @@ class Shoe:
 def fit_shoe(reduced: ReducedJoint) -> Shoe:
     """Fit a brake shoe in MJCF to the load-dependent friction of a reduced joint, with crank or output driving.
 
-    With S, the friction without self-energising, a leading shoe has the friction S/(1 - t), a trailing shoe S/(1 + t).
-    t is the share of the force on the shoe by which its own friction presses it on, or lifts it (`Shoe.leading`). S is
-    the harmonic mean of both, a weighted sum of the springs' torques. Its weights are fitted by nonnegative least
-    squares to the friction in excess of that without load, at `SHOE.fitted` of the nominal torque and the rated speed.
-    t is limited to `SHOE.max_leading`, as the shoe would lock at 1.
+    Friction presses a leading shoe on and lifts a trailing shoe, by the share t of the force on the shoe
+    (`Shoe.leading`). If S is the friction without this effect, the leading shoe has the friction S/(1 - t), the
+    trailing shoe S/(1 + t). S is therefore the harmonic mean of both. It is a weighted sum of the springs' torques,
+    whose weights are fitted by nonnegative least squares. The fitted values are the friction minus that without load,
+    at `SHOE.fitted` of the nominal torque and the rated speed. t is limited to `SHOE.max_leading`, because the shoe
+    would lock at 1.
     """
     from scipy.optimize import nnls
 
@@ -121,10 +122,10 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
 
 
 def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
-    """Return the MJCF of a joint with the brake shoe of `fit_shoe`; at the level `rigid`, without a shoe.
+    """Return the MJCF of a joint with the brake shoe of `fit_shoe`; at the level `rigid`, it has no shoe.
 
-    The model that includes it needs elliptic friction cones, and the integrator of `lossy_scene_xml`. Slip elements
-    (`ReducedJoint.slips`) creep with that integrator and are left out.
+    A model that includes it needs elliptic friction cones and the integrator of `lossy_scene_xml`. Slip elements
+    (`ReducedJoint.slips`) are left out, because they creep with that integrator.
     """
     text = joint_xml(replace(reduced, slips=()), joint)
     if reduced.level == "rigid":
@@ -185,9 +186,10 @@ class StockEfficiency(NamedTuple):
 
 
 def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
-    """Compute efficiencies of the lossy joint in MuJoCo and of the full model, at `SHOE.compared` of nominal torque.
+    """Compute the efficiencies [%] of the lossy joint in MuJoCo and of the full model, at loads `SHOE.compared`.
 
-    The list has all loads with the crank driving first, then all loads with the output driving.
+    The loads are shares of the nominal torque. All loads with the crank driving come first, then all with the output
+    driving.
     """
     return [
         StockEfficiency(
@@ -219,10 +221,10 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
 
 
 def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Measure the efficiency [1] of a reduced joint in MuJoCo alone, as the lossy joint, at its rated speed.
+    """Measure the efficiency [1] of the lossy joint of a reducer at its rated speed, in MuJoCo without Python code.
 
-    `share` is the torque on the output over the nominal one. `driving` is True if the crank drives, False if the output
-    does; the result is 0 for a self-locking joint.
+    `share` is the torque on the output as a share of the nominal torque. `driving` is True if the crank drives, False
+    if the output does; the result is 0 for a self-locking joint.
     """
     scene = lossy_scene_xml(reduced, reduced.reflected_inertia, SHOE.trial_step)
     files = {"lossy_joint.xml": lossy_joint_xml(reduced).encode()}

@@ -54,13 +54,14 @@ def slip_name(joint: str, number: int) -> str:
 def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
     """Compute armature and damping of each slip element of a reduced joint.
 
-    The armature is the smallest that is stable at the time step (`MJCF.slip_time`). It is raised so that all elements
-    creep equally fast: without MuJoCo's noslip solver, creep is proportional to slip limit over armature.
+    The armature is at least the smallest that is stable at the time step (`MJCF.slip_time`). Some are larger, so that
+    all elements creep equally fast: without MuJoCo's noslip solver, creep is proportional to slip limit divided by
+    armature.
 
     Returns
     -------
     list of tuple
-        Armature [kg m2] and damping [N m s/rad].
+        Armature [kg m2] and damping [N m s/rad] of each element.
     """
     smallest = [slip.stiffness * MJCF.slip_time**2 for slip in reduced.slips]
     limit = sum(slip.limit for slip in reduced.slips)
@@ -77,7 +78,7 @@ def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
     """Return the MJCF of a reducer for inclusion in a robot's model: crank, springs to the hinge `joint`, and motor.
 
-    At the level `rigid` it has neither crank nor springs: friction and inertia are those of the hinge.
+    At the level `rigid` there are neither crank nor springs; the hinge itself has the friction and inertia.
     """
     name = reduced.name.replace("--", "- -")  # which would end a comment
     body = (

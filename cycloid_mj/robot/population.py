@@ -91,7 +91,7 @@ class Population(Tabular):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences about drawn input ranges, missing tolerances, and drives that cannot be assembled."""
+        """Sentences on the ranges of drawn inputs, on missing tolerances, and on drives that cannot be assembled."""
         ranges = "; ".join(
             f"{input_range.name} {input_range.low:.4g} to {input_range.high:.4g} {input_range.unit}"
             for input_range in self.ranges
@@ -119,7 +119,7 @@ class Population(Tabular):
         return Table(title, header, rows), Table("correlation of the parameters", ("", *PARAMETERS), matrix)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the distributions and their correlation to JSON values."""
+        """Return distributions and correlations of the parameters, and ranges of the drawn inputs, as JSON values."""
         return {
             "samples": self.samples,
             "asked": self.requested,
@@ -195,10 +195,10 @@ def draw_population(
 
 
 def _centred_range(reducer: Reducer, input_range: Input) -> Input:
-    """Shift the range of an assumed input to the design's own value if that lies outside; the ends keep their ratio.
+    """Shift the range of an assumed input so that it includes the design's own value; its ends keep their ratio.
 
-    The ranges are those of lubricated steel. A value outside was chosen for other conditions; its range is centred
-    geometrically on it. Ranges of stiffness are not shifted.
+    The ranges are those of lubricated steel. A value outside its range was chosen for other conditions; the range is
+    then shifted so that the value is the geometric mean of its ends. Ranges of stiffness are not shifted.
     """
     table = getattr(reducer.design, input_range.table)
     factors = {}
@@ -218,10 +218,10 @@ def _centred_range(reducer: Reducer, input_range: Input) -> Input:
 
 
 def compute_parameters(reducer: Reducer) -> dict[str, float]:
-    """Compute the parameters of one drive's joint in the units of `PARAMETERS`, by its keys.
+    """Compute the parameters of one drive's joint, with the keys and units of `PARAMETERS`.
 
     They are backlash, stiffness, no-load friction, load-dependent loss and transmission error at nominal torque. Raises
-    as `statics.loads`.
+    the errors of `statics.loads`.
     """
     rated_torque = reducer.design.rated_torque
     loaded_reducer = reducer.but(load={"torque": rated_torque}).working_at(rated_torque)
@@ -237,7 +237,7 @@ def _draw_drive(
 ) -> tuple[dict[str, float], dict[str, float]] | None:
     """Draw a drive of a population: random errors within the tolerances, and inputs within their ranges.
 
-    Inputs are log-uniform within their ranges.
+    Inputs have a log-uniform distribution within their ranges.
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def _draw_drive(
     Returns
     -------
     tuple of dict or None
-        Parameters of the joint (`PARAMETERS`) and drawn values, by key; None if the drive cannot be assembled or
+        Parameters of the joint (`PARAMETERS`), and drawn values, each by key; None if the drive cannot be assembled or
         balanced.
     """
     zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.SAMPLING.block)

@@ -34,14 +34,12 @@ FILES: dict[Format, tuple[str, ...]] = {
 
 
 def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
-    """Compute the range of each parameter of `VARIED` over a population.
-
-    The ends are the percentiles `RANGE`; both are 1 if the nominal value is 0.
+    """Compute the range of each parameter of `VARIED` over a population, relative to the nominal value.
 
     Returns
     -------
     dict
-        Both ends of the range by parameter, as factors of its nominal value.
+        Parameter -> its percentiles `RANGE`, each divided by the nominal value; (1, 1) if that is 0.
     """
     ranges = {}
     for name, key in VARIED.items():
@@ -52,9 +50,9 @@ def factor_ranges(population: Population) -> dict[str, tuple[float, float]]:
 
 
 def randomization_files(reduced: ReducedJoint, population: Population, file_format: Format) -> dict[str, bytes]:
-    """Return the files for domain randomization of a reduced joint in a format: name -> content.
+    """Return the files for domain randomization of a reduced joint in `file_format`: name -> content.
 
-    A rigid joint has neither play nor springs, and no file.
+    A rigid joint has no such files, because it has neither play nor springs.
     """
     if reduced.level == "rigid":
         return {}
@@ -74,9 +72,9 @@ def _describe_ranges(population: Population) -> str:
 
 
 def _isaaclab_events(reduced: ReducedJoint, population: Population) -> str:
-    """Return a Python module with Isaac Lab's event terms: factors of the friction, and limits of the play [rad].
+    """Return a Python module with Isaac Lab's event terms, which draw a friction factor and limits of the play [rad].
 
-    The play stays about the middle of that of `reduced`.
+    Drawn limits are symmetric to the middle of the play of `reduced`.
     """
     ranges = factor_ranges(population)
     play_middle, half_play = reduced.middle, 0.5 * reduced.backlash

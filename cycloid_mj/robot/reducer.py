@@ -174,7 +174,7 @@ class ReducedJoint(Presented):
         return sum(spring.stiffness for spring in self.springs if spring.start <= wind_up)
 
     def wind_up(self, torque: float) -> float:
-        """Compute the deviation of the output beyond the stop [rad], >= 0, under a torque [N m] of either sign."""
+        """Compute how far [rad] a torque [N m] of either sign turns the output beyond the stop; the result is >= 0."""
         start, torque_at_start, slope = 0.0, 0.0, 0.0
         for spring in self.springs:
             if torque_at_start + slope * (spring.start - start) > abs(torque):
@@ -184,10 +184,10 @@ class ReducedJoint(Presented):
         return start + (abs(torque) - torque_at_start) / slope
 
     def torque(self, deviation: float, stops: tuple[float, float] | None = None) -> float:
-        """Compute the torque of the springs [N m], towards the stops, at a deviation L of the output [rad].
+        """Compute the torque of the springs on the output [N m] at its deviation L [rad].
 
-        L is the output's angle less the ideal angle at the crank's angle. `stops` are the deviations at the ends of the
-        play [rad], by default their means over the crank angle.
+        L is the output's angle minus its ideal angle at the crank's angle. The torque acts towards the play. `stops`
+        are the deviations at the ends of the play [rad], by default their means over the crank angle.
         """
         low, high = stops or self.stops
         wind_up = max(deviation - high, low - deviation)
@@ -202,18 +202,19 @@ class ReducedJoint(Presented):
         return self.moving_stops(angle)(deviation)
 
     def moving_stops(self, angle: float) -> Callable[[float], tuple[float, float]]:
-        """Return a function that computes both stops from the output's deviation, at one crank angle [rad].
+        """Return a function that computes the positions of both stops at one crank angle [rad].
 
-        Its argument is the deviation L of the output and its results are the deviations at the lower and the upper stop
-        [rad], which the transmission error moves under load. It is faster than `stops_at` for several deviations at one
-        crank angle. The load at L is found by interpolation, since L is piecewise linear in the torque. If the error
-        falls faster with the load than the springs wind up, several torques have the same L, and the largest is used.
+        The transmission error moves the stops, depending on the load. The argument of the function is the deviation L
+        of the output, and its results are the deviations at the lower and the upper stop, all in rad. It is faster than
+        `stops_at` for several deviations at one crank angle. The load at L is interpolated, since L is piecewise linear
+        in the torque. Several torques can have the same L, if the error falls faster with the load than the springs
+        wind up; the largest is used.
         """
         shares, _ = self._bend_points
         (low, lower_deviation), (high, upper_deviation) = self._stop_deviations(angle)
 
         def stops(deviation: float) -> tuple[float, float]:
-            """Compute the deviations at the lower and the upper stop [rad] at a deviation L [rad] of the output."""
+            """Compute the positions of the lower and the upper stop [rad] for an output at the deviation L [rad]."""
             share_below, share_above = (
                 np.interp(-deviation, lower_deviation, shares),
                 np.interp(deviation, upper_deviation, shares),
@@ -226,10 +227,11 @@ class ReducedJoint(Presented):
         return stops
 
     def bends(self, angle: float) -> Array:
-        """Return the deviations L [rad], shape (n,), at which the slope of the torque changes at a crank angle [rad].
+        """Return the deviations L [rad], shape (n,), at which the slope of the springs' torque changes.
 
-        L is the argument of `torque`. The deviations increase: the stops, and the wind-ups at which further springs
-        start. At the level `full`, the transmission error moves them.
+        They are the stops, and the points beyond them at which further springs come into contact, in increasing order.
+        L is the argument of `torque`. At the level `full`, the transmission error at the crank angle `angle` [rad]
+        moves them.
         """
         if self.level == "full":
             (_, lower), (_, upper) = self._stop_deviations(angle)
@@ -244,10 +246,13 @@ class ReducedJoint(Presented):
         )
 
     def _stop_deviations(self, angle: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Compute transmission error and deviation from the middle [rad] of the lower and of the upper stop.
+        """Compute transmission errors and deviations L of the output under load at both stops, at a crank angle [rad].
 
-        Each is an array over the loads of `_bend_points`, at a crank angle [rad]: ((error, deviation), (error,
-        deviation)).
+        Returns
+        -------
+        tuple
+            For the lower stop, errors (n,) [rad] and -L (n,) [rad]; for the upper stop, errors and L. The n loads are
+            those of `_bend_points`. Neither -L nor L falls with the load.
         """
         shares, wind_ups = self._bend_points
         low, high = (np.interp(shares, self.ripple.loads, error) for error in self.ripple.errors_at(angle))
@@ -258,7 +263,10 @@ class ReducedJoint(Presented):
 
     @cached_property
     def _bend_points(self) -> tuple[Array, Array]:
-        """Shares of the nominal torque between which errors and springs are linear, and wind-up there [rad], (n,)."""
+        """Breakpoints of the errors and springs, which are linear between them, shape (n,) each.
+
+        These are shares of the nominal torque, and the wind-ups there [rad].
+        """
         starts = [
             sum(spring.stiffness * max(item.start - spring.start, 0.0) for spring in self.springs)
             for item in self.springs
@@ -279,7 +287,7 @@ class ReducedJoint(Presented):
     def step(self, model: Any, data: Any) -> None:
         """Write load-dependent friction and transmission error into a model; call it before each ``mj_step``.
 
-        All joints with this reducer are updated, each at the level at which it was attached.
+        All joints of the model with this reducer are updated, each at the level of detail at which it was attached.
 
         Parameters
         ----------
@@ -300,9 +308,9 @@ class ReducedJoint(Presented):
                 self._step_rigid(model, data, addresses)
 
     def settle(self, model: Any, data: Any) -> None:
-        """Set the cranks of all joints with this reducer to the middle of the play, with the speed of the output.
+        """Set the cranks of all joints with this reducer to the middle of the play, moving with their outputs.
 
-        Call it after you set joint angles in `data`; otherwise the reducer starts wound up.
+        Call it after you set joint angles and speeds in `data`; otherwise the reducer starts wound up.
         """
         for addresses in self.places(model):
             if addresses.tendons:
@@ -332,7 +340,7 @@ class ReducedJoint(Presented):
             yield JointAddresses(*output_addresses, *crank_addresses, tuple(tendons))
 
     def _step_with_springs(self, model: Any, data: Any, addresses: JointAddresses) -> None:
-        """Write the dead bands of the springs, moved by the transmission error, and the load-dependent friction."""
+        """Update the load-dependent friction, and the dead bands of the springs, which the transmission error moves."""
         angle, dof = float(data.qpos[addresses.crank_angle]), addresses.crank_speed
         deviation = float(data.qpos[addresses.output_angle]) + self.coefficient * angle
         low, high = self.stops_at(angle, deviation)
@@ -362,7 +370,7 @@ class ReducedJoint(Presented):
         model.dof_frictionloss[dof] = self.ratio * friction_on_crank
 
     def as_json(self) -> dict[str, Any]:
-        """Convert identified figures, efficiency maps and all values in SI units (key `joint`) to JSON values."""
+        """Convert the joint to JSON values: identified quantities, efficiency maps, and all SI values (key `joint`)."""
         quantities = {key: quantity.as_json() for key, quantity in self.quantities.items()}
         for key, is_driving in (("efficiency", True), ("back_driving_efficiency", False)):
             quantities.setdefault(key, {})["map"] = self._efficiency_map(is_driving)
@@ -441,7 +449,11 @@ class ReducedJoint(Presented):
         return cls.from_json(content if isinstance(content, dict) else {}, str(path))
 
     def _efficiency_map(self, driving: bool) -> dict[str, Any]:
-        """Return the efficiency [%] over torque and speed as JSON values, for a driving crank or a driving output."""
+        """Return the efficiency [%] at output torques and crank speeds as JSON values.
+
+        `driving` is True for the efficiency with the crank driving, False for that with the output driving. ``percent``
+        has a row for each of ``speeds_rpm``, with a value for each of ``torques_nm``.
+        """
         torques = self.friction.torques[1:]
         return {
             "torques_nm": list(torques),

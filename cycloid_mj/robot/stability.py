@@ -102,9 +102,10 @@ class StepTrial:
 
     @property
     def sentence(self) -> str:
-        """Return a sentence on the error of the peak of wind-up in an impact test under the rated load.
+        """A sentence on the result of the impact test: relative error of the largest wind-up under the rated load.
 
-        It is the `summary` alone if the joint is unstable or rigid, or its static error is too large.
+        It is the `summary` if there is no valid impact test: the joint is unstable or rigid, or its static error is too
+        large.
         """
         if not self.good or self.level == "rigid":
             return self.summary
@@ -132,7 +133,10 @@ class StepTrial:
 
 
 def study_time_steps(reduced: ReducedJoint) -> tuple[StepTrial, ...]:
-    """Try all levels, integrators and `INERTIAS` at `STUDY.steps`, and at `STUDY.finer_steps` if the shortest fails."""
+    """Try all levels, integrators and inertias (`INERTIAS`) at the time steps `STUDY.steps`.
+
+    If the shortest of these is not accurate, `STUDY.finer_steps` are tried as well.
+    """
     trials: list[StepTrial] = []
     for level, integrator in itertools.product(LEVELS, INTEGRATORS):
         for load, relative_inertia in INERTIAS.items():
@@ -177,9 +181,10 @@ def choose_time_step(
 def try_time_step(
     reduced: ReducedJoint, integrator: Integrator, timestep: float, inertia: float, load: str = "as requested"
 ) -> StepTrial:
-    """Try one time step [s] of an integrator: stability with locked and free crank, static error, peak of an impact.
+    """Try a time step [s] with an integrator: test stability, the static error, and the largest wind-up in an impact.
 
-    `inertia` is that on the output [kg m2], and `load` its name.
+    Stability is tested with a locked and with a free crank. `inertia` is the inertia on the output [kg m2], and `load`
+    is its name. A rigid joint is only accelerated.
     """
 
     def scene() -> TrialScene:
@@ -197,9 +202,10 @@ def try_time_step(
 
 
 def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Integrator, load: str) -> StepTrial | None:
-    """Return the trial with the longest time step up to which all trials of a combination are accurate, or None.
+    """Return the trial with the longest accurate time step that has no inaccurate ones below it; None if there is none.
 
-    The combination is one of level, integrator and load (a key of `INERTIAS`).
+    Only trials of this level, integrator and load (a key of `INERTIAS`) count. Inaccurate steps that are shorter than
+    all accurate ones are ignored.
     """
     matching = [trial for trial in trials if (trial.level, trial.integrator, trial.load) == (level, integrator, load)]
     best = None
@@ -212,10 +218,11 @@ def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Inte
 
 
 def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
-    """List the longest accurate time step by level and integrator as JSON values: for any inertia, and for each.
+    """List the longest accurate time steps as JSON values, with a dictionary for each level and integrator.
 
-    A time step of 0 means that none is accurate. `impact_error` is the relative error of the peak of an impact at the
-    time step of each inertia.
+    Its keys are ``level``, ``integrator``, and ``timestep_s``, the longest step [s] that is accurate with all inertias.
+    ``by_load`` has the longest accurate step [s] for each inertia (keys of `INERTIAS`), and ``impact_error`` the
+    relative error of the largest wind-up in an impact with that step. A step of 0 means that none is accurate.
     """
     rows = []
     for level in LEVELS:
@@ -255,13 +262,13 @@ def trials_table(trials: tuple[StepTrial, ...]) -> Table:
 def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Simulate the output under a suddenly applied nominal torque with a locked crank, and analyse its vibration.
 
-    `inertia` is that on the output, without the reducer's own [kg m2].
+    `inertia` [kg m2] is the inertia on the output, without that of the reducer.
 
     Returns
     -------
     tuple
-        Whether the vibration is stable; relative error of the wind-up at rest; relative error of the frequency against
-        sqrt(k/J). The errors are NaN if the vibration is unstable.
+        Whether the vibration is stable; relative error of the mean wind-up; and relative error of the frequency against
+        sqrt(k/J), with the stiffness k and total inertia J. The errors are NaN if the vibration is unstable.
     """
     reduced, step = scene.reduced, float(scene.model.opt.timestep)
     torque, total_inertia = reduced.rated_torque, inertia + reduced.output_inertia
@@ -285,8 +292,9 @@ def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, f
 def _settled_wind_up_error(scene: TrialScene, steps: int, stop_angle: float) -> float:
     """Simulate the output from rest under nominal torque; return the relative error of its mean wind-up.
 
-    It is used instead of the mean of a vibration, which differs from the position of rest if the spring is nonlinear,
-    as with a transmission error that depends on the load. `stop_angle` is the angle of the stop [rad].
+    It replaces the error of the mean of a vibration: with a nonlinear spring, such as with a transmission error that
+    depends on the load, this mean differs from the position of rest. `stop_angle` is the angle of the stop [rad], and
+    `steps` is the number of time steps.
     """
     torque = scene.reduced.rated_torque
     mujoco.mj_resetData(scene.model, scene.data)
@@ -317,8 +325,9 @@ def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, in
 def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
     """Return whether a vibration with a free crank does not grow, while the motor balances the nominal torque.
 
-    Crank and output then move against each other, faster than the output alone. The squared angular frequency is k (1/J
-    + 1/(i^2 J_rotor)), with the stiffness k, the ratio i, and the inertia J of output and load (`inertia` [kg m2]).
+    Crank and output vibrate against each other, faster than the output alone does with a locked crank. The square of
+    their angular frequency is k (1/J + 1/(i^2 J_rotor)), with the stiffness k, the ratio i, the inertia J_rotor of the
+    crank, and the inertia J of output and load (`inertia` [kg m2]).
     """
     reduced, torque = scene.reduced, scene.reduced.rated_torque
     wind_up, output_inertia = reduced.wind_up(torque), inertia + reduced.output_inertia
@@ -342,8 +351,9 @@ def _count_steps(frequency: float, timestep: float) -> int:
 def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Simulate a rigid joint from rest under its rated input torque, and compare its speed with the closed form.
 
-    That is (torque - friction) t / J with the inertia J of reducer and load; `inertia` is that of the load [kg m2].
-    Return whether the simulation is stable, the relative error of the speed, and NaN for the frequency.
+    The closed form is (torque - friction) t / J after the time t, with the inertia J of reducer and load; `inertia` is
+    the inertia of the load [kg m2]. Return whether the simulation is stable, the relative error of the speed, and NaN,
+    because a rigid joint has no vibration frequency.
     """
     reduced, step = scene.reduced, float(scene.model.opt.timestep)
     scene.data.ctrl[:] = reduced.rated_torque / reduced.ratio

@@ -51,8 +51,8 @@ PARAMETERS = (
 def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str, Any]:
     """Return a copy of a joint's values with its parameters scaled by factors, by the keys of `PARAMETERS`.
 
-    `values` are those of the key `joint` in reducer.json. The middle of the play and the torques at which springs start
-    are unchanged; load-dependent friction is scaled by the factor of the loss.
+    `values` are those of the key `joint` in reducer.json. The middle of the play, and the torques at which further
+    springs come into contact, are unchanged. Load-dependent friction is scaled by the factor of the loss.
     """
     play, stiffness, friction, loss, error = (float(factors[key]) for key in PARAMETERS)
     scaled = copy.deepcopy(dict(values))
@@ -118,7 +118,10 @@ class Joint:
         return joint
 
     def write(self, model: Any, joint: str = "output") -> None:
-        """Write play, stiffness, damping and no-load friction into a MuJoCo model, for its hinge of this name."""
+        """Write play, stiffness, damping and no-load friction of the reducer into a MuJoCo model.
+
+        `joint` is the name of its hinge.
+        """
         values, dof = self.values, int(model.joint(f"{joint}_rotor").dofadr[0])
         low, high = values["stops"]
         for number, spring in enumerate(values["springs"]):
@@ -129,7 +132,7 @@ class Joint:
         model.dof_frictionloss[dof] = self._friction("driving", 0.0, values["rated_speed"], np)
 
     def step(self, model: Any, data: Any, joint: str = "output") -> None:
-        """Write friction and transmission error into a model (``MjModel``) from its state (``MjData``), for one hinge.
+        """Update friction and transmission error of a hinge in a ``MjModel`` for the state in `data` (``MjData``).
 
         Call it before each time step; `joint` is the name of the hinge.
         """
@@ -146,7 +149,7 @@ class Joint:
         model.dof_frictionloss[dof] = terms.frictionloss
 
     def terms(self, output: Any, crank: Any, speed: Any, driven_by: Any, xp: Any = np) -> Terms:
-        """Compute dead bands, damping and friction at the current angles, for a hinge in MuJoCo or MJX.
+        """Compute the springs' dead bands, the damping and the friction of a hinge at its state, in MuJoCo or MJX.
 
         No branch depends on an argument: with ``xp=jax.numpy`` the function can be compiled and vectorised.
 
@@ -200,10 +203,10 @@ class Joint:
         )
 
     def _friction(self, key: str, torque: Any, speed: Any, xp: Any) -> Any:
-        """Interpolate the friction torque on the crank [N m] over output torque [N m] and crank speed [rad/s].
+        """Interpolate the friction torque on the crank [N m] at an output torque [N m] and a crank speed [rad/s].
 
-        `key` is "driving" (the crank drives) or "driven" (the output drives). Beyond the largest torque the last line
-        continues.
+        `key` is "driving" (the crank drives) or "driven" (the output drives). Above the largest torque, the last
+        segment is extrapolated.
         """
         table = self.values["friction"]
         torques, rows = xp.array(table["torques"]), xp.array(table[key])

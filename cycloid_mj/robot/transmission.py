@@ -46,9 +46,9 @@ def turns_per_period(reducer: Reducer) -> int:
 
 
 def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
-    """Compute the significant harmonics of the transmission error, nearly without load and at `RIPPLE.loads`.
+    """Compute the significant harmonics of the transmission error at `RIPPLE.loads` and with nearly no load.
 
-    Both directions of the crank are solved; `on_turn` is called after each turn of the crank that is solved.
+    They are computed in both directions of the crank; `on_turn` is called after each computed turn of the crank.
     """
     lightest = next((load for load in RIPPLE.unloaded if _has_balance(reducer, load)), RIPPLE.unloaded[-1])
     shares = (lightest, *RIPPLE.loads)
@@ -129,8 +129,9 @@ def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Arr
 def compute_amplitudes(values: Array) -> tuple[Waves, Waves]:
     """Compute the complex amplitudes of a periodic error by FFT, from all samples and from every second sample.
 
-    The harmonic of index n is the real part of A_n exp(2 pi i n s) at the share s of the period. `values` has shape
-    (n,) over a period; both results have the same shape, the unit of the values, and 0 for the mean.
+    The n-th amplitude A_n belongs to the harmonic Re(A_n exp(2 pi i n s)), where s is the position in the period, 0 to
+    1. `values` are samples over one period. Both results have the same length and the unit of `values`. The amplitude
+    of index 0 is set to 0, so the mean is not included.
     """
 
     def amplitudes(samples: Array) -> Waves:
@@ -143,10 +144,11 @@ def compute_amplitudes(values: Array) -> tuple[Waves, Waves]:
 
 
 def _select_harmonics(spectra: list[Waves]) -> npt.NDArray[np.int64]:
-    """Return the indices of the fewest harmonics without which the remainder of each spectrum is below its limit.
+    """Return the indices of the fewest harmonics that represent every spectrum well enough, in increasing order.
 
-    The limit is `RippleSettings.max_remainder` of the rms value; at most `max_harmonics` are selected, the strongest
-    first, and returned in increasing order. The spectra are complex amplitudes by index of the harmonic, shape (h,).
+    The rms value of the harmonics left out of a spectrum must not exceed `RippleSettings.max_remainder` of that of the
+    spectrum. At most `max_harmonics` are selected, the strongest ones. The spectra are complex amplitudes (h,) by index
+    of the harmonic.
     """
     relative = [np.abs(spectrum) / max(float(np.linalg.norm(spectrum)), np.finfo(float).tiny) for spectrum in spectra]
     shares: Array = np.stack(relative).max(axis=0)

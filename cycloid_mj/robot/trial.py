@@ -52,7 +52,7 @@ class TrialScene:
         self.data.qfrc_applied[self.addresses.output_speed] = torque
 
     def press_to_stop(self, torque: float) -> None:
-        """Apply a torque to the output [N m], and turn the output to the angle at which wind-up balances it."""
+        """Apply a torque to the output [N m], and set its angle to the one at which the springs balance this torque."""
         reduced, angle = self.reduced, float(self.data.qpos[self.addresses.crank_angle])
         side, size = int(torque > 0.0), abs(torque)
         length = reduced.stops[side] + reduced.wind_up(size) * (1.0 if side else -1.0)
@@ -70,9 +70,9 @@ class TrialScene:
     def find_rest(self, torque: float) -> float:
         """Find the deviation L [rad] at which the output rests in MuJoCo under a torque [N m], with a locked crank.
 
-        L is the output's angle less the ideal angle. Brent's method finds the root of the acceleration. Only the
-        springs determine it; no settling is simulated. The torque must not be 0, because the output rests anywhere
-        within the play.
+        L is the output's angle minus its ideal angle. It is the root of the acceleration, found by Brent's method
+        without simulating the motion, and depends on the springs only. The torque must not be 0, because the output
+        then rests anywhere within the play.
         """
         from scipy.optimize import brentq
 

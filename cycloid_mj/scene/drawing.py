@@ -133,7 +133,10 @@ def largest_magnification(reducer: Reducer) -> float:
 
 
 def widest_gap(reducer: Reducer, gaps: Separations) -> float:
-    """Return an upper bound of the gaps between mating parts in all samples [m]: clearance plus largest deviation."""
+    """Return an upper bound of the gaps between mating parts over all samples [m].
+
+    It is the largest sum of a clearance and the largest deviation in its pairs of surfaces.
+    """
     design = reducer.design
     return max(
         tooth_clearance(reducer) + float(np.abs(gaps.opening).max(initial=0.0)),
@@ -144,9 +147,10 @@ def widest_gap(reducer: Reducer, gaps: Separations) -> float:
 
 
 def fitting_magnification(reducer: Reducer, max_gap: float, choices: Sequence[float]) -> float:
-    """Return the largest of `choices` at which the widest gap [m] is at most `DRAWING.max_gap_share` of any radius.
+    """Return the largest of `choices` at which all gaps can be drawn; if all are too large, the smallest of them.
 
-    Beyond that, pins appear outside their holes. If all choices are too large, the smallest is returned.
+    The widest gap, `max_gap` [m], is drawn at most `DRAWING.max_gap_share` of any radius wide, because pins would
+    appear outside their holes otherwise.
     """
     design = reducer.design
     min_radius = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
@@ -187,7 +191,10 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
 
 
 def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
-    """Compute the gaps from a disc to ring pins or lobes, and output pins, from log columns (n,) in SI units."""
+    """Compute the gaps between a disc and its mates (ring pins or lobes, and output pins) at the n samples of a log.
+
+    `columns` are the log columns by name, shape (n,), in SI units. `disc` is the index of the disc.
+    """
     design = reducer.design
     poses_by_part, crank, phase = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
     tooth_profile, gear = reducer.tooth_profile, poses_by_part[gears(design.gear.discs)[disc]]
@@ -210,7 +217,7 @@ def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
 
 
 def ring_normals(reducer: Reducer, gear: Array) -> Array:
-    """Compute the ideal common normals, from the disc to each pin or lobe, shape (n, mates, 2).
+    """Compute unit vectors along the ideal common normals, from the disc to each pin or lobe, shape (n, mates, 2).
 
     They pass through the pitch point, whose distance from the axis is the eccentricity times the number of ring teeth.
     `gear` is the ideal pose of the disc: x [m], y [m] and angle [rad], shape (n, 3).
@@ -243,12 +250,12 @@ def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0
 
 
 def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Drawing, frame: int) -> Array:
-    """Compute the outline of an internal gear in a frame [m], shape (m, 2), displaced by magnified gaps.
+    """Compute the outline of an internal gear in a frame of a drawing [m], shape (m, 2), displaced by magnified gaps.
 
     Parameters
     ----------
     outline, normals
-        Points [m] and unit normals into the bore, shape (m, 2).
+        Points of the true outline [m], and unit normals that point into the bore, shape (m, 2) each.
     drawing
         The drawing.
     frame
@@ -263,7 +270,8 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Draw
 def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Array:
     """Compute the signed distance of pin centres from the trochoid of a disc [m], shape (n, mates), positive outside.
 
-    The foot point is solved by Newton's method from its ideal position; steps are limited to stay on the lobe.
+    Newton's method finds the nearest point of the trochoid, starting from its ideal position; the steps are limited, so
+    that the point stays on its lobe.
 
     Parameters
     ----------
@@ -299,10 +307,10 @@ def _output_gaps(reducer: Reducer, gear: Array, output: Array) -> Array:
 
 
 def _displacement(arm: Array, deviation: Array) -> Array:
-    """Compute the displacement of points of the disc at `arm` from its centre, to first order [m], shape (..., 2).
+    """Compute the displacement of points of the disc to first order [m], shape (..., 2).
 
-    `arm` [m] has shape (..., 2), `deviation` the displacement of the disc: x [m], y [m], rotation [rad], shape (...,
-    3).
+    `arm` (..., 2) [m] are the vectors from the centre of the disc to the points. `deviation` (..., 3) is the
+    displacement of the disc: x [m], y [m] and rotation [rad].
     """
     rotation = deviation[..., 2]
     return deviation[..., :2] + np.stack([-rotation * arm[..., 1], rotation * arm[..., 0]], axis=-1)

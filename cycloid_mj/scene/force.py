@@ -109,19 +109,21 @@ def contact_forces(
     drawing: Drawing | None = None,
     kinds: Container[str] = KINDS.values(),
 ) -> ContactForces:
-    """Compute force and point of action of the mating pairs of some kinds that have columns.
+    """Compute force and point of action of those mating pairs whose force has columns.
 
-    The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the loaded body. It
-    determines the line of action; the point is that of a frictionless contact, shifted onto this line.
+    The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are force and moment about the origin of the loaded
+    body, which determine the line of action. The point of action is the contact point without friction, shifted onto
+    this line.
 
     Parameters
     ----------
     columns
         Values by name, shape (n,), in SI units.
     drawing
-        Drawing of the same samples whose parts the points refer to; by default the measured poses.
+        Drawing of the same samples, if the points are to be on the drawn parts; by default they are on the measured
+        ones.
     kinds
-        Kinds of mating pairs.
+        Kinds of mating pairs to include, as in `ContactForces.kinds`.
     """
     kind_by_pair = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     poses_by_part, disc_names = poses(reducer, columns), gears(reducer.design.gear.discs)
@@ -152,9 +154,9 @@ def shown_forces(reducer: Reducer, columns: Mapping[str, Array]) -> ContactForce
 
 
 def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
-    """Compute the axial positions of the arrows on each disc [m]: on its face towards the output.
+    """Compute the axial position of the force arrows of each disc [m]: just above its face towards the output.
 
-    The arrows on the first of several discs are on its other face, which no disc covers.
+    The first of several discs has its arrows on its other face, which no disc covers.
     """
     design = reducer.design
     height = 0.5 * design.gear.face_width + ARROWS.thickness * design.ring.pin_circle_radius
@@ -176,10 +178,12 @@ def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
 
 
 def reference_force(reducer: Reducer) -> dict[str, float]:
-    """Compute a typical force by kind of mating pair [N], from the load, or from the disc's inertia if that is more.
+    """Compute a typical force for each kind of mating pair [N]: kind -> force.
 
-    With the torque T of a disc and the eccentricity c, half of its N ring contacts share T/(c (N-1)) as a sine: the
-    largest has 4 T/(c N (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
+    It follows from the load, or from weight and inertia of the disc if they cause larger forces. Symbols: torque T of a
+    disc, eccentricity c, N ring contacts, n output pins on the radius R. The cam has the force T/(c (N-1)). Half of the
+    ring contacts share it as a sine, so that the largest of their forces is 4 T/(c N (N-1)). The largest force of
+    output pins is 4 T/(n R).
     """
     design = reducer.design
     gear, output, teeth = design.gear, design.output, design.ring.teeth
@@ -211,11 +215,12 @@ class _InnerParts:
     radii: Radii
 
     def contact_points(self, kind_by_pair: Mapping[str, str], direction: Array) -> Array:
-        """Compute the contact points of k pairs without friction (n, k, 2) [m], on the surface of the inner part.
+        """Compute the contact points of k pairs at n instants, as they would be without friction, shape (n, k, 2) [m].
 
-        `kind_by_pair` has the kinds of the pairs by name, `direction` the unit vectors of the forces on the loaded
-        parts (n, k, 2). Discs and sleeves are loaded by the inner part, which touches them on the side towards which
-        the force acts. A pin in its socket is itself the loaded part, and touches the socket on the opposite side.
+        The points are on the surface of the inner part: pin, cam, output pin or core. `kind_by_pair` has the kind of
+        each pair by its name (`ContactForces.kinds`), and `direction` (n, k, 2) the unit vectors of the forces on the
+        loaded parts. Discs and sleeves are loaded by the inner part, which touches them on the side towards which the
+        force acts. A pin in its socket is itself the loaded part, and touches the socket on the opposite side.
         """
         radius_by_kind = {
             "cam": self.radii.cam,
@@ -256,11 +261,11 @@ def _direction(force: Array) -> Array:
 
 
 def _shift_to_action_line(wrench: Array, direction: Array, arm: Array) -> Array:
-    """Compute the shift (..., 2) [m] of the point at `arm` from a wrench's origin onto its line of action.
+    """Compute the shift (..., 2) [m] that moves a point onto the line of action of a force.
 
-    `wrench` has force x, y [N] and moment [N m], shape (..., 3), `direction` its unit vector, `arm` [m], shape (...,
-    2). The shift is limited to `ARROWS.max_shift`: the moment of a force near zero, or of two contacts, does not
-    determine a point.
+    `wrench` (..., 3) is force x, y [N] and moment about the origin [N m], `direction` (..., 2) the unit vector of the
+    force, and `arm` (..., 2) [m] the vector from the origin to the point. The shift is limited to `ARROWS.max_shift`,
+    because the moment of a force near zero, or of two contacts, does not determine a point.
     """
     size = np.linalg.norm(wrench[..., :2], axis=-1)
     lever = np.divide(wrench[..., 2], size, out=np.zeros_like(size), where=size > 0)

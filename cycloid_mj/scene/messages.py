@@ -57,9 +57,10 @@ FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 
 
 def frame_rate(reducer: Reducer) -> float:
-    """Compute the frame rate of a run [1/s]: a frame every 10 deg of crank, or ``settings.scene_rate`` if that is more.
+    """Compute the number of frames per second of simulated time in a run's log [1/s].
 
-    A run of many turns has `FrameSettings.max_frames` of them, which bounds the size of its log.
+    There is a frame for every 10 deg of crank rotation, but at most `FrameSettings.max_frames` in a long run, to limit
+    the size of its log. The rate is at least ``settings.scene_rate``, and at most `FrameSettings.max_rate`.
     """
     design = reducer.design
     by_angle = FRAME.frames_per_turn * abs(reducer.orbit_speed) / (2.0 * math.pi)
@@ -106,7 +107,10 @@ class Scene:
         return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
 
     def opening(self, time: float) -> Iterator[Message]:
-        """Yield the only message before the first frame, at `time` [s]: the meshes of all parts, topic `PARTS`."""
+        """Yield a single message with the meshes of all parts (topic `PARTS`), to be written before the first frame.
+
+        `time` [s] is its time stamp.
+        """
         message = SceneUpdate()
         files = {name: encode_glb(pieces) for name, pieces in shapes(self.reducer).items()}
         pin_file = files.pop("pin", b"")
@@ -126,14 +130,14 @@ class Scene:
     def frames(self, time: Array, columns: Mapping[str, Array]) -> Iterator[Message]:
         """Yield the messages of frames at k times: transforms of the parts, and arrows of the contact forces.
 
-        An RV reducer has no arrows.
+        An RV reducer has no arrows. Times at which a pose is not finite are skipped.
 
         Parameters
         ----------
         time
-            Shape (k,), [s].
+            Times [s], shape (k,).
         columns
-            Values by name, shape (k,), in SI units. Times at which a pose is not finite are skipped.
+            Log columns by name, shape (k,), in SI units.
         """
         poses_by_part = poses(self.reducer, columns)
         pose = np.stack(list(poses_by_part.values()), axis=1)
@@ -168,10 +172,10 @@ class Scene:
         return bytes(message.SerializeToString(deterministic=True))
 
     def _forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, stamp: int) -> bytes:
-        """Encode the arrows of all forces at a time stamp [ns]: an entity per kind of pair, an arrow per force.
+        """Encode the arrows of all forces at a time stamp [ns]: an entity for each kind of pair, an arrow per force.
 
-        `arrows` are those of `_arrows` at this time, shape (k, 7), `rows_by_kind` the rows of each kind of pair. Forces
-        of zero have no arrow.
+        `arrows` (k, 7) are those of `_arrows` at this time, and `rows_by_kind` has the row indices of each kind of
+        pair. Forces of zero have no arrow.
         """
         message, thickness = SceneUpdate(), ARROWS.thickness * self.design.ring.pin_circle_radius
         for kind, rows in rows_by_kind.items():
@@ -215,7 +219,7 @@ def _nanoseconds(time: float) -> int:
 
 
 def _descriptors(message: Any) -> bytes:
-    """Return the serialized FileDescriptorSet of a message, with its dependencies first."""
+    """Return the serialized FileDescriptorSet of a message type: its definition, with dependencies first."""
     files: dict[str, Any] = {}
 
     def add(file: Any) -> None:

@@ -29,7 +29,9 @@ def require_mujoco() -> None:
 
 @contextmanager
 def opengl(model: Any, width: int, height: int) -> Iterator[Any]:
-    """Yield MuJoCo's off-screen rendering context of a model, with a size [pixels].
+    """Yield MuJoCo's off-screen rendering context (``MjrContext``) of a model, and free it afterwards.
+
+    `width` and `height` are the size of the image [pixels].
 
     Raises
     ------

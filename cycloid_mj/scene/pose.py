@@ -35,7 +35,7 @@ def pose_columns(reducer: Reducer) -> tuple[str, ...]:
 def ring_places(reducer: Reducer) -> Array:
     """Compute the nominal centres of the ring's pins or lobes [m], shape (mates, 2): the first on +y, then clockwise.
 
-    The halves of a ring in two halves are rotated by their preload.
+    In a ring of two halves, those of the first half come first; each half is rotated by its preload.
     """
     ring = reducer.design.ring
     pin_angles = 2 * np.pi * np.arange(ring.teeth) / ring.teeth
@@ -100,10 +100,11 @@ def _crank_poses(reducer: RvReducer, columns: Mapping[str, Array], carrier: Arra
 
 
 def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> Array:
-    """Compute the poses of all ring pins (x [m], y [m], angle [rad]), shape (N, n, 3), of a ring at the angles `ring`.
+    """Compute the poses of all N ring pins at n samples, shape (N, n, 3): x [m], y [m] and angle [rad].
 
-    `columns` and `ring` [rad] have shape (n,). Columns have the displacements in the frame of the ring; a pin without
-    columns does not move in it. Massless pins are displaced by their clearance against the force on the discs.
+    `ring` (n,) [rad] are the angles of the ring, and `columns` the log columns, which have the pins' displacements in
+    the frame of the ring. Pins without columns do not move in this frame, except massless pins: they are displaced by
+    their clearance in the direction in which the discs push them.
     """
     nominal = ring_places(reducer)
     numbers, zeros = range(1, len(nominal) + 1), np.zeros_like(ring)

@@ -83,10 +83,10 @@ def render_part(
     size: tuple[int, int] = (IMAGE.width, IMAGE.height),
     view: tuple[float, float] = (VIEW.azimuth, VIEW.elevation),
 ) -> Image:
-    """Render only some bodies of a run's model, by name, in their poses at its start.
+    """Render only some bodies of a run's model in their poses at its start; `bodies` are their names.
 
-    The camera points at the middle of the bodies, from `IMAGE.part_distance` times their radius. `size` [pixels] and
-    `view`, azimuth and elevation of the camera [deg], are those of `render`.
+    The camera points at the middle of the bodies, from a distance of `IMAGE.part_distance` times their radius. `size`
+    [pixels] and `view`, azimuth and elevation of the camera [deg], are those of `render`.
 
     Raises
     ------
@@ -115,9 +115,10 @@ def render_part(
 def render_model(
     model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: Sequence[dict[str, Any]] = ()
 ) -> Image:
-    """Render a MuJoCo model with arrows as an image, shape (height, width, 3); for errors see `render`.
+    """Render a MuJoCo model with arrows as an image, shape (height, width, 3); raises the errors of `render`.
 
-    `camera` is that of MuJoCo, `size` is width and height [pixels], `arrows` are arguments of `_add_arrow`.
+    `camera` is an ``MjvCamera``, `size` is width and height [pixels], and `arrows` has the arguments of `_add_arrow`
+    for each arrow.
     """
     width, height = size
     if not (IMAGE.min_pixels <= width <= IMAGE.max_pixels and IMAGE.min_pixels <= height <= IMAGE.max_pixels):
@@ -140,10 +141,10 @@ def render_model(
 
 
 def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
-    """Return an arrow for each contact force of a sample: the arguments tail, tip, width and colour of `_add_arrow`.
+    """Return the arrows of the contact forces of a sample, as arguments of `_add_arrow`: tail, tip, width and colour.
 
-    The tip is at the contact, on a face of the disc. The largest force of each kind has the length `ARROWS.length`;
-    forces of zero have no arrow.
+    The tip is at the contact, on a face of the disc. The longest arrow of each kind of contact has the length
+    `ARROWS.length` times the radius of the pin circle. Forces of zero have no arrow.
     """
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
     forces, ring_radius, faces = (

@@ -70,7 +70,7 @@ def aim_camera(camera: Any, model: Any, azimuth: float = VIEW.azimuth, elevation
 
 
 def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
-    """Set every joint of MuJoCo's data to a sample of the run; joints without a column stay.
+    """Set all joints in MuJoCo's `data` to a sample of a run, by its index; joints without a column are unchanged.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
 
 
 def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
-    """Return the column of a run for each joint of its model that has one; raise LogError if none has."""
+    """Return the joints of a run's model that have a column: joint name -> column name; raise LogError if none has."""
     joints = [model.joint(number).name for number in range(model.njnt)]
     columns = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
     if not columns:

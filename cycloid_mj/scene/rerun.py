@@ -51,16 +51,16 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
 
 
 def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, poses_by_part: Mapping[str, Array]) -> None:
-    """Log the meshes of the parts, and their poses over time; parts that do not move are logged once.
+    """Log the meshes of the parts, and their poses at all samples; parts that do not move are logged once.
 
     Parameters
     ----------
     rr, recording
         The module ``rerun``, and the recording.
     time
-        Time column of n samples.
+        Rerun's time column of n samples.
     poses_by_part
-        x [m], y [m] and angle [rad] of each part, shape (n, 3).
+        x [m], y [m] and angle [rad] of each part by name, shape (n, 3).
     """
     pieces_by_part = shapes(reducer)
     for part, pose in poses_by_part.items():
@@ -90,10 +90,10 @@ def _colour_bytes(colour: Colour) -> list[int]:
 
 
 def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, forces: ContactForces) -> None:
-    """Log the arrows of each kind of mating pair over time, with their tips at the contacts, on a disc face.
+    """Log the force arrows of each kind of mating pair over time, with their tips at the contacts, on a disc face.
 
-    `rr` is the module ``rerun``, `recording` the recording. The largest force of a kind over all times has the length
-    `ARROWS.length` of the pin-circle radius.
+    `rr` is the module ``rerun``, `recording` the recording, and `time` its time column. The largest force of a kind
+    over all times has an arrow of `ARROWS.length` times the pin-circle radius.
     """
     ring_radius, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
     for kind in dict.fromkeys(forces.kinds):
@@ -113,9 +113,9 @@ def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, forces: Co
 
 
 def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
-    """Return the initial layout of the viewer: the mechanism, and plots of speeds, torques and peak force.
+    """Return the initial layout of the viewer, a blueprint: the mechanism, and plots of speeds, torques and peak force.
 
-    `topics` has the names of the columns of each topic.
+    `topics` has the column names that belong to each topic.
     """
     rrb = importlib.import_module("rerun.blueprint")
     entities = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}

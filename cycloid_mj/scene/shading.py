@@ -25,7 +25,7 @@ class ShadedMesh:
 
 
 def shade(mesh: Mesh) -> ShadedMesh:
-    """Split the vertices of a watertight mesh at creases (`CREASE`); return it with vertex normals.
+    """Return a watertight mesh with vertex normals, after splitting vertices at creases (edges sharper than `CREASE`).
 
     The normals are means of the face normals, weighted by corner angles.
     """
@@ -56,11 +56,10 @@ def _adjacent_faces(faces: Faces) -> Integers:
 
 
 def _components(pairs: Integers, count: int) -> Integers:
-    """Label connected components: return for each of `count` nodes the smallest node that it is connected with.
+    """Label the connected components of a graph: return for each of `count` nodes the smallest node of its component.
 
-    `pairs` are the connected nodes, shape (k, 2).
-
-    Each round hooks roots onto smaller neighbours and then shortens all paths (Shiloach & Vishkin 1982).
+    `pairs` (k, 2) are the connected nodes. Each round hooks roots onto smaller neighbours and then shortens all paths
+    (Shiloach & Vishkin 1982).
     """
     root = np.arange(count)
     first_nodes, second_nodes = pairs.T

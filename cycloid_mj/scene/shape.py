@@ -31,10 +31,10 @@ class Piece:
 def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     """Return the coloured meshes of all parts by name, each in the frame of the part's planar pose (x, y, angle).
 
-    Parts are housing, shaft, the cycloid discs (``gear``), pin (if the ring has pins) and output. The output disc is a
-    transparent piece of its own: the mechanism is seen from its side, where x points right and y up. A built-up crank
-    is the shaft with its cams and spacers; the output has its rollers. If there are several cycloid discs, each is at
-    its own height z. Instead of the shaft, an RV reducer has sun and crank, the latter with its planet.
+    Parts are housing, shaft, cycloid discs (``gear``), output and, if the ring has pins, ``pin``. The shaft includes
+    cams and spacers of a built-up crank, the output includes its rollers. If there are several cycloid discs, each is
+    at its own height z. Instead of the shaft, an RV reducer has sun and crank, the latter with its planet. The output
+    disc is a transparent piece of its own, because the mechanism is seen from its side, where x points right and y up.
     """
     if isinstance(reducer, RvReducer):
         solids = {name: part.solid(CHORD_ERROR) for name, part in rv_body_parts(reducer).items()}

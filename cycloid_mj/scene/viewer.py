@@ -24,7 +24,7 @@ def require_display() -> None:
 
 
 def show_model(model: Any) -> None:
-    """Open the viewer for a model with the contacts of this package, and return when its window is closed.
+    """Open MuJoCo's viewer for a model, with this package's contact laws, and return when its window is closed.
 
     Raises
     ------

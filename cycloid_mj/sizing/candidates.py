@@ -76,19 +76,21 @@ SIZES_DTYPE = np.dtype([(name, float) for name in SIZES])
 
 
 def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
-    """Convert points of the unit cube to the dimensions of candidate drives, as far as stock parts and walls permit.
+    """Convert points of the unit cube to candidate drives, as far as stock parts and walls permit.
 
     Parameters
     ----------
     requirement
         Ratio, diameter, process and other limits of the drive.
     points
-        Points (n, `DIMENSIONS`); each coordinate chooses among the sizes that fit the previous ones.
+        Points (n, `DIMENSIONS`). Each coordinate, 0 to 1, selects one of the sizes that are compatible with those of
+        the previous coordinates.
 
     Returns
     -------
     tuple
-        Those of the points that have parts in stock and thick enough walls, and their dimensions [m].
+        The points whose drives have parts in stock and thick enough walls, shape (m, `DIMENSIONS`), and a record array
+        of their m drives with the fields `SIZES`, in SI units.
     """
     teeth, discs, free = requirement.ratio + 1, requirement.discs or 1, requirement.custom
     u = points.T
@@ -145,7 +147,7 @@ def _gap(requirement: Requirement) -> float:
 
 @lru_cache(maxsize=64)
 def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tuple[float, float, float, float], ...]:
-    """List rings of fixed pins whose covers stay within an outer radius [m].
+    """List rings of fixed pins whose covers stay within the outer radius of the drive.
 
     Parameters
     ----------
@@ -161,9 +163,9 @@ def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tu
     Returns
     -------
     tuple
-        For each ring the radius of its pins, its own outer radius, the thinnest wall outside of the pins, and its
-        largest width, all in m. A ring with the outer radius of the drive has its screws in the wall, which limits its
-        width to the length of screws in stock. A smaller ring has them outside and may have any width (inf).
+        For each ring four lengths [m]: radius of its pins, its outer radius, thickness of the wall outside the pins,
+        and its largest width. A ring with the outer radius of the drive has its screws in the wall, and the screws in
+        stock limit its width. A smaller ring has its screws outside, and its width is not limited (inf).
     """
     room = math.sin(math.pi / (ratio + 1))
     low, high = (share * room / (1.0 + share * room) * outer for share in PIN_ROOM)
@@ -223,9 +225,9 @@ def clamping(wall: float) -> dict[str, object]:
 
 
 def _reach_of_pins(pin: Array, width: Array) -> Array:
-    """Return n widths [m] changed to the nearest lengths of pins in stock; unchanged where none is near, shape (n,).
+    """Round n widths [m] to the nearest lengths of pins in stock, shape (n,), where there is a length nearby.
 
-    `pin` [m] are the radii of the pins, shape (n,).
+    `pin` (n,) [m] are the radii of the pins, and `width` (n,) the widths. Other widths are unchanged.
     """
     reach = _round_down(width)
     for size in np.unique(pin).tolist():
@@ -242,7 +244,7 @@ def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[A
     Parameters
     ----------
     share
-        Choice among the bearings that fit [1], shape (n,), from 0 to 1.
+        Position of the choice in the list of suitable bearings, from 0 (first) to 1 (last), shape (n,).
     root, face
         Root radius and width of the disc [m], shape (n,) each.
     free
@@ -251,8 +253,8 @@ def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[A
     Returns
     -------
     tuple
-        Outer and inner radius [m], dynamic and static rating [N] of the bearings side by side in a disc, and whether
-        there is one that fits; shape (n,) each.
+        Outer and inner radius of a bearing [m]; dynamic and static rating [N] of the bearings that fit side by side in
+        a disc; and whether there is a suitable bearing; shape (n,) each.
     """
     if free:
         bore = _round_down(_between(share, (0.25, 0.65)) * root)
@@ -302,19 +304,21 @@ def _shaft_bearings(
     Parameters
     ----------
     share
-        Choice among the bearings that fit [1], shape (n,), from 0 to 1.
-    least, limit
-        Smallest radius of the shaft [m], and largest one, shape (n,).
+        Position of the choice in the list of suitable bearings, from 0 (first) to 1 (last), shape (n,).
+    least
+        Smallest radius of the shaft [m].
+    limit
+        Largest radius of the shaft [m], shape (n,).
     bar
-        Whether the shaft is a ground bar in stock.
+        Whether the shaft must be a ground bar in stock.
     free
         Whether bearings of any size are allowed, not only those in stock.
 
     Returns
     -------
     tuple
-        Radius of the shaft and width of the bearing (0 if free) [m], dynamic and static rating [N], and whether there
-        is one that fits; shape (n,) each.
+        Radius of the shaft [m]; width of the bearing [m], 0 if `free`; its dynamic and static rating [N]; and whether
+        there is a suitable bearing; shape (n,) each.
     """
     if free:
         radius = _round_down(_between(share, (1.0, 0.6)) * np.maximum(limit, ROUNDING))
@@ -344,9 +348,9 @@ def _cores(
     Parameters
     ----------
     share
-        Choice among needle bearings (below 0.5) and sleeves [1], shape (n,), from 0 to 1.
+        Choice from 0 to 1, shape (n,): one of the suitable needle bearings below 0.5, a plain sleeve from 0.5.
     stud, face, stack
-        Outer radius of the rollers, width of a disc, and width of all discs [m], shape (n,) each.
+        Outer radius of the rollers, width of a disc, and width of all discs together [m], shape (n,) each.
     usual
         Usual thickness of the output discs [m]. To suit the length of a dowel in stock, they may be up to 1.5 times
         thicker or thinner.
@@ -486,9 +490,10 @@ def conditions(requirement: Requirement, torque: float = 0.0) -> dict[str, dict[
 
 
 def tolerances(requirement: Requirement, discs: int, clearance: float) -> dict[str, str]:
-    """Return the table ``tolerance`` of a design by key: normal deviations in proportion to the clearance [m].
+    """Return the table ``tolerance`` of a design: key -> tolerance, such as "normal 5" (standard deviation 5 um).
 
-    Their standard deviation is `TOLERANCE_SHARE` of the clearance. A required fit replaces those of `FIT_TOLERANCES`.
+    The standard deviations are `TOLERANCE_SHARE` of the `clearance` [m]. If the requirement has a fit, it is used
+    instead for the keys `FIT_TOLERANCES`. `discs` is the number of discs.
     """
     usual = f"normal {MICROMETRES * TOLERANCE_SHARE * clearance:.3g}"
     keys = [*POSITIONS, *(["cam_position"] if discs > 1 else [])]

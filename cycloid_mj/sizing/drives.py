@@ -31,10 +31,10 @@ WHY = {
 
 
 def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
-    """Find drives that meet a requirement; if there are none, the largest torque that its other values allow.
+    """Find drives that meet a requirement; if there are none, find the largest torque that its other values allow.
 
-    `on_progress` is called with the first drive. If there is none, it is called with the refusal once its largest
-    torque is known, and again with each remedy that is added.
+    `on_progress` is called with an answer that has the first drive. If there is none, it is called with the refusal
+    when its largest torque is known, and again after each remedy that is added to it.
     """
     solution, refused, pool = solve(requirement)
     if solution:
@@ -51,10 +51,12 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
 def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
     """Yield the stiffest and the longest-lived of the rated candidates, if they are clearly better than the lightest.
 
+    Both may be the same drive, which is then yielded once.
+
     Parameters
     ----------
     solution
-        Trial of the requirement, with its rated candidates.
+        Result of the search, with its rated candidates.
     first
         The lightest drive.
     """
@@ -83,12 +85,12 @@ def _other_drives(solution: Trial, first: Rated) -> Iterator[SizedDrive]:
 
 
 def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDrive:
-    """Return a rated drive as shown to users, with its figures and the reason of each value.
+    """Return a rated drive in the form shown to users, with its figures and the reason for each value.
 
     Parameters
     ----------
     solution
-        Trial with the requirement.
+        Result of the search, with the requirement.
     rated
         The drive.
     title, why
@@ -103,7 +105,7 @@ def _sized_drive(solution: Trial, rated: Rated, title: str, why: str) -> SizedDr
 
 
 def _figures(rated: Rated) -> dict[str, float]:
-    """Compute the figures of a drive that the table of `design new` shows, by key."""
+    """Compute the figures of a drive in the table of `design new`: key with unit, such as "mass_kg" -> value."""
     reducer, design, items = rated.reducer, rated.reducer.design, rated.items.values()
     momentary, _ = weakest_torque((item for item in items if is_momentary(item.key)), 2.0 * design.rated_torque, 1.0)
     at_torque = reducer.but(load={"torque": design.rated_torque})

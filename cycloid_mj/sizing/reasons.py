@@ -35,7 +35,7 @@ REASONS = {
 
 
 def reasons_of(requirement: Requirement, reducer: Reducer, weakest: str) -> Iterator[tuple[str, str]]:
-    """Yield the key of each value of the design file and the reason for it, such as ("gear.discs", "required").
+    """Yield pairs of a key of the design file and the reason for its value, such as ("gear.discs", "required").
 
     `weakest` is the name of the item that fails first.
     """

@@ -84,10 +84,10 @@ def required(
 ) -> "Requirement":
     """Return a requirement from values in the units of the command line; see `Requirement` for their meaning.
 
-    Life, speed and duty default to those of the process. `duty` is the share of the time under load, or a CSV file of a
-    duty cycle. `cooling` is one of `COOLING`, or a heat transfer coefficient [W/(m2 K)]. `changes` are settings of the
-    design, ``table.key=value``. `kind` is the class of the result, by default `Requirement`. Raises UsageError if two
-    values exclude each other, or one is out of range.
+    Life, speed and duty default to those of the process. `duty` is the share of the time under load, or the path of a
+    CSV file with a duty cycle. `cooling` is one of `COOLING`, or a heat transfer coefficient [W/(m2 K)]. `changes` are
+    settings of the design, ``table.key=value``. `kind` is the class of the result, by default `Requirement`. Raises
+    UsageError if two values exclude each other, or one is out of range.
     """
     if speed_rpm is not None and output_rpm is not None:
         raise UsageError(
@@ -120,20 +120,20 @@ def required(
 
 
 def _duty(duty: str | float | None, usual: float) -> tuple[float, tuple[tuple[float, float, float], ...]]:
-    """Return the duty (share of the time under load) [1], and the points of a duty file.
+    """Return the share of the time under load [1], and the points of a duty cycle.
 
     Parameters
     ----------
     duty
-        A share, the path of a CSV file, or None.
+        The share, the path of a CSV file with a duty cycle, or None for the usual share.
     usual
-        The share for None [1].
+        The usual share [1].
 
     Returns
     -------
     tuple
-        Share of the time, 1 for a file; and for each point the torque relative to the largest, the crank speed [rad/s]
-        and the share of the time. No points without a file.
+        The share, which is 1 for a file; and for each point of the file the torque relative to the largest torque, the
+        crank speed [rad/s] and the share of the time. Without a file, there are no points.
     """
     if duty is None:
         return usual, ()
@@ -146,7 +146,7 @@ def _duty(duty: str | float | None, usual: float) -> tuple[float, tuple[tuple[fl
 
 
 def _film(cooling: str | float) -> float:
-    """Return the heat transfer coefficient of a kind of cooling [W/(m2 K)]."""
+    """Return the heat transfer coefficient [W/(m2 K)] of `cooling`: a key of `COOLING`, or the coefficient itself."""
     if cooling in COOLING:
         return COOLING[str(cooling)]
     try:
@@ -268,7 +268,10 @@ class Requirement:
             self._check_fit()
 
     def _two_stages(self) -> str:
-        """Return advice on a larger ratio by two nearly equal stages; empty if it is out of reach."""
+        """Return advice on reaching a large ratio by two stages in series; empty if two stages do not help.
+
+        That is the case if one stage is enough, or if two are not.
+        """
         if not MOST_RATIO < self.ratio <= MOST_RATIO**2:
             return ""
         stages = range(LEAST_RATIO, math.isqrt(self.ratio) + 1)
@@ -319,9 +322,9 @@ class Requirement:
 
     @property
     def kind(self) -> Self:
-        """The requirement with only those values that the sizes of candidates depend on; the key of a cache.
+        """The requirement without all values that do not influence the sizes of candidates; it is the key of a cache.
 
-        All other values are replaced: no limits, and the usual conditions of the process.
+        These values are replaced by infinite limits and by the usual conditions of the process.
         """
         usual = PROCESSES[self.process]
         return self.but(
@@ -363,10 +366,10 @@ class Requirement:
 
     @property
     def tighter_clearances(self) -> Iterator[float]:
-        """The clearances below the usual one that the process allows [m], the largest first.
+        """Return the clearances below the usual one that the process allows [m], the largest first.
 
-        Clearances finer than the usual accuracy of the process need parts that are measured and matched, as the pins
-        sorted into groups by ISO 3096.
+        Such clearances are finer than the usual accuracy of the process. They need parts that are measured and matched,
+        such as pins sorted into groups by ISO 3096.
         """
         matched = PROCESSES[self.process].matched
         count = math.floor(math.log(matched / self.usual_clearance) / math.log(FINER) + 1e-9)

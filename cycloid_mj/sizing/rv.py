@@ -145,9 +145,10 @@ class RatedRv:
 
 
 def size_rv(requirement: RvRequirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
-    """Find the shortest RV reducer that meets a requirement, and the longest-lived; else the largest torque.
+    """Find the shortest RV reducer that meets a requirement, and the longest-lived of the rated candidates.
 
-    `on_progress` receives a refusal as soon as the largest torque is known.
+    If no reducer meets the requirement, the answer has the largest feasible torque, and remedies. `on_progress` is
+    called with it before the remedies are known.
     """
     pool = list(candidates(requirement))
     if not pool:
@@ -182,9 +183,10 @@ def candidates(requirement: RvRequirement) -> Iterator[Candidate]:
 
 
 def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
-    """Yield teeth (sun, planet, ring) for a ratio = 1 + ring * planet / sun, with which the planets can be assembled.
+    """Yield numbers of teeth (sun, planet, ring) with ``ratio = 1 + ring * planet / sun`` that can be assembled.
 
-    There is a planet on each of the `cranks`, larger than the sun. For each ring only the smallest sun is used.
+    There is a planet on each of the `cranks`, larger than the sun; ring is the number of ring pins. For each ring only
+    the smallest possible sun is used.
     """
     for ring in TEETH["ring"]:
         quotient = Fraction(ratio - 1, ring)
@@ -199,10 +201,10 @@ def assemblies(ratio: int, cranks: int) -> Iterator[tuple[int, int, int]]:
 def _candidate(
     requirement: RvRequirement, cranks: int, teeth: tuple[int, int, int], trochoid: float, bore: float, width: float
 ) -> Candidate | None:
-    """Return the candidate with `teeth` (sun, planet, ring); None if its parts do not fit.
+    """Return the candidate with the numbers of teeth `teeth` (sun, planet, ring); None if its parts do not fit.
 
-    `trochoid` is its K1, `bore` and `width` are the radius of the crank bores and the width of a disc over the radius
-    of the pin circle; see `RvShares`.
+    `trochoid` is the trochoid ratio K1 = c N/E, with eccentricity c, N ring pins and radius E of the pin circle. `bore`
+    and `width` are the radius of the crank bores and the width of a disc, divided by E; see `RvShares`.
     """
     sun, planet, ring = teeth
     circle = round(SHARES.pin_circle * requirement.diameter / 2.0, 4)
@@ -264,7 +266,10 @@ def _nearest_pin(radius: float) -> float:
 
 
 def _estimate(reducer: RvReducer, requirement: RvRequirement) -> float:
-    """Estimate the torque for which crank bearings and pins last [N m]: ISO 281 and AGMA 2001-D04."""
+    """Estimate the output torque [N m] at which crank bearings and pins last the required life.
+
+    The lives are those of ISO 281 for the bearings and of AGMA 2001-D04 for the pins.
+    """
     crank = np.linspace(0.0, reducer.crank_turn, ESTIMATE_ANGLES, endpoint=False)
     loads = ideal_rv_loads(reducer.stage, reducer.share, crank)
     forces = loads.bearings.reshape(crank.size, -1), flange_forces(reducer, loads.cranks)
@@ -281,9 +286,10 @@ def _estimate(reducer: RvReducer, requirement: RvRequirement) -> float:
 
 
 def _search(requirement: RvRequirement, pool: list[Candidate]) -> tuple[RatedRv | None, RatedRv | None]:
-    """Rate candidates until the shortest that carries the torque is known; return it, and the strongest.
+    """Rate candidates until the shortest that carries the torque is found; return it (or None), and the strongest.
 
-    Each rating corrects the estimates by its ratio of torque and estimate.
+    The ratio of rated and estimated torque corrects the estimates of the other candidates. The strongest is the one
+    with the largest torque of all rated candidates.
     """
     strongest, bias, left = None, 1.0, list(pool)
     for _ in range(MAX_RATINGS):
@@ -305,7 +311,7 @@ def _search(requirement: RvRequirement, pool: list[Candidate]) -> tuple[RatedRv 
 
 
 def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv | None:
-    """Check and rate a candidate at the required torque; None if it cannot be built or balanced."""
+    """Check and rate a candidate at the required torque; return None if it fails a check or cannot be balanced."""
     if any(item.severity == "error" and not item.passed for item in soundness(candidate.reducer)):
         return None
     torque = requirement.torque
@@ -321,12 +327,10 @@ def rate_candidate(requirement: RvRequirement, candidate: Candidate) -> RatedRv 
 
 
 def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
-    """Extrapolate the torque [N m] at which an item reaches its limit or the required `life` [h].
+    """Extrapolate the torque [N m] at which an item reaches its limit, or just lasts the required `life` [h].
 
-    The item was rated at `torque` [N m].
-
-    Forces are proportional to the torque, and Hertz pressures to its square root. The safety factors of RV reducers are
-    ratios of torques.
+    The item was rated at `torque` [N m]. Forces are assumed to be proportional to the torque, and Hertz pressures to
+    its square root. The safety factors of RV reducers are ratios of torques.
     """
     if item.safety is not None:
         return float(torque * item.safety)
@@ -335,7 +339,10 @@ def _torque_limit(item: RatedItem, torque: float, life: float) -> float:
 
 
 def _remedies(requirement: RvRequirement, strongest: RatedRv | None) -> Iterator[FeasibleChange]:
-    """Yield a larger diameter and a shorter life that make a requirement feasible, each verified by the rating."""
+    """Yield a shorter life and a larger diameter that make a requirement feasible, each if rating verifies it.
+
+    `strongest` is the strongest drive that was rated for the requirement, if any.
+    """
     if strongest and (life := math.floor(strongest.rating.shortest_life / requirement.duty_share)) >= 100:
         shorter = requirement.but(life=float(f"{life:.2g}") if life < requirement.life else requirement.life)
         if shorter.life < requirement.life and _search(shorter, list(candidates(shorter)))[0]:

@@ -143,9 +143,10 @@ def rate_drive(
 ) -> Rated | None:
     """Rate a drive within its tolerances at a torque [N m] under the conditions of a requirement.
 
-    The forces are those of `rate` with toleranced parts, or of the tolerance sample with the index `sample`, at `poses`
-    crank angles of a turn. The result has torque limits by item [N m], mass [kg], length [m] and, if it is required,
-    backlash [arcmin]. None if the drive has no equilibrium, all samples jam, or a part does not fit.
+    The tooth forces are the governing ones of parts within the tolerances, as in `rate`, or with `sample` those of the
+    tolerance sample with this index. They are computed at `poses` crank angles of a turn. The result has torque limits
+    by item [N m], mass [kg], length [m] and, if the requirement limits it, backlash [arcmin]. It is None if the drive
+    has no equilibrium, all samples jam, or a part does not fit.
     """
     loaded = reducer.with_nominal_torque(torque)
     design, zones = loaded.design, tolerance_zones(loaded)
@@ -165,11 +166,11 @@ def rate_drive(
 
 
 def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rated | None:
-    """Rate a candidate at its capacity, or at the required torque if that is smaller.
+    """Rate a candidate at its capacity (the torque that it carries), or at the required torque if that is smaller.
 
-    The capacity depends on the torque of the rating, as more teeth carry at larger loads. So the rating is repeated at
-    the capacity of the previous one (fixed-point iteration). Tooth forces are those of a critical sample of the
-    tolerances.
+    The capacity depends on the torque of the rating, because more teeth carry at larger loads. So the rating is
+    repeated at the capacity of the previous rating (fixed-point iteration). Tooth forces are those of a critical sample
+    of the tolerances.
 
     Parameters
     ----------
@@ -183,7 +184,8 @@ def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rat
     Returns
     -------
     Rated or None
-        None if the candidate cannot be built, or has no equilibrium.
+        The rated drive; only its length is evaluated if it is too long. None if the candidate cannot be built, or has
+        no equilibrium.
     """
     most = requirement.torque
     reducer, rated = build_drive(requirement, sizes, min(torque, most)), None
@@ -203,9 +205,11 @@ def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float) -> Rat
 
 
 def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
-    """Compute the yield of a drive within its tolerances [%], and median and 5 to 95 % of its backlash [arcmin].
+    """Compute yield and backlash of a drive over samples of its tolerances: key -> value.
 
-    A sample is good if it does not jam and its backlash is within the limit.
+    The keys are ``turning_percent``, the share of samples that do not jam [%]; ``yield_percent``, the share that also
+    has a backlash within the limit [%]; ``backlash_arcmin``, the median; and ``backlash_p05_arcmin``, p95 and p99, the
+    percentiles of the backlash.
     """
     if tolerance_zones(reducer):
         samples = select_rated_samples(reducer)
@@ -230,9 +234,10 @@ def violation(requirement: Requirement, figures: Estimate) -> Array:
 
 
 def strongest(requirement: Requirement) -> Objective:
-    """Return an objective to minimise: minus the capacity [N m], or the violation of length and backlash, if any.
+    """Return an objective whose minimum is the drive with the largest capacity within the limits of a requirement.
 
-    It is infinite without capacity.
+    Its value is minus the capacity [N m]. If a drive exceeds the required length or backlash, it is this excess, a
+    positive number (`violation`). Without any capacity, it is infinite.
     """
 
     def objective(figures: Estimate) -> Array:
@@ -288,10 +293,10 @@ class Pool:
 
     @property
     def strong_part(self) -> Self:
-        """A pool of the strongest candidates, without their ratings.
+        """The candidates with the largest estimated torques as a pool of their own, without their ratings.
 
-        For each estimate of `_capacities`, these are the `SETTINGS.strong` best of all candidates, and as many of those
-        within the limits of length and backlash.
+        For each of the torques of `_capacities`, these are the `SETTINGS.strong` best of all candidates, and the
+        `SETTINGS.strong` best of those within the limits of length and backlash.
         """
         figures = self.corrected
         within = violation(self.requirement, figures) <= 0.0
@@ -322,7 +327,10 @@ class Pool:
         return float(np.max(capacity(figures) * (violation(self.requirement, figures) <= 0.0)))
 
     def lightest(self) -> Rated | None:
-        """Return the drive with the lowest loss of those with nearly the lowest mass, after its tolerance study."""
+        """Return the most efficient of the drives whose mass is close to the lowest, after its tolerance study.
+
+        It is None if no drive passes.
+        """
         for study in (False, True):
             first = self.best(lightest(self.requirement), study=study)
             if not first:
@@ -341,15 +349,17 @@ class Pool:
         study: bool = True,
         max_ratings: int = SETTINGS.ratings,
     ) -> Rated | None:
-        """Return the drive with the least `objective`, or the first that reaches `goal`; None if there is none.
+        """Return the drive with the smallest `objective`, or the first that reaches `goal`; None if there is none.
 
-        1. The candidate with the best estimate is rated, until none is left that could be better than the best rated
-           one, or `max_ratings` candidates are rated.
-        2. Neighbours of the best rated candidate, which differ in one variable, are added once and rated in turn.
-        3. With `study`, its tolerance study follows. If it fails, the search continues with the next candidate.
+        1. The candidate with the best estimate is rated, again and again, until no estimate is better than the best
+           rated drive, or `max_ratings` candidates are rated.
+        2. Neighbours of the best rated candidate, which differ in one variable, are added once and rated in the same
+           manner.
+        3. With `study`, the tolerance study of the best drive follows. If it fails, the search continues with the next
+           best.
 
-        The goal is a value of the objective; with `only_goal`, candidates above it are not rated. A drive that exceeds
-        the required length or backlash is returned if no other is left.
+        The goal is a value of the objective; with `only_goal`, candidates whose estimate does not reach it are not
+        rated. A drive that exceeds the required length or backlash is returned if no other is left.
         """
         ratings, studies, extended = 0.0, 0, set[int]()
         while True:
@@ -381,9 +391,10 @@ class Pool:
                 self.study(row)
 
     def _rate(self, row: int, torque: float) -> bool:
-        """Rate the candidate `row`, first at a torque [N m]; return whether it could be rated.
+        """Rate the candidate `row` and store the result; return whether it could be rated.
 
-        The logarithms of its rated figures over their estimates are stored in `corrections`.
+        `torque` is the torque of its first rating [N m]. The logarithms of the ratios of rated to estimated figures are
+        stored in `corrections`.
         """
         self.rated[row] = drive = rate_candidate(self.requirement, self.sizes[row], torque)
         true = drive.known(self.guess) if drive else {"other": UNSOUND * float(self.guess["other"][row])}
@@ -394,11 +405,13 @@ class Pool:
         return bool(drive and drive.items)
 
     def study(self, row: int) -> Rated | None:
-        """Rate a candidate with its tolerance study, at the required torque or the largest that it should carry.
+        """Rate the candidate `row` with its tolerance study, and store and return the result.
 
-        If the torque of an earlier study was too large, the next is that of a secant step. Its slope is 1/3: if the
-        torque is reduced, a capacity limited by pitting falls by a third to a half of that, as fewer teeth are in
-        contact; one limited by bearings is constant. None if too many samples jam.
+        The torque is the required one, or the largest that the candidate is expected to carry. If an earlier study has
+        shown that its torque was too large, the next torque follows from a secant step with the slope 1/3: when the
+        torque is reduced, a capacity limited by pitting falls by a third to a half of the reduction, because fewer
+        teeth are in contact, and a capacity limited by bearings is constant. The result is None if too many samples
+        jam.
         """
         drive = self.rated[row]
         if not drive:
@@ -421,9 +434,9 @@ class Pool:
         return full if full and full.passed else drive
 
     def _study_at(self, reducer: Reducer, torque: float) -> Rated | None:
-        """Rate a drive with toleranced parts at a torque [N m], and add its tolerance study.
+        """Rate a drive with toleranced parts at a torque [N m], and add its tolerance study to the result.
 
-        None if it cannot be rated, or if too many samples jam (see `SETTINGS.min_yield`).
+        It is None if the drive cannot be rated, or if too many samples jam (see `SETTINGS.min_yield`).
         """
         full = rate_drive(self.requirement, reducer, torque)
         study = tolerance_study(self.requirement, full.reducer) if full else {}
@@ -435,13 +448,13 @@ class Pool:
         )
 
     def _values(self, objective: Objective) -> tuple[Array, Mask, Array]:
-        """Evaluate an objective for all n candidates, rated and estimated.
+        """Evaluate an objective for all n candidates, both rated and only estimated.
 
         Returns
         -------
         tuple
-            The objective (optimistic for estimates, by their error), whether the candidate is rated, and its estimated
-            capacity [N m]; shape (n,) each.
+            The objective, which assumes the favourable end of the error of an estimate; whether the candidate is rated;
+            and its estimated capacity [N m]; shape (n,) each.
         """
         known = np.zeros(len(self.points), bool)
         known[list(self.rated)] = True
@@ -456,7 +469,10 @@ class Pool:
         return np.where(np.isnan(values), np.inf, values), known, capacity(likely)
 
     def _extend(self, index: int) -> None:
-        """Add neighbours of a candidate: changes of a single variable, for a local search by estimates and ratings."""
+        """Add the neighbours of a candidate to the pool, for a local search; each differs from it in a single variable.
+
+        `index` is the index of the candidate. Neighbours that are in the pool already are not added.
+        """
         steps = np.concatenate([sign * np.geomspace(*SETTINGS.neighbours) for sign in (-1.0, 1.0)])
         changes = (np.eye(DIMENSIONS)[:, np.newaxis] * steps[:, np.newaxis]).reshape(-1, DIMENSIONS)
         points, sizes = decode(self.requirement, np.clip(self.points[index] + changes, 0.0, 1.0 - 1e-9))
@@ -468,11 +484,11 @@ class Pool:
 
 
 def _interpolate(points: Array, known: Iterable[Point], values: Array) -> Array:
-    """Interpolate the logarithms of m factors by inverse distances (Shepard's method), shape (n, m).
+    """Interpolate the logarithms of m factors at n points by inverse distances (Shepard's method), shape (n, m).
 
-    `points` are the n points to interpolate at, (n, `DIMENSIONS`), and `values` (k, m) those at k `known` points. Far
-    from all known points, the result is the median of the known values and two zeros (factors of 1), which limits the
-    influence of a single exceptional candidate.
+    `points` (n, `DIMENSIONS`) are the n points, and `values` (k, m) are the logarithms at the k points `known`. Far
+    from all known points, the result approaches the median of the known values and two zeros (factors of 1), which
+    limits the influence of a single exceptional candidate.
     """
     places = np.reshape(list(known), (-1, DIMENSIONS))
     weight = 1.0 / (cdist(points, places, "sqeuclidean") + 1e-9) ** 2
@@ -503,10 +519,15 @@ def _estimate(requirement: Requirement, sizes: Sizes) -> Estimate:
 
 @lru_cache(maxsize=32)
 def _find_elites(kind: Requirement) -> Array:
-    """Run MAP-Elites on the estimates for a `Requirement.kind`; return the points of the elites in the unit cube.
+    """Find a diverse set of good candidates for a `Requirement.kind` by MAP-Elites on the estimates.
 
-    Their shape is (k, `DIMENSIONS`), see `decode`; k = 0 if no drive can be built. There is an archive for each of
-    `_capacities`, so that the elites include good candidates for any conditions.
+    MAP-Elites keeps the best candidate (elite) of each cell of torque and length. There is an archive of cells for each
+    of `_capacities`, so that the elites include good candidates for any conditions.
+
+    Returns
+    -------
+    Array
+        Points of the elites in the unit cube (`decode`), shape (k, `DIMENSIONS`); k = 0 if no drive can be built.
     """
     if not first_drive(kind):
         return np.empty((0, DIMENSIONS))
@@ -525,7 +546,7 @@ def _find_elites(kind: Requirement) -> Array:
 def _elites(guess: Estimate) -> Integers:
     """Return the indices of the elites: the lightest candidate of each cell of torque and length.
 
-    `guess` are the estimates of all candidates. The torque is each of `_capacities` in turn.
+    `guess` are the estimates of all candidates. There are elites for each of the torques of `_capacities`.
     """
     chosen = []
     for torque in _capacities(guess):

@@ -34,9 +34,9 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
     Returns
     -------
     tuple
-        The best drive with its pool, None if the requirement is not feasible; the answer, which has no drives yet, but
-        if it is a refusal the largest torque and what limits it; and the pool of that torque, None with a drive or if
-        no candidate exists.
+        Three values. If the requirement is feasible: the best drive with its pool, an answer without drives yet, and
+        None. Otherwise: None; the answer with the largest torque and what limits it; and the pool of the drive with
+        this torque, or None if there are no candidates.
     """
     failed: list[Pool] = []
     for pool in pools_of(requirement):
@@ -59,7 +59,7 @@ def solve(requirement: Requirement) -> tuple[Trial | None, Answer, Pool | None]:
 def find_drive(pool: Pool, *, study: bool, max_ratings: int = SETTINGS.ratings) -> Rated | None:
     """Return a drive of a pool that carries the required torque within the limits; None if there is none.
 
-    With `study`, its tolerance study decides, else its rating.
+    With `study`, it must pass its tolerance study; otherwise its rating is sufficient.
     """
     requirement = pool.requirement
     goal = -requirement.torque
@@ -73,11 +73,11 @@ def is_feasible(requirement: Requirement) -> bool:
 
 
 def pools_of(requirement: Requirement, source: Pool | None = None) -> Iterator[Pool]:
-    """Yield the pools of a requirement for each of its numbers of discs, with the corrections of a `source` if any.
+    """Yield the pools of candidates to search for a requirement: one for each number of discs and clearance.
 
-    If no clearance is required, the first pool has the usual one. Finer clearances follow, as more teeth carry with
-    them: the next is always the largest for which the estimates nearly reach the torque within length and backlash,
-    or the finest if there is none.
+    If no clearance is required, the first pool has the usual clearance. Pools with finer clearances follow, because
+    more teeth carry with them. The next clearance is always the largest for which the estimates nearly reach the torque
+    within length and backlash, or the finest if there is none. If a `source` is passed, the pools use its corrections.
     """
     for discs in requirement.numbers_of_discs:
         fixed = requirement.but(discs=discs)
@@ -97,7 +97,10 @@ def finer_requirements(requirement: Requirement) -> list[Requirement]:
 
 
 def _limit(pool: Pool, drive: Rated | None) -> str:
-    """Return what limits the torque of the best drive of a pool, or of those that were rated."""
+    """Describe what limits the torque of the best drive of a pool.
+
+    `drive` is this drive; if it is None, the strongest of the rated candidates stands for it.
+    """
     requirement = pool.requirement
     rated = [drive for drive in pool.rated.values() if drive and drive.items]
     if not drive and rated:
@@ -117,7 +120,7 @@ def _limit(pool: Pool, drive: Rated | None) -> str:
 
 
 def _no_room(requirement: Requirement) -> str:
-    """Return the reason why no drive of the required size exists, for a message."""
+    """Describe why no drive of the required size exists: parts in stock, motor shaft, or ratio and clearance."""
     discs = requirement.numbers_of_discs[0]
     if not requirement.custom and pool_of(requirement.but(custom=True, discs=discs)):
         return "no pins and bearings in stock fit"
@@ -141,7 +144,7 @@ def length_parts(reducer: Reducer) -> str:
 
 
 def best_ratio(requirement: Requirement, low: int, high: int) -> Requirement:
-    """Return the requirement with the ratio from `low` to `high` that has the largest estimated torque.
+    """Return the requirement with the ratio, from `low` to `high`, that has the largest estimated torque.
 
     Up to `MAX_RATIOS` evenly spaced ratios are compared.
 

@@ -94,8 +94,8 @@ class Loads:
 def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool = False) -> Loads:
     """Compute contact forces and displacements under an output torque at the crank angles of the springs.
 
-    With the law ``film``, the solution is repeated with the friction of the film under its forces, until the losses
-    change by less than `FILM.rtol` (fixed-point iteration).
+    With the friction law ``film``, the solution is repeated with the friction coefficients of the lubricating film
+    under the previous forces, until the losses change by less than `FILM.rtol` (fixed-point iteration).
 
     Parameters
     ----------
@@ -148,9 +148,9 @@ def solve_at_friction(
     torque
         Output torque [N m], not 0: a number, or of shape (m,).
     warm_start
-        As `follow` of `loads`; ignored with a `start`.
+        Whether to start each solution from the previous equilibria, as `follow` of `loads`; ignored with a `start`.
     start
-        Solution for similar friction coefficients, from whose displacements the search starts.
+        Solution for similar friction coefficients, whose displacements are the starting point.
 
     Raises
     ------
@@ -169,8 +169,9 @@ def _solve_ring_output(
     """Solve for equilibrium under a torque on the ring [N m], a number or of shape (m,).
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
-    losses over the speed; it depends on the contact forces, and a secant iteration determines it. `warm_start` and
-    `start` are arguments of `solve_at_friction`. The rotation of the output includes the twist of the structure.
+    losses divided by the crank speed relative to the ring. As it depends on the contact forces, a secant iteration
+    determines it. `warm_start` and `start` are arguments of `solve_at_friction`. The rotation of the output includes
+    the twist of the structure.
     """
     settings = RING_TORQUE
     speed, torque_ratio = (
@@ -220,9 +221,9 @@ def _solve_ring_output(
 def _solve_carrier_output(
     reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool, start: Loads | None
 ) -> Loads:
-    """Solve for equilibrium under a torque on the carrier [N m], in the frame of the ring and without torsion.
+    """Solve for equilibrium under a torque on the carrier [N m], a number or of shape (m,), in the frame of the ring.
 
-    `warm_start` and `start` are arguments of `solve_at_friction`; the torque is a number, or has shape (m,).
+    The twist of the structure is not included. `warm_start` and `start` are arguments of `solve_at_friction`.
     """
     contacts, radius = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
@@ -256,10 +257,11 @@ def _solve_carrier_output(
 
 
 def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
-    """Raise RunError if a residual exceeds `RESIDUAL_RTOL` of the load; name friction if it is the cause.
+    """Raise RunError if a residual exceeds `RESIDUAL_RTOL` of the load; the message says whether friction is the cause.
 
     `load` (k, u) [N] are the generalised forces on the u unknowns at the k crank angles of the springs, from
-    `Springs.load`. Friction is the cause if parts without clearance have no equilibrium with it (`jam.friction_limit`).
+    `Springs.load`. Friction is the cause if the parts have no equilibrium with it even without clearance
+    (`jam.friction_limit`).
     """
     if residual.force <= RESIDUAL_RTOL:
         return
@@ -286,7 +288,7 @@ def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
 
 
 def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:
-    """Compute the rotation of disc and output from their ideal angles [rad], shape (k, 2), without friction.
+    """Compute the rotations of disc and output from their ideal angles under a torque, without friction.
 
     The only inertia force is the disc's centrifugal force at the speed of the design.
 
@@ -298,6 +300,11 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
         Crank angles in order [rad], shape (k,).
     torque
         Output torque [N m], not 0; positive as in `Member.share`, like the rotations.
+
+    Returns
+    -------
+    Array
+        Rotations of disc and output [rad], shape (k, 2).
 
     Raises
     ------
@@ -311,9 +318,9 @@ def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) ->
 def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
     """Compute the mean powers through both shafts and the friction losses at the design's speed, which must not be 0.
 
-    The torque of the crank follows from the power balance. The contacts also support the drag of the output's seals.
-    Each solution starts from the previous equilibria: at high friction, parts may also wedge, and an independent
-    solution may end in such a state.
+    The torque of the crank follows from the power balance. The contacts also transmit the drag of the output's seals.
+    Each solution starts from the equilibrium at the previous crank angle. At high friction, parts may also wedge, and a
+    solution with another starting point may end in such a state.
 
     Parameters
     ----------
@@ -347,11 +354,11 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
 
 
 def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
-    """Compute the friction power at m crank angles [W], shape (m,), by part: "teeth", "cam" and "output" (its pins).
+    """Compute the friction power [W] at m crank angles by part, "teeth", "cam" and "output" (its pins): part -> (m,).
 
-    The power of a contact is coefficient times normal force times sliding speed, under the `contact_loads` of the
-    springs; the contacts of a part are added. With the law ``film`` each contact has its own coefficient, otherwise
-    each kind of pair.
+    The power of a contact is its friction coefficient times normal force times sliding speed; a part has the sum over
+    its contacts. `contact_loads` are the forces on the `springs`. With the friction law ``film`` each contact has its
+    own coefficient, otherwise each kind of pair has one.
     """
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth

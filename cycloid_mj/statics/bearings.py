@@ -48,12 +48,12 @@ class Planes:
         Parameters
         ----------
         far_position, near_position
-            Axial positions of the far and of the near bearing [m], in the coordinate of `place`.
+            Axial positions of the two bearings [m], in the coordinate of `place`.
 
         Returns
         -------
         tuple of Array
-            Forces of the far and of the near bearing on the part [N], shape (m, 2) each.
+            Forces [N] on the part by the bearing at `far_position`, then by that at `near_position`, shape (m, 2) each.
         """
         near_share = (self.place - far_position) / (near_position - far_position)
         near_reaction = -np.einsum("d,mdi->mi", near_share, self.force)
