@@ -45,7 +45,7 @@ MAX_CRANK_STEP = np.radians(5.0)
 
 
 def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None, log: str | None = None) -> Findings:
-    """Evaluate a run and compare it with its closed form.
+    """Evaluate a run, and compare it with closed-form results.
 
     Parameters
     ----------
@@ -54,19 +54,19 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
     q
         Point of the disc in its frame [m], shape (2,); by default the centre of hole 1 (or crank bore 1), on +y.
     settle
-        Time after the ramp that is not evaluated [s]; by default an estimate, see `window.in_hold`.
+        Time after the ramp of the crank speed that is not evaluated [s]; by default an estimate, see `window.in_hold`.
     log
-        Path of the log, for `Findings.log`.
+        Path of the log, which is stored as `Findings.log`; it is not read.
 
     Returns
     -------
     Findings
-        Transmission error, speeds, forces, losses and efficiency, each with its closed form.
+        Transmission error, speeds, forces, losses and efficiency; those with a closed form are compared with it.
 
     Raises
     ------
     LogError
-        The run has no design or another run's, lacks a column, or has fewer than two samples.
+        The run has no design, the design does not match it, a column is missing, or it has fewer than two samples.
     DesignError
         The attached design is not valid.
     UsageError
@@ -78,8 +78,8 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 def judge(motion: Series, log: str | None = None) -> Findings:
     """Compute the findings of a simulated motion: measured values, their closed form, and warnings.
 
-    `log` is the path of the log, for `Findings.log`. For entries that the log's provenance lacks, the time step is that
-    of the design, the solver ``mujoco``, and the others None.
+    `log` is the path of the log, which is stored as `Findings.log`. If the log's provenance lacks an entry, the time
+    step is that of the design, the solver is ``mujoco``, and the other entries are None.
     """
     run, provenance = motion.run, motion.run.provenance
     power, contacts, evaluated_window = _power(motion), _contacts(motion), _window(motion)
@@ -128,7 +128,10 @@ def _crank(motion: Series) -> Crank:
 
 
 def _discs(motion: Series) -> tuple[Disc, ...]:
-    """Return speed, transmission error and motion of q of each disc; an empty tuple for a single disc."""
+    """Return a `Disc` for each disc: its speed, transmission error, and path and speed of its point q.
+
+    The tuple is empty for a single disc, whose findings are those of the run.
+    """
     count = motion.design.gear.discs
     series_by_disc = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
     return tuple(
@@ -144,9 +147,9 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
 
 
 def _speed(speed: Compared, motion: Series) -> SpeedFindings:
-    """Return the means of a speed over full periods, and its rms and peak error over all evaluated samples [rad/s].
+    """Return the mean of a speed and of its closed form over full periods, and rms and peak of the difference [rad/s].
 
-    `speed` is an attribute of the series `motion`, compared with its closed form [rad/s].
+    The difference is evaluated in all samples of the evaluation mask. `speed` is an attribute of the series `motion`.
     """
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),
@@ -168,12 +171,12 @@ def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
 
 
 def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
-    """Return rms and peak error of the acceleration of the disc's point q against its closed form [m/s2].
+    """Return rms and peak of the difference between simulated and closed-form acceleration of the point q [m/s2].
 
     Each interval between two successive samples that are both in the mask (n,) is evaluated. The simulated acceleration
     is the difference of their velocities over the interval. The closed form (Hsieh 2014, Eq. 19) is evaluated at the
-    mean crank angle and speed of both samples. None if there is no such interval, or if the crank turns by more than
-    `MAX_CRANK_STEP` in one of them.
+    mean crank angle and speed of both samples. Return None if there is no such interval, or if the crank turns by more
+    than `MAX_CRANK_STEP` in one of them.
     """
     evaluated_intervals = np.flatnonzero(mask[1:] & mask[:-1])
     if evaluated_intervals.size == 0 or peak(np.diff(motion.crank_angle)[evaluated_intervals]) > MAX_CRANK_STEP:
@@ -207,10 +210,10 @@ def _contacts(motion: Series) -> ContactSummary:
 
 
 def _crank_bearings(motion: Series) -> CrankBearings | None:
-    """Return the forces of the cranks on the discs of an RV reducer [N]: the largest, and the largest mean.
+    """Return the largest force of any crank on a disc of an RV reducer, and the largest of their mean forces [N].
 
-    Means are those of roller bearings, with the exponent 10/3, over full periods. None without cranks, or if their
-    forces were not logged.
+    The mean force of a crank is that of a roller bearing (exponent 10/3) over full periods. Return None without cranks,
+    or if their forces were not logged.
     """
     kind = names.KINDS[names.CRANK]
     if not motion.run.pairs(kind):
@@ -234,9 +237,9 @@ def _ramp(motion: Series) -> Ramp | None:
 
 
 def _power(motion: Series) -> Power:
-    """Return mean powers [W] and torques [N m] over full periods, and the crank torque without losses.
+    """Return mean input and output power [W], mean torques of crank and load, and crank torque without losses [N m].
 
-    Input power is positive if the drive receives it, output power if the load does.
+    All are means over full periods. Input power is positive if the drive receives it, output power if the load does.
     """
     run, driven = motion.run, motion.run.driven_shaft
     load_torque = _mean(run["load_torque"], motion)
@@ -255,7 +258,7 @@ def _efficiency(power: Power, motion: Series) -> float | None:
 
 
 def _losses(motion: Series) -> tuple[Loss, ...]:
-    """Return the mean loss by friction and by normal forces [W] of each kind of mating pair, over full periods.
+    """Return the mean friction and damping losses [W] of each kind of mating pair, over full periods.
 
     Kinds whose losses are 0 in every sample are omitted.
     """

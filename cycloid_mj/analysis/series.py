@@ -182,7 +182,7 @@ class Series:
 
 
 def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:
-    """Compare angles, speeds and the motion of a point q in a run with their closed form, sample by sample.
+    """Return the sampled motion of a run, each signal with its closed form: angles, speeds and motion of a point q.
 
     The series ends before the first sample that has a value which is not finite or exceeds `record.LARGEST`.
 
@@ -193,12 +193,12 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     q
         Point of the disc in its frame [m], shape (2,); by default the centre of hole 1 (or crank bore 1), on +y.
     settle
-        Time after the ramp that is omitted [s]; see `window.in_hold`.
+        Time after the ramp of the crank speed that is not evaluated [s]; see `window.in_hold`.
 
     Raises
     ------
     LogError
-        The run has no design or another run's, lacks a column, or has fewer than two samples.
+        The run has no design, the design does not match it, a column is missing, or it has fewer than two samples.
     DesignError
         The attached design is not valid.
     UsageError
@@ -269,12 +269,12 @@ def point_path(
 
 
 def design_of(run: Run) -> Design:
-    """Return the design of a run from its attachment.
+    """Return the design that is attached to a run.
 
     Raises
     ------
     LogError
-        The attachment is missing, not UTF-8 text, or belongs to another run: it has other numbers of pins or lobes.
+        The attachment is missing or not UTF-8 text, or its numbers of pins or lobes are not those of the run.
     DesignError
         The attachment is not a valid design.
     """
@@ -313,13 +313,13 @@ def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
 def _cut_before_invalid(run: Run, column_names: tuple[str, ...]) -> Run:
     """Return the part of a run before the first sample that has a value which is not finite or exceeds `LARGEST`.
 
-    A failed run may end in such samples. All columns are checked, not only the required columns `column_names`; the
-    note of the shortened run states the time of the first omitted sample.
+    A failed run may end in such samples. All columns are checked, also those that the analysis does not need. The note
+    of the shortened run states the time of the first omitted sample.
 
     Raises
     ------
     LogError
-        A needed column is missing.
+        One of the columns `column_names`, which the analysis needs, is missing.
     """
     missing = [name for name in column_names if name not in run.columns]
     if missing:
@@ -343,7 +343,7 @@ def _check_point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
     Raises
     ------
     UsageError
-        It is not two finite numbers.
+        `q` is not two finite numbers.
     """
     point = np.array([0.0, reducer.lever] if q is None else q, dtype=np.float64)
     if point.shape != (2,) or not np.isfinite(point).all():

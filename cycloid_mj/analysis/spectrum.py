@@ -159,13 +159,13 @@ def tapered_orders(
     max_order
         Largest order to return [1]; it is limited to ``SPECTRUM.band`` times the number of samples per crank turn.
     cycles_per_turn
-        Base order [1]: the evaluated window is an integer number of its cycles. By default it is full crank turns.
+        Number of cycles in a crank turn [1]; the evaluated window is as many full cycles as the samples cover.
 
     Returns
     -------
     Orders or None
-        None if there are fewer than two times ``SPECTRUM.reach`` values, if they span less than a cycle, or if the
-        crank reverses or stops.
+        Orders and amplitudes. None if there are fewer than 2 ``SPECTRUM.reach`` values, if they cover less than a
+        cycle, or if the crank reverses or stops.
     """
     swept = cycles_per_turn * np.abs(angle - angle[0]) / (2.0 * np.pi)
     if len(swept) < 2 * SPECTRUM.reach or (np.diff(swept) <= 0.0).any():
@@ -193,10 +193,10 @@ def tapered_orders(
 
 
 def _invert_samples(increasing: Array, targets: Array) -> Array:
-    """Compute the fractional sample numbers (k,) [1] at which increasing values (n,) reach targets (k,).
+    """Compute the fractional sample numbers (k,) [1] at which increasing values (n,) reach targets (k,); n >= 4.
 
-    n is at least 4. Lagrange's cubic interpolation is right to 1e-5 samples, because the crank angle of a run is
-    smooth; importing SciPy's splines would take longer than the evaluation of a run.
+    Lagrange's cubic interpolation is accurate to 1e-5 samples, because the crank angle of a run is smooth. SciPy's
+    splines are not used, because their import takes longer than the evaluation of a run.
     """
     first_index = np.clip(np.searchsorted(increasing, targets) - 2, 0, len(increasing) - 4)
     node_values = increasing[first_index + np.arange(4)[:, np.newaxis]]
@@ -241,25 +241,26 @@ def between_samples(values: Array, sample_numbers: Array) -> Array:
 
 
 def decimate(values: Array, factor: int, means: bool = False) -> Array:
-    """Decimate samples by a factor after a low-pass filter that prevents aliasing (linear-phase FIR, Kaiser window).
+    """Reduce the sampling rate of a signal by a factor, after a low-pass filter that prevents aliasing.
 
-    Frequencies above ``1 - SPECTRUM.band`` of the new rate are attenuated to 1e-3, those below ``SPECTRUM.band`` of it
-    are kept.
+    The filter is a linear-phase FIR filter with a Kaiser window. Frequencies above ``1 - SPECTRUM.band`` of the new
+    rate are attenuated to 1e-3, those below ``SPECTRUM.band`` of it are kept.
 
     Parameters
     ----------
     values
         Evenly spaced samples, shape (n,) or (n, k).
     factor
-        Number of samples for each sample that is kept; 1 returns the values.
+        Old over new sampling rate; 1 returns the values unchanged.
     means
-        Whether values are means from one sample to the next; the filter then corrects their attenuation.
+        Whether each value is the mean of the signal between two samples. The filter then also corrects the attenuation
+        that such means cause.
 
     Returns
     -------
     Array
-        Shape (ceil(n / factor),) or (ceil(n / factor), k); the first and last ``SPECTRUM.decimation_reach`` samples are
-        affected by the ends.
+        Shape (ceil(n / factor),) or (ceil(n / factor), k). The first and last ``SPECTRUM.decimation_reach`` samples are
+        less accurate, because the filter extends the signal beyond its ends.
     """
     if factor == 1:
         return values

@@ -41,7 +41,7 @@ def table(findings: Findings) -> list[FigureRow]:
 
 
 def groups(findings: Findings) -> list[RowGroup]:
-    """Return the rows of `table` in groups; groups without rows are omitted."""
+    """Return the rows of the table of findings in groups with a heading each; groups without rows are omitted."""
     rows_by_group = (
         _motion_rows("output", findings.output_speed, findings.output_transmission_error),
         _disc_rows(findings),
@@ -112,7 +112,7 @@ def _pin_rows(findings: Findings) -> Iterator[FigureRow]:
 
 
 def _torque_rows(findings: Findings) -> Iterator[FigureRow]:
-    """Yield the rows of mean torques [N m], and of the losses [W] of each kind of pair."""
+    """Yield the rows of mean torques [N m], and of friction and damping losses [W] of each kind of mating pair."""
     power = findings.power
     yield _format_row("load torque, mean", "N m", power.load_torque_nm)
     driven = findings.driven_shaft

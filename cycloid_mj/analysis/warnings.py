@@ -49,11 +49,11 @@ COARSE = "the log rate or the hold is too low for these powers: raise settings.l
 
 
 def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterator[str]:
-    """Yield all warnings about the results of a run, evaluated over a window.
+    """Yield all warnings about the results of a run.
 
-    They report an incomplete run, a note recorded with a complete run, a window in the ramp or shorter than a crank
-    turn, and a contact deflection in `contacts` above half of the limit at which a run stops with an error. The
-    warnings of `run_warnings` are included.
+    They report that the run is incomplete, the note of a complete run, a run that ended before constant speed, less
+    than a crank turn in the evaluated `window`, and a large contact deflection. The limit of the deflection is half of
+    that at which a run stops with an error. The warnings of `run_warnings` are included.
     """
     run = motion.run
     if not run.complete:
@@ -76,7 +76,8 @@ def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterat
 def run_warnings(motion: Series) -> tuple[str, ...]:
     """Return the warnings about log rate, time step, convergence and power balance of a run, with remedies.
 
-    Those recorded during the run come first. The power balance is omitted for a run without a hold.
+    Warnings that were recorded during the run come first. The power balance is omitted for a run that did not reach
+    constant speed.
     """
     run, reducer = motion.run, motion.reducer
     # the columns of powers suffice: most columns of a run are forces, whose copy would be as large as the run
@@ -104,11 +105,12 @@ def convergence_warnings(run: Run) -> Iterator[str]:
 
 
 def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str, ...]:
-    """Return warnings about an open power balance, and about an undefined or impossible efficiency, of a run's samples.
+    """Return the warnings about power balance and efficiency of a run.
 
-    A run that logs no energies, or sweeps less than a crank turn, has no balance. An efficiency below
-    `JAM.min_efficiency` is reported as almost self-locking. If the input power is negligible, because the load does not
-    act yet or the drive stands still, the efficiency is undefined and not checked. `LIMITS` has the tolerances.
+    They report power that is missing in the balance, a load that does not act yet, and an efficiency that is impossible
+    or below `JAM.min_efficiency`, where the drive is almost self-locking. `LIMITS` has the tolerances. The balance is
+    not checked if the run has no energies or covers less than a crank turn, and the efficiency is not checked if it is
+    undefined, because no shaft supplies significant power.
 
     Parameters
     ----------
@@ -165,10 +167,10 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
 
 
 def _open_balance_warning(missing_power: float, total_power: float, speed: float, is_idle: bool, remedy: str) -> str:
-    """Return the warning that a power [W] is missing in the balance, out of the total power [W].
+    """Return the warning that the power `missing_power` [W] is missing in the balance, as a share of `total_power` [W].
 
-    `speed` is that of the crank [rad/s]; `is_idle` for a drive whose output power is negligible; `remedy` ends the
-    warning.
+    `speed` is that of the crank [rad/s]. `is_idle` is true if the output power is negligible. `remedy` is the end of
+    the warning.
     """
     figures = "powers and losses" if is_idle else "powers, losses and efficiency"
     whose = f"{' of the idling drive' if is_idle else ''} at {RPM.from_si(speed):.4g} rpm"
@@ -184,7 +186,7 @@ def _swept_turns(run: Run) -> float:
 
 
 def _ramp_warning(motion: Series) -> str:
-    """Return the warning of a run that ended during the ramp."""
+    """Return the warning for a run that ended while the crank speed was still rising; the caller has tested this."""
     drive = motion.design.drive
     reached_speed = RPM.from_si(float(motion.crank_speed.simulated[-1]))
     return (
@@ -195,7 +197,7 @@ def _ramp_warning(motion: Series) -> str:
 
 
 def _short_run_warning(motion: Series, window: Window) -> str:
-    """Return the warning of a run with less than a crank turn at constant speed, with the required drive.hold_s."""
+    """Return the warning for a run with less than a crank turn at constant speed, with the required drive.hold_s."""
     speed = abs(motion.reducer.orbit_speed)
     settling_duration = window.start_s - motion.design.drive.ramp
     remedy = (

@@ -38,7 +38,10 @@ def reaches_hold(reducer: Reducer, time: Array) -> bool:
 
 
 def require_hold(reducer: Reducer, time: Array) -> None:
-    """Raise LogError if a run, sampled at times (n,) [s], has too few samples at constant crank speed to evaluate."""
+    """Raise LogError if a run has fewer than `WINDOW.min_samples` samples at constant crank speed.
+
+    `time` (n,) [s] are the times of its samples.
+    """
     if not reaches_hold(reducer, time):
         count = np.count_nonzero(~in_ramp(reducer, time))
         end_text = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
@@ -58,15 +61,16 @@ def settling(reducer: Reducer) -> float:
 def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
     """Return a mask of the settled samples at constant crank speed, shape (n,), of samples at times (n,) [s].
 
-    They begin `settle` [s] after the ramp, at the latest in the middle of the hold that was run. By default `settle`
-    is `settling`, counted from the end of the load's rise if that is later than the end of the ramp.
+    They begin `settle` [s] after the end of the speed ramp, but not later than in the middle between the ramp and the
+    last sample. By default `settle` is `settling`; it is counted from the time of the full load if that is later than
+    the ramp.
 
     Raises
     ------
     UsageError
         `settle` is negative or not a number.
     LogError
-        The run ended before the hold, or with too few samples of it.
+        The run has too few samples at constant crank speed.
     """
     design = reducer.design
     ramp = design.drive.ramp
@@ -84,11 +88,11 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
-    """Return the slice of the first samples that span as many full crank turns as possible.
+    """Return the slice of the first samples that covers as many full crank turns as possible.
 
-    Without a full turn it spans full mesh periods, and without a full period all samples. `crank_angle` (n,) [rad] is
-    monotone, `mesh_period` [rad] the crank angle from tooth to tooth. Sums over the slice contain no ripple of turn or
-    mesh, except for the fraction of a sample at its end.
+    If there is no full turn, it covers full mesh periods, and if there is no full period, all samples. `crank_angle`
+    (n,) [rad] is monotone. `mesh_period` [rad] is the crank angle from tooth to tooth. In sums over the slice, ripple
+    with the period of a turn or of the mesh cancels, except for the fraction of a sample at the end.
     """
     swept_angle = np.abs(crank_angle - crank_angle[0])
     span = swept_angle[-1] * swept_angle.size / max(swept_angle.size - 1, 1)

@@ -49,7 +49,9 @@ def overview(content: Content) -> dict[str, Any]:
 
 
 def _design_to_open(content: Content) -> Design:
-    """Return the design of a ``preset``, or of the ``text`` of a design file with a ``name``.
+    """Return the design that a request opens: the preset with the name ``preset``, or that of a design file.
+
+    `content` has the name ``preset``, or the text ``text`` and the name ``name`` of the file.
 
     Raises
     ------
@@ -204,7 +206,9 @@ class JobKind(NamedTuple):
 
 
 def create_job(content: Content) -> JobKind:
-    """Return the job that a question of the page requests: its queue, name, function and arguments.
+    """Return the job that a request of the page describes: its queue, name, function and arguments.
+
+    ``kind`` in the request selects the job; ``design`` and the other keys are its arguments.
 
     Raises
     ------

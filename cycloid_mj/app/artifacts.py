@@ -55,7 +55,10 @@ def data_sheet(design: Design, _options: BuildOptions) -> dict[str, bytes]:
 
 
 def part_files(file_format: Format, design: Design, options: BuildOptions) -> dict[str, bytes]:
-    """Return a zip file of all parts in a format, with the covers of the drive if they fit: {name: content}."""
+    """Create a zip file with all parts of a design in a file format, and the covers of the drive if they fit.
+
+    Returns a dict with one entry, the name of the zip file -> its content.
+    """
     files = dict(export(design, file_format, CHORD_ERROR, options.offset, options.motor).files)
     reducer = reducer_at_reference(Reducer(design))
     if sizes := casing_or_none(reducer, options.motor)[0]:
@@ -79,9 +82,9 @@ def print_plate(design: Design, options: BuildOptions) -> dict[str, bytes]:
 
 
 def joint_files_zip(design: Design, _options: BuildOptions) -> dict[str, bytes]:
-    """Return a zip file with the joint of a robot model, as {name: content}.
+    """Create a zip file with the files that ``cycloid-mj reduce`` writes for a robot model, without the HTML page.
 
-    Its files are those that ``cycloid-mj reduce`` writes, without the HTML page.
+    Returns a dict with one entry, the name of the zip file -> its content.
     """
     from cycloid_mj.robot.files import choose_scenes, joint_files
     from cycloid_mj.robot.identification import reduce
@@ -114,8 +117,8 @@ def create_files(on_progress: Progress, values: Any, kind: str, options: BuildOp
     Parameters
     ----------
     on_progress
-        Called before each step with ``doing``, the step in words, and for the whole drive ``share``, the completed
-        fraction.
+        Called before each step with a dict: ``doing`` is the step in words. For the whole drive it also has ``share``,
+        the completed fraction.
     values
         The design as the page sends it: keys of the design file -> values, see `parse_design`.
     kind

@@ -43,7 +43,7 @@ class LimitedConnection(H11Protocol):
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Parse received data; the first byte of a request starts its deadline. Data after a refusal is discarded."""
+        """Parse received data, and start the deadline of a request at its first byte; ignore data after a refusal."""
         if self._refused:
             return
         if self._idle and self._waiting_since is not None:
@@ -97,8 +97,8 @@ class LimitedConnection(H11Protocol):
     def _refuse(self, status: int, words: str) -> None:
         """Send a response with an HTTP status and the text `words`, and close the connection.
 
-        If a response has begun, or the connection is closing already, nothing is sent. The application gets a
-        disconnect message, so that it stops writing.
+        Nothing is sent if a response has begun, or if the connection is closing already. The application is notified of
+        the disconnection, so that it stops writing.
         """
         headers = [("Content-Type", "text/plain; charset=utf-8"), ("Connection", "close")]
         if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE) and not self.transport.is_closing():
@@ -111,9 +111,9 @@ class LimitedConnection(H11Protocol):
         self._close_after_client()
 
     def _close_after_client(self) -> None:
-        """Stop sending, and close the connection when the client has closed its side, at most `close_delay_s` later.
+        """Stop sending; close the connection when the client closes its side, or after `close_delay_s` at the latest.
 
-        Until then, received data is discarded. The connection is the first to be closed if there are too many.
+        Until then, received data is discarded. If there are too many connections, this one is closed first.
         """
         self._stop_waiting()
         if self.transport.is_closing():

@@ -146,10 +146,10 @@ def controls(design: Design) -> tuple[Control, ...]:
 
 
 def find_controls(design: Design, text: str) -> tuple[Control, ...]:
-    """Return controls for the keys of the design file that match a text and have no control in `controls`.
+    """Return controls for the keys of the design file that match a text and for which `controls` returns none.
 
-    A key matches if each word of the text is a part of the key, its name in words, or its description. Keys of numbers,
-    option lists and switches are searched.
+    A key matches if its name, its label and its description together contain each word of the text. Only keys with a
+    number, an option or a switch as value are searched.
     """
     words, shown = text.lower().split(), {control.key for control in controls(design)}
     return tuple(
@@ -177,9 +177,10 @@ def _all_controls(design: Design) -> Iterator[Control]:
 
 
 def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) -> Control:
-    """Return a slider from 0 to `SLIDER.span` times a value in SI (reversed for a negative value), in file units.
+    """Return a slider for a key, from 0 to `SLIDER.span` times its value; the slider has the unit of the design file.
 
-    An integer has steps of 1, any other number steps of a power of ten. For the value 0 the slider ends at 1.
+    `value` is in SI units, and `meaning` is the description of the key. For a negative value the slider begins at the
+    negative end, for the value 0 it ends at 1. An integer has steps of 1, any other number steps of a power of ten.
     """
     shown = value if isinstance(value, int) else unit.from_si(value)
     low, high = (0.0, max(1.0, abs(shown))) if shown == 0.0 else sorted((0.0, SLIDER.span * shown))
@@ -246,7 +247,7 @@ def _slider_rows() -> Iterator[tuple[str, str, str]]:
 
 
 def _labels() -> dict[str, str]:
-    """Collect the labels of all keys of the design file that have a control of their own."""
+    """Return the labels of the keys that have a control of their own on the page: key of the design file -> label."""
     labels = {key: label for key, (label, _) in WORDS.items()}
     for group, name, label in _slider_rows():
         table, _, key = name.partition(".")
@@ -258,7 +259,7 @@ def _labels() -> dict[str, str]:
 
 
 def _list_controls(design: Design) -> Iterator[Control]:
-    """Yield the controls with options: layout of the design, then its materials."""
+    """Yield the controls from which an option is chosen: those of the layout of the design, then its materials."""
     for key, (label, texts) in WORDS.items():
         if key == "ring.pins" and design.ring.kind != "pin":
             continue

@@ -74,11 +74,11 @@ def section(reducer: Reducer, magnification: float = 1.0) -> dict[str, Any]:
     -------
     dict
         ``ring`` and ``discs``: SVG paths of the housing and of each disc [mm]; ``pins``, ``holes``: centres of ring
-        pins and output holes [mm]; ``dimensions``: circles with a dimension line; ``..._radius``, ``reach`` (outermost
-        radius) and ``orbit`` (eccentricity): lengths [mm].
-        ``phases``: angles of the discs on the crank [rad]; ``gear_rate``: turns of a disc per crank turn.
-        ``play``: factor of the clearances as drawn, 1 if the magnified parts cannot be drawn; ``whole``: false for a
-        design that cannot be built, whose disc profile is drawn with its loops or undercuts.
+        pins and output holes [mm]; ``dimensions``: circles with a dimension line. ``pin_radius``, ``hole_radius``,
+        ``output_radius`` (output pins), ``bore_radius``, ``shaft_radius``, ``reach`` (outermost radius) and ``orbit``
+        (eccentricity): lengths [mm]. ``phases``: angles of the discs on the crank [rad]; ``gear_rate``: turns of a disc
+        per crank turn. ``play``: factor of the clearances as drawn, 1 if the magnified parts cannot be drawn;
+        ``whole``: false for a design that cannot be built, whose disc profile is drawn with its loops or undercuts.
     """
     drawn = reducer if magnification == 1.0 else _magnify_clearances(reducer, magnification)
     try:

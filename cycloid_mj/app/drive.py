@@ -107,12 +107,12 @@ def parse_options(content: Any) -> BuildOptions:
 
 
 def reducer_at_reference(reducer: Reducer) -> Reducer:
-    """Return the reducer with its parts as manufactured: at 20 °C, and with the ring in one piece without preload.
+    """Return the reducer with the sizes at which its parts are made: at 20 °C, with an undivided ring without preload.
 
     Raises
     ------
     DesignError
-        The design file is that of a log: it states the sizes of warm parts, from which those at 20 °C do not follow.
+        The design file belongs to a log. It states the sizes of warm parts, from which those at 20 °C do not follow.
     """
     design = reducer.design.at_reference
     if design.ring.halves > 1:
@@ -121,10 +121,15 @@ def reducer_at_reference(reducer: Reducer) -> Reducer:
 
 
 def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
-    """Describe the drive with its covers as JSON values: size, mass, bill of materials, consumables, order of assembly.
+    """Describe the drive with its covers as JSON values.
 
-    If the covers do not fit, ``reason`` says why, bill and mass are those of the mechanism, consumables and order are
-    empty, and the keys of motor and size are missing. ``printed`` says whether the parts are of plastic.
+    Returns
+    -------
+    dict
+        ``bill`` (rows of the bill of materials), ``mass_kg``, ``consumables``, ``order`` (steps of the assembly) and
+        ``printed`` (whether the parts are of plastic); with covers also ``motor``, ``diameter_mm`` and ``length_mm``.
+        If the covers do not fit, ``reason`` says why, the bill is that of the mechanism, and there are no consumables
+        and no order.
 
     Raises
     ------
@@ -159,9 +164,10 @@ def bill_rows(reducer: Reducer, sizes: Casing | None) -> list[dict[str, Any]]:
 
 
 def _bill_row(reducer: Reducer, line: BillLine) -> dict[str, Any]:
-    """Convert a line of the bill to JSON values, with its source (printed, bought or made).
+    """Convert a line of the bill of materials to JSON values.
 
-    ``mass_g`` [g] is the mass of all pieces of the line; ``price`` is the price class of a single piece by `PRICES`.
+    ``source`` is "printed", "bought" or "made"; ``mass_g`` [g] is the mass of all pieces of the line; ``price`` is the
+    price class of a single piece in words (`PRICE_CLASSES`). The other keys are those of the line.
     """
     source = "bought"
     if line.made_or_bought == "made":

@@ -65,7 +65,10 @@ class Job:
     page: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Convert state, progress and result of the job to JSON values, with the names of its files only."""
+        """Convert number, state, progress, result and error of the job to JSON values.
+
+        ``files`` are only the names of its files, ``page`` says whether it has a report.
+        """
         return {
             "job": self.number,
             "state": self.state,

@@ -44,12 +44,13 @@ UNITS = ("arcmin", "arcsec")
 
 
 def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> dict[str, Any]:
-    """Compute distributions and error budget of a design by Monte Carlo within its tolerances, as JSON values.
+    """Compute distributions and error budget of a design from random samples within its tolerances, as JSON values.
 
     Parameters
     ----------
     on_progress
-        Called after each block with the distributions so far.
+        Called after each block of samples with a dict: ``doing`` in words, ``share`` (completed fraction), and ``seen``
+        (the distributions so far).
     values
         The design as the page sends it: keys of the design file -> values, see `parse_design`.
     spread_um
@@ -58,8 +59,8 @@ def study_tolerances(on_progress: Callable[[Any], None], values: Any, spread_um:
     Returns
     -------
     dict
-        The distributions (`_distributions`) and three keys of the error budget. ``budget``: the share of each source
-        in the variance of a figure; ``budget_of``: the name of this figure; ``no_budget``: the reason if there are no
+        The distributions (`_distributions`) and three keys of the error budget. ``budget``: the share of each source in
+        the variance of a figure; ``budget_of``: the name of this figure; ``no_budget``: the reason if there are no
         shares, else empty. If too many samples of the first block jam, the study stops without these three keys.
 
     Raises

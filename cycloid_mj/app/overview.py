@@ -23,9 +23,10 @@ def overview(design: Design) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``title``; ``words``: a sentence on what the page cannot do with the design; ``commands``: the commands that
-        support its layout; ``checks``: their summary, and the reasons of failures and warnings; ``condition`` and
-        ``rows``: load, and name, value and note of each figure by statics; ``rating``: rated items at the load.
+        ``title``: name, kind and ratio; ``words``: a sentence on what the page cannot do with the design; ``commands``:
+        the commands that support its layout; ``checks``: their summary, and the reasons of failures and warnings;
+        ``condition``: load and speed of the figures; ``rows``: name, value and note of each figure that statics
+        computes; ``rating``: duty, required life and rated items.
 
     Raises
     ------

@@ -65,7 +65,10 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
 
 
 def _collect_rated_stress(rating: Rating) -> dict[str, dict[str, Any]]:
-    """Collect the contact and fatigue stresses of a rating by kind of part, as JSON values."""
+    """Return, for each kind of part, its ``name``, its ``rated`` stresses from a rating, and an empty list ``bulk``.
+
+    The rated stresses are those of contact and fatigue, as rows for the page.
+    """
     parts: dict[str, dict[str, Any]] = {
         kind: {"name": name, "rated": [], "bulk": []} for kind, (name, *_) in PARTS.items()
     }

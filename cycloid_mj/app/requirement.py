@@ -121,10 +121,14 @@ def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
 
 
 def _answer_json(answer: Answer, motor: MotorName) -> dict[str, Any]:
-    """Convert the result of a search to JSON values, with the covers of the drives for a motor.
+    """Convert the result of a search for drives to JSON values; the drives have covers for the motor `motor`.
 
-    These are the ``drives`` with their verdicts. If there are none, they are the largest feasible torque, what limits
-    it, and ``remedies``: changed requirements that are feasible.
+    Returns
+    -------
+    dict
+        ``required``: the requirement as fields of the start form; ``drives`` and their common ``verdict``. If there are
+        no drives, ``max_torque_nm`` is the largest feasible torque, ``limit`` is what limits it, ``refusal`` is the
+        reason, and ``remedies`` are changed requirements that are feasible.
     """
     drives = [_drive_json(drive, answer.requirement, motor) for drive in answer.drives]
     return {

@@ -59,21 +59,21 @@ class Page:
         self.start = start_values(design)
 
     def answer(self, name: str, content: Mapping[str, Any]) -> Any:
-        """Answer a question of the page: at once, in a worker process, or by starting a job.
+        """Answer a request of the page: at once, in a worker process, or by starting a job.
 
         Parameters
         ----------
         name
-            Name of the question.
+            Name of the request.
         content
-            Its JSON object.
+            The JSON object that the page sends with it.
 
         Raises
         ------
         KeyError
-            There is no question of that name.
+            There is no request of that name.
         CycloidError
-            The question was refused, or the work behind it failed.
+            The request is refused, or its computation failed.
         """
         if name in AT_ONCE:
             return AT_ONCE[name](content)
@@ -93,7 +93,10 @@ class Page:
 
 
 def application(page: Page, token: str) -> ASGIApp:
-    """Create the ASGI application of a page: routes for assets, questions, files and reports, behind a token."""
+    """Create the ASGI application of a page; clients need the secret `token` to use it.
+
+    It serves the assets of the page, its requests, and the files and reports of jobs.
+    """
     assets = _assets()
 
     async def send_asset(request: Request) -> Response:
@@ -116,7 +119,7 @@ def application(page: Page, token: str) -> ASGIApp:
         return Response(files[name], media_type="application/octet-stream", headers=disposition)
 
     async def ask(request: Request) -> Response:
-        """Read a question, and answer it in a thread; refuse it if it is too long, not JSON, or too many are open."""
+        """Answer a request in a thread; refuse it if it is too long or not JSON, or if too many are in progress."""
         try:
             body = await _read_body(request)
         except ClientDisconnect:
@@ -144,7 +147,7 @@ def application(page: Page, token: str) -> ASGIApp:
 
 
 def start_values(design: Design) -> dict[str, Any]:
-    """Return what the page begins with as JSON values: the design, and the options of its start form."""
+    """Return what the page shows first, as JSON values: the design, and the choices of its start form and menus."""
     return {
         "design": changed_values(with_load(design)),
         "fresh": design == PRESETS["pin"],
@@ -253,7 +256,10 @@ def page_address(listener: socket.socket, token: str) -> str:
 
 
 def _respond(page: Page, name: str, body: bytes) -> Response:
-    """Answer a question, the JSON text `body`, as a JSON response; runs in a thread and frees the question's slot."""
+    """Answer the request `name`, whose JSON text is `body`, with a JSON response; runs in a thread.
+
+    At the end a slot of `page.slots`, which the caller has acquired, is released.
+    """
     try:
         content = json.loads(body)
         if not isinstance(content, dict):

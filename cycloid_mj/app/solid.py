@@ -37,10 +37,10 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``parts``: name, ``colour`` (RGBA, 0 to 1), ``corners`` of triangles (float32 [mm] in base64, shape (triangles,
-        3, 3)) and ``copies``, the components that are copies of the part, see `_component_json`. ``steps``: the moves
-        of the assembly in words. ``orbit``: eccentricity [mm]; ``gear_rate``: turns of a disc per crank turn. Without
-        covers, ``reason`` says why they do not fit.
+        ``parts``: list of dicts with ``name``, ``colour`` (RGBA, 0 to 1), ``corners`` of triangles (float32 [mm] in
+        base64, shape (triangles, 3, 3)) and ``copies``, a dict for each place of the part, see `_component_json`.
+        ``steps``: the moves of the assembly in words. ``orbit``: eccentricity [mm]; ``gear_rate``: turns of a disc per
+        crank turn. ``reason``: why the covers do not fit, else empty.
 
     Raises
     ------
@@ -79,10 +79,10 @@ def assembly_meshes(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
 def _component_json(component: PlacedPart, phases: Mapping[str, float], step: int, shift: float) -> dict[str, Any]:
     """Convert position and motion of a component to JSON values.
 
-    ``at`` is its position x, y, z [mm], for a disc and its bearing relative to the disc's centre; ``angle`` its
-    rotation [rad]; ``moves`` the body that it moves with, "" if it is fixed; ``phase`` that of its disc on the crank
-    [rad]; ``step`` its assembly step from 1, 0 if there is none; ``apart`` its shift along the axis in the exploded
-    view [mm], from `shift` [m].
+    ``at`` is its position x, y, z [mm], for a disc and its bearing relative to the disc's centre. ``angle`` is its
+    rotation [rad]. ``moves`` is what it moves with: "disc", "crank" or "output", or "" if it is fixed. ``phase`` is the
+    angle of its disc on the crank [rad]. ``step`` is its assembly step from 1, or 0 if there is none. ``apart`` is its
+    shift along the axis in the exploded view [mm]; the argument `shift` is in metres.
     """
     x, y, z = component.origin
     on_disc = component.body in phases
@@ -97,7 +97,7 @@ def _component_json(component: PlacedPart, phases: Mapping[str, float], step: in
 
 
 def _parts_of_moves(moves: Sequence[Move]) -> Iterator[tuple[str, list[str]]]:
-    """Yield, for each move of the assembly, the group that is joined and the names of the parts that are added to it.
+    """Yield, for each move of the assembly, the name of the group that is joined and the names of its new parts.
 
     Moves that only join groups which are already assembled are skipped.
     """
@@ -116,7 +116,7 @@ def _number_steps(moves: Sequence[Move]) -> dict[str, int]:
 
 
 def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
-    """Yield each step of the assembly in words: its parts, like parts with their number, and the group they join."""
+    """Yield each step of the assembly in words: the added parts with their counts, and the group into which they go."""
     for group_name, new_parts in _parts_of_moves(moves):
         counts = Counter(names.family(name).replace("_", " ") for name in new_parts)
         listed = ", ".join(f"{count} x {family}" if count > 1 else family for family, count in counts.items())
@@ -129,8 +129,8 @@ def _describe_steps(moves: Sequence[Move]) -> Iterator[str]:
 def _exploded_shifts(reducer: Reducer, parts: Mapping[str, Part], components: Sequence[PlacedPart]) -> dict[str, float]:
     """Compute the shift of each family of parts along the axis [m] in the exploded view, by the name of the family.
 
-    Families follow one another in order of assembly (`ALONG`, unlisted families last) with a gap between them, and are
-    centred about z = 0.
+    A family is a part with its numbered copies, such as all discs. In the exploded view the families follow one another
+    in the order of `ALONG`, unlisted families last, with a gap between them, and are centred about z = 0.
     """
     gap, start, shifts = EXPLODED_GAP * reducer.design.housing.outer_radius, 0.0, dict[str, float]()
     families = {names.family(component.part) for component in components}

@@ -35,9 +35,9 @@ def parse_design(values: Any) -> Design:
 
 
 def changed_values(design: Design) -> dict[str, Any]:
-    """Return the values in which a design differs from the preset ``pin``, by the keys of its file.
+    """Return the values in which a design differs from the preset ``pin``: keys of the design file -> values.
 
-    A material with the values of the library is represented by its name only.
+    For a material with the values of the library only the name is listed.
 
     Raises
     ------
@@ -73,11 +73,11 @@ def differences(values_a: Any, values_b: Any) -> list[tuple[str, Any, Any]]:
 
 
 def apply_changes(design: Design, changes: Any) -> Design:
-    """Return a design with changes, and with the values that depend on them; errors as from `parse_design`.
+    """Return a design with changes, and with the values that depend on them; raises as `parse_design`.
 
     `changes` maps keys of the design file to values. The hole radius follows from output-pin radius and eccentricity,
-    unless it is changed itself. The page has a single torque: if load or nominal torque changes, the other is set to
-    the same value. If the ratio changes, the load is kept, and the motor torque is adapted to it.
+    unless it is changed itself. On the page, load and nominal torque are the same: if one of them changes, the other is
+    set to the same value. If the ratio changes, the load is kept, and the motor torque is adapted to it.
     """
     if not isinstance(changes, Mapping):
         raise UsageError(

@@ -61,9 +61,11 @@ POSES = 61
 
 
 def geometry_figures(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return ratio, diameter and mass as JSON values for the header, judged by the requirements of the start form.
+    """Return ratio, diameter and mass for the header of the page, as JSON values.
 
-    The diameter is that without covers, so it is judged only if it violates its limit; `life` judges it with covers.
+    ``verdicts`` compares ratio and diameter with `required`, the fields of the start form. Covers increase the
+    diameter. Therefore a diameter without covers that is within its limit has no verdict; `life` judges the diameter
+    with covers.
     """
     design, mass = reducer.design, None
     with suppress(CycloidError):  # a part cannot be built: the checks say which
@@ -102,7 +104,7 @@ def remedies(reducer: Reducer, check_name: str) -> dict[str, Any]:
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the figures of a valid design by statics at its load as JSON values; errors as from `quick_sheet`.
+    """Return the figures that statics computes for a valid design at its load, as JSON values; raises as `quick_sheet`.
 
     ``rows`` has name, value and note of each figure in `NAMES` that `quick_sheet` returns. ``losses`` has the mean
     powers of crank and output, and of each source of friction [W]. ``verdicts`` compares the backlash with `required`,
@@ -140,9 +142,9 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> dict[str, Any]:
     """Rate a valid design at its load; return rated items, life, and rated torque for its required life as JSON values.
 
-    Rated torque and size are judged by `required`, the fields of the start form. The life is judged by the required
-    life of the design. Diameter and length are those with covers for the motor. If these do not fit, the requirements
-    on diameter and length count as not met.
+    ``verdicts`` compares rated torque, diameter and length with `required`, the fields of the start form, and the life
+    with the required life of the design. Diameter and length are those with covers for the motor. If the covers do not
+    fit, the requirements on diameter and length count as not met.
     """
     hours_required = reducer.design.service.life
     rating = rate_for_verdict(at_load(reducer))
@@ -172,10 +174,10 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
 
 
 def _rated_torque(reducer: Reducer, rating: Rating) -> tuple[float, str]:
-    """Return the rated torque [N m] for the required life, and what limits it, as the data sheet states them.
+    """Return the rated torque [N m] for the required life, and the name of what limits it, as in the data sheet.
 
-    For a design with tolerances, the torque is extrapolated from `rating`, its rating at the load. Otherwise it is
-    searched for by further ratings. If they fail, the torque is 0, and the text of the error is returned.
+    For a design with tolerances, the torque is extrapolated from `rating`, its rating at the load. Otherwise the design
+    is rated again at several torques. If a rating fails, the torque is 0, and the text of the error is returned.
     """
     if rating.parts == "toleranced":
         load, _ = load_of(reducer)
@@ -219,9 +221,9 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
 
 
 def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> list[dict[str, Any]]:
-    """Convert those of `evaluated_checks` that failed to JSON values.
+    """Convert those of `evaluated_checks` that failed to JSON values: name, verdict, reason, remedy and changes.
 
-    The ``remedy`` of a check in `KINDS` is empty: it takes longer to compute, and is requested by `remedies`.
+    For a check in `KINDS` the ``remedy`` is empty, because it takes longer to compute; `remedies` returns it later.
     """
     return [
         {
@@ -240,10 +242,10 @@ def _failed_checks_json(reducer: Reducer, evaluated_checks: Iterable[Check]) -> 
 
 
 def _resolving_changes(reducer: Reducer, check: Check) -> list[Mapping[str, float]]:
-    """Return the changes that resolve a failed check, the shortest first.
+    """Return the changes that resolve a failed check, those with the fewest keys first.
 
-    Changes for an error are completed so that no other error remains; if none can be completed, all are returned as
-    they are.
+    If the check is an error, its changes are extended until no other error is left. Changes for which this fails are
+    omitted; if it fails for all, all are returned without extension.
     """
     if check.severity != "error":
         return list(check.changes)
@@ -254,7 +256,8 @@ def _resolving_changes(reducer: Reducer, check: Check) -> list[Mapping[str, floa
 def _complete_change(reducer: Reducer, change: Mapping[str, float], max_additions: int) -> Mapping[str, float] | None:
     """Extend a change of the design by up to `max_additions` changes that resolve the errors which it causes.
 
-    Return None if no extension resolves them, or if it would have to set a key of the change to another value.
+    `change` maps keys to new values. An extension never changes a key of `change` again. Return None if no extension
+    resolves the errors.
     """
     error = next(_errors_after(reducer, change), None)
     if error is None:

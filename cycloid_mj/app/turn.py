@@ -42,12 +42,13 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     reducer
         The reducer, whose load is used.
     turn
-        Number of the turn from 0; turns differ as output pins pass at another rate than teeth.
+        Number of the crank turn, from 0. The forces of successive turns differ, because the output pins pass the load
+        at another rate than the teeth.
 
     Returns
     -------
     dict
-        Lists with a row for each of the crank angles, which include both ends of the turn, and a column for each disc:
+        Lists with a row for each of the crank angles, which include both ends of the turn:
 
         ``teeth`` and ``output`` : dict
             ``force`` [N], shape (angles, discs, contacts), ``position`` [mm] and unit ``direction`` of the contacts,
@@ -96,9 +97,10 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
 
 
 def error(reducer: Reducer) -> dict[str, Any]:
-    """Compute the transmission error over one crank turn at the load and at 1 % of it, and its orders, as JSON values.
+    """Compute the transmission error at the load and at 1 % of it, and its orders at the load, as JSON values.
 
-    The orders are those of a full turn of the output: output pins pass at a fractional order of the crank.
+    The curves cover a crank turn relative to the ring. The orders are those of a full turn of the output, because
+    output pins pass at a fractional order of the crank.
 
     Returns
     -------

@@ -46,7 +46,7 @@ Verdicts = dict[str, dict[str, str]]
 
 
 def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdicts:
-    """Judge the figures of a drive by the requirements of the start form.
+    """Compare the figures of a drive with the requirements of the start form.
 
     Parameters
     ----------
@@ -58,7 +58,8 @@ def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdict
     Returns
     -------
     dict
-        Field -> ``judgement``, and ``words`` for the requirement, such as "≤ 70 mm".
+        Field of the form -> dict with ``judgement`` (passed, failed, ...) and ``words``, the requirement in words such
+        as "≤ 70 mm".
     """
     verdicts: Verdicts = {}
     for field, rule in REQUIREMENTS.items():
@@ -86,9 +87,9 @@ def verdict(judgement: Judgement, words: str) -> dict[str, str]:
 
 
 def _margin(value: float, limit: float, sense: str) -> float:
-    """Return the factor by which a value may grow ("≤ "), or shrink ("≥ "), until it violates its limit.
+    """Return the margin of a value to its limit: limit / value for the sense "≤ ", value / limit for "≥ ".
 
-    Without a sense, the value must equal its limit: return 1 if it does, else 0.
+    Without a sense, the value must equal its limit: the margin is 1 if it does, else 0.
     """
     if not sense:
         return float(value == limit)
