@@ -26,10 +26,7 @@ def significant(value: float) -> float:
 
 
 def significant_tensor(values: npt.ArrayLike) -> Array:
-    """Round an array of any shape: its largest element to `DIGITS` significant digits, all others to as many decimals.
-
-    The unit of the `values` does not matter.
-    """
+    """Round an array of any shape to as many decimals as its largest element has with `DIGITS` significant digits."""
     array = np.asarray(values, dtype=np.float64)
     largest = float(np.abs(array).max(initial=0.0))
     if largest == 0.0:

@@ -31,10 +31,10 @@ MAX_FOLDERS = 3
 
 @cache
 def cache_folder() -> Path | None:
-    """Return the writable folder for the compiled code of the current sources; None if there is none.
+    """Return the writable folder for the compiled code of the current sources; None if no place is writable.
 
-    It is in ``NUMBA_CACHE_DIR``, or else next to the sources or in the home folder, and is created if needed. Two
-    folders of earlier sources are kept, older folders removed.
+    The folder is created if needed. It is in ``NUMBA_CACHE_DIR`` if that is set, else next to the sources or in the
+    home folder. Folders of earlier versions of the sources are removed, except for two.
     """
     name = f"kernels-{_digest_of_sources()}"
     for folder in [config.CACHE_DIR] if config.CACHE_DIR else [f"{PACKAGE}/__pycache__", "~/.cache/cycloid_mj"]:

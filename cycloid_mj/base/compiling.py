@@ -17,11 +17,11 @@ Function = Callable[..., Any]
 def njit(
     *, cache: bool = False, allocates: bool = True, inner: bool = False, **options: Any
 ) -> Callable[[Function], Any]:
-    """Return a decorator that compiles a function for Python and other kernels, as ``numba.njit`` does.
+    """Return a decorator that compiles a function for calls from Python and from other kernels, as ``numba.njit`` does.
 
-    With `cache` the machine code is stored in a `KernelCache`. Without `allocates`, neither the function nor its
-    callees may allocate arrays; numba then leaves out reference counting, which costs time. An `inner` function can be
-    called by kernels only and must not raise; its code is stored with that of its callers. `options` are those of
+    With `cache` the machine code is stored in a `KernelCache`. With `allocates` False, neither the function nor the
+    functions that it calls may allocate arrays; numba then omits the costly reference counting. An `inner` function can
+    be called by kernels only and must not raise; its code is stored with that of its callers. `options` are those of
     numba.
     """
     if inner:
@@ -70,7 +70,7 @@ def announce_compilation() -> Iterator[None]:
 
 class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
     def on_start(self, event: Any) -> None:
-        """Log that code is being compiled, with the reason; only once, see `log_compilation`."""
+        """Log once that code is being compiled, with the reason; called by numba for each function."""
         if cacheable():
             log_compilation("compiling the contact code, once per installation; this takes some seconds")
         else:

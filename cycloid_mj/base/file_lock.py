@@ -10,12 +10,12 @@ WITHOUT_LOCKS = (errno.ENOTSUP, errno.ENOLCK, errno.ENOSYS, errno.EBADF, errno.E
 
 
 def lock_file(path: Path) -> Callable[[], None]:
-    """Lock an existing file and return the function that ends the lock.
+    """Lock an existing file, and return the function that removes the lock.
 
-    On POSIX the lock (``flock``) is on the file itself: it leaves no trace and works on network file systems. Without
-    ``fcntl``, as on Windows, where a locked file could be neither read nor replaced, filelock locks an empty file next
-    to it, with the ending ``.lock``, and removes it at the end. (Files with content are not for filelock: up to version
-    4.0 it truncates them.)
+    On POSIX the file itself is locked (``flock``), which leaves no trace and works on network file systems. On Windows,
+    which has no ``fcntl``, a locked file could be neither read nor replaced. There, filelock locks an empty file next
+    to it, with the ending ``.lock``, and removes it at the end. filelock must not lock files with content, because up
+    to version 4.0 it truncates them.
 
     Raises
     ------

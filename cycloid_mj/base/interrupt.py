@@ -50,9 +50,9 @@ def end_on_signals() -> None:
 
 @contextmanager
 def preserve_handlers() -> Iterator[None]:
-    """Restore the signal handlers of `STOPPING` after the block: gmsh resets them when it starts.
+    """Restore the signal handlers of `STOPPING` after the block, in which gmsh may replace them when it starts.
 
-    Works in any thread, unlike Python's own `signal.signal`.
+    It can be used in any thread, unlike Python's own `signal.signal`.
     """
     if sys.platform == "win32":
         yield
@@ -102,9 +102,10 @@ def interrupt_on_event(event: threading.Event) -> Iterator[None]:
 
 
 def check_interrupt() -> None:
-    """Raise KeyboardInterrupt if this thread has to stop (`interrupt_on_event`); long work calls it periodically.
+    """Raise KeyboardInterrupt if the event of `interrupt_on_event` is set; long computations call this periodically.
 
-    An exception that another thread raises in this thread, at any line, could leave a lock taken for good.
+    Threads test the event instead of being interrupted from outside, because an exception that another thread raises in
+    them at an arbitrary line could leave a lock acquired forever.
     """
     event = _to_stop.get()
     if event is not None and event.is_set():

@@ -19,13 +19,13 @@ _GRAVITY = (Judgement.FAILED, Judgement.WARNING, Judgement.PASSED, Judgement.NOT
 
 
 def judge(margin: float | None, decisive: bool = True) -> Judgement:
-    """Return the verdict on a requirement by its margin: passed from 1 on, else failed or a warning.
+    """Return the verdict on a requirement: passed for a margin of at least 1, else failed or a warning.
 
     Parameters
     ----------
     margin
-        Limit over load, or life over the required life: 1 is just enough. Infinite where nothing wears out, which is
-        passed; None or NaN where there is no limit.
+        Limit over load, or life over the required life: 1 is just enough. It is infinite where nothing wears out, which
+        is passed. None and NaN mean that there is no limit; the verdict is then "not applicable".
     decisive
         Whether a requirement that is not met is a failure; else it is a warning.
     """

@@ -78,7 +78,10 @@ _command: ContextVar[_Command | None] = ContextVar("command", default=None)
 
 @contextmanager
 def command_scope() -> Iterator[None]:
-    """Refuse to overwrite files inside this block, as a command must; at its end remove folders that it left empty."""
+    """Protect existing files inside this block as required for a command; remove the folders that it left empty.
+
+    Inside the block, `require_replaceable` refuses files that the command must not replace.
+    """
     command = _Command()
     token = _command.set(command)
     try:
@@ -155,8 +158,8 @@ def claim_outputs(*paths: Path, force: bool) -> None:
 def require_replaceable(path: Path) -> None:
     """Raise TakenError if a file exists that the running command must not replace.
 
-    These are the files that the command reads, those that it was not allowed to replace (see `claim_outputs`), and
-    those with content of another type than the ending of the name says.
+    These are files that the command reads, files that `claim_outputs` has not released for replacement, and files whose
+    content is of another type than the ending of their name. Without a running command, all files may be replaced.
     """
     command = _command.get()
     if command is None or not path.is_file():
@@ -196,10 +199,10 @@ def describe_file(path: Path) -> str:
 
 
 def _require_same_kind(path: Path) -> None:
-    """Raise TakenError if an existing file is of another type than the ending of its name says.
+    """Raise TakenError if the content of an existing file is not of the type of its name's ending.
 
-    Empty files are accepted. If the type of the ending has no fixed first bytes, such as CSV, files whose first bytes
-    identify no other type are accepted too.
+    The type is identified by the first bytes. Empty files are accepted. For types without fixed first bytes, such as
+    CSV, all files are accepted whose first bytes identify no other type.
     """
     head, wanted_kind = _head(path), _own_kind(path)
     if not head or (wanted_kind.start and _begins(head, wanted_kind)):

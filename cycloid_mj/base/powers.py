@@ -78,9 +78,9 @@ class Powers:
 
 
 def mean_powers(run: Run) -> Powers:
-    """Compute the mean powers [W] of a run: crank, output, losses by kind, and stored; terms not logged count as 0.
+    """Compute the mean powers of a run [W]: through the shafts, losses by kind, and stored power.
 
-    Of an RV reducer, `Powers.crank` is the power of the sun.
+    Powers that were not logged count as 0. For an RV reducer, `Powers.crank` is the power of the sun.
     """
     no_speed, driven = np.zeros(len(run)), run.driven_shaft
     energy = run.columns.get("kinetic_energy", no_speed) + run.columns.get("potential_energy", no_speed)

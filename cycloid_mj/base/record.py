@@ -210,7 +210,10 @@ class Run(Presented):
         return replace(self, columns=columns, units={name: self.units[name] for name in names}, topics={topic: names})
 
     def select(self, rows: Mask | slice) -> "Run":
-        """Return the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
+        """Return the run with only some of its samples.
+
+        `rows` is a mask of shape (n,), or a slice with a positive step.
+        """
         if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):
             raise LogError(
                 f"cannot select samples of {self.label} by an array of type {rows.dtype} and shape {rows.shape}: use a "
@@ -278,9 +281,9 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
 
 
 def _complete_topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
-    """Return the column names of each topic, with columns that none lists added to the first topic.
+    """Return the column names of each topic; columns that no topic lists are added to the first topic.
 
-    Raises LogError for a name that is no column, or is listed twice.
+    Raise LogError for a name that is no column, or that is listed twice.
     """
     names_by_topic = {topic: tuple(names) for topic, names in topics.items()}
     listed_columns = [name for names in names_by_topic.values() for name in names]

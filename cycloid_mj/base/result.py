@@ -89,7 +89,10 @@ class Quantity:
         return f"{self.low:.4g} to {self.high:.4g} (5 to 95 %), mostly from {inputs}"
 
     def interval_json(self) -> dict[str, Any]:
-        """Return low, high and the two main causes of the interval as JSON values; empty if there is no interval."""
+        """Return both ends of the interval, and its two main causes with their shares of the variance, as JSON values.
+
+        The dict is empty if there is no interval.
+        """
         if self.low is None:
             return {}
         return {
@@ -116,7 +119,7 @@ def quantity_frame(quantities: Mapping[str, Quantity]) -> "Frame":
 def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
     """Return a table with a row per quantity: name, value, unit, numerical error, closed form and source.
 
-    `title` is that of the table. A value that is NaN is a dash; a missing error or closed form is an empty cell.
+    `title` is the heading of the table. A value that is NaN is a dash. A missing error or closed form is an empty cell.
     """
     rows = (
         (
@@ -409,7 +412,7 @@ class Claim:
     p: float | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the claim to JSON values."""
+        """Convert the claim of the paper, our result and its verdict to JSON values."""
         return {
             "key": self.key,
             "figure": self.figure,

@@ -33,7 +33,8 @@ MILLIMETRE, MEGAPASCAL = 1e-3, 1e6
 def unit_suffix(unit: str) -> str:
     """Return a unit as the ending of a key or column name, such as ``nm_per_arcmin`` for "N m/arcmin"; empty for "1".
 
-    Only quotients with a torque have the word "per": those of length and time are written as in a log, ``mm_s``.
+    The word "per" is used only in quotients with a torque. Other quotients are written without it, as in logs:
+    ``mm_s``.
     """
     if unit in ("", "1"):
         return ""

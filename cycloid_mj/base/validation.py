@@ -106,17 +106,17 @@ def absolute(
 def deviation_row(
     quantity: str, result: Array, reference: Array, unit: str, source: str, bound: float | None, note: str = ""
 ) -> ValidationRow:
-    """Return a row that compares many values, shape (n,), or vectors, shape (..., 2), with their reference.
+    """Return a row that compares many values with their references, both of shape (n,), or (..., 2) for vectors.
 
-    The row shows the largest magnitude of both sides, judged by the largest difference in percent of the largest
-    reference.
+    The row shows the largest magnitude of the values and of the references. It is judged by the largest difference, in
+    percent of the largest reference.
 
     Parameters
     ----------
     quantity, unit
         Name and unit of the values.
     result, reference
-        Values, and their reference.
+        Values, and their references.
     source, note
         Source of the reference, and a remark.
     bound

@@ -197,9 +197,10 @@ class Calibration(Presented):
 
     @property
     def misfits(self) -> tuple[str, ...]:
-        """Sentences on where the loops deviate from the fitted model by more than the model error (`MODEL_ERROR`).
+        """Sentences on how the loops deviate from the fitted model, a tuple of text.
 
-        The last sentence reports the candidate model that explains the loops better, if there is one.
+        There is a sentence for each loop that deviates by more than the model error (`MODEL_ERROR`). The last sentence
+        reports the candidate model that explains the loops better than the design's, if there is one.
         """
         best, sentences = self.preferred, list(self._worst_stretches())
         if best is None or best.key == model_selection.WRITTEN:
@@ -265,7 +266,7 @@ class Calibration(Presented):
         return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
     def _figure_table(self) -> Table:
-        """Return a table of play, stiffness, ... of the measured and the fitted loops, with their definitions."""
+        """Return a table of the loop figures (`DEFINITIONS`), such as play, for measured loops and fitted model."""
         modelled_figures = self.modelled.in_units()
         rows = []
         for key, item in self.measured.in_units().items():
@@ -275,7 +276,10 @@ class Calibration(Presented):
         return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), tuple(rows))
 
     def _loop_table(self) -> Table:
-        """Return a table of the loops: points, range of deflection [deg], residuals [deg] and range of torque [N m]."""
+        """Return a table of the loops: points, ranges of deflection [deg] and torque [N m], and rms residual [deg].
+
+        The residual is also stated relative to the range of deflection, with and without an offset of the torque.
+        """
         header = (
             *("loop", "points", "height [deg]", "residual rms [deg]", "relative to the height"),
             *("without an offset of torque", "torque range [N m]"),
@@ -359,7 +363,7 @@ def _estimate_json(estimate: Estimate) -> dict[str, Any]:
 
 
 def _loop_json(fit: Fitted, number: int) -> dict[str, Any]:
-    """Convert the loop with the index `number`, its residual and its offsets in a fit to JSON values."""
+    """Convert the loop with the index `number` to JSON values, with its residual and its offsets in the fit."""
     loop, rms, offset = fit.loops[number], fit.rms(number), fit.offsets[number]
     return {
         "name": loop.name,
@@ -398,7 +402,8 @@ def calibrate(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: start of the search, and all values that are not fitted.
+        A design, or the name of a preset or a file. The search starts from it, and values that are not fitted are its
+        own.
     loops
         Loops of one drive.
     keys
@@ -418,9 +423,9 @@ def calibrate(
     UsageError
         There is no loop, a key is unknown, no loop depends on the keys, or a loop is not in degrees.
     RunError
-        No static balance exists.
+        The model has no static equilibrium.
     CalibrationStopped
-        Ctrl-C: its `calibration` has the best values so far.
+        Ctrl-C was pressed; the attribute `calibration` of the error has the best values so far.
     """
     reducer = Reducer(resolve(design))
     if not loops:
@@ -437,16 +442,15 @@ def calibrate(
 def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
     """Fit the parameters of a problem to its loops, and return the calibration with values, intervals and notes.
 
-    If `with_candidates`, all of `model_selection.CANDIDATES` are fitted first. Whether the final fit has an offset of
-    the torque's zero point for each loop is then taken from the candidate with the lowest Bayesian information
-    criterion.
+    If `with_candidates`, all of `model_selection.CANDIDATES` are fitted first. The candidate with the lowest Bayesian
+    information criterion then decides whether the final fit has an offset of the torque's zero point for each loop.
 
     Raises
     ------
     RunError
-        No static balance exists.
+        The model has no static equilibrium.
     CalibrationStopped
-        Ctrl-C: its `calibration` has the best values so far.
+        Ctrl-C was pressed; the attribute `calibration` of the error has the best values so far.
     """
     model, loops, bench, trials = problem.model, problem.loops, problem.bench, problem.trials
     fits: dict[str, Fitted] = {}
@@ -484,7 +488,7 @@ def compare_losses(
 ) -> Calibration:
     """Fit models with different losses to the loops of a calibration; return it with these fits as `variants`.
 
-    The losses are those of `LOSSES`: constant friction alone, with friction of the contacts, with a lossy material, and
+    The models (`LOSSES`) have constant friction, either alone, with friction of the contacts, with a lossy material, or
     with both. The stiffness of the teeth is fitted in place of that of the structure, since only elastic contacts have
     friction.
 
@@ -500,7 +504,7 @@ def compare_losses(
     Raises
     ------
     RunError
-        No static balance exists.
+        The model has no static equilibrium.
     """
     fitted = calibration.fitted
     common = [
@@ -563,9 +567,9 @@ def _build_calibration(fitted: Fitted) -> Calibration:
 def _estimate_value(fitted: Fitted, index: int) -> Estimate:
     """Return the fitted value of the parameter with an index, its intervals, and whether the loops determine it.
 
-    The loops do not determine it if the value or its interval is at a bound of the search, if the prior contributes
-    more to it than the loops (`LIMITS.max_prior_share`), or if the interval is wider than the value. The interval of
-    noise alone is NaN for a value at a bound.
+    The loops do not determine the value if it or its interval is at a bound of the search, if the prior contributes
+    more to it than the loops (`LIMITS.max_prior_share`), or if the interval is wider than the value. The interval from
+    noise alone, without the error of the model, is NaN for a value at a bound.
     """
     parameter, scaled_value, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
     value, low, high = (parameter.from_scale(float(item)) for item in (scaled_value, *interval))
@@ -587,9 +591,10 @@ def _percent(shares: Sequence[float]) -> str:
 
 
 def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[model_selection.ModelFit]) -> Table:
-    """Return a table of residuals, information criteria and values of several models' fits to the same loops.
+    """Return a table of several models' fits to the same loops, a row each.
 
-    The criteria are differences from the lowest. `title` is that of the table, `compared` are the fits.
+    The columns are the residuals of each loop, the information criteria minus the lowest of all models, and the fitted
+    values. `title` is the heading of the table, `compared` are the fits.
     """
     bayesian, akaike = (min(getattr(item, key) for item in compared) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
@@ -607,7 +612,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
 
 
 def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
-    """Convert residuals (shares of the loops' heights), information criteria and values of a fit to JSON values."""
+    """Convert a fit to JSON values: residuals as shares of the loops' heights, information criteria and values."""
     criteria = {"bic": item.bayesian, "aic": item.akaike}
     return {
         "key": item.key,
@@ -685,10 +690,11 @@ def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
 
 
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:
-    """Raise UsageError if torques are not in N m or deflections not in degrees, judged by the loops of the model.
+    """Raise UsageError if torques are probably not in N m, or deflections not in degrees.
 
-    `bench` is the condition of the measurement. Units that are recognised are N mm and kN m, radians and arcminutes. A
-    deflection is not checked if the model has no static equilibrium at the torques of its loop.
+    Torques are compared with the rated torque, deflections with those that the model predicts under the condition
+    `bench` of the measurement. Units that are recognised are N mm and kN m, radians and arcminutes. A deflection is not
+    checked if the model has no static equilibrium at the torques of its loop.
     """
     rated_torque = model.reducer.design.rated_torque
     for loop in loops:

@@ -187,20 +187,20 @@ def fit_loops(
     trials
         Counter of evaluations.
     start
-        Scaled values (`bench.search`) of a single start, shape (v,); by default the search has several starts.
+        Scaled values (`bench.search`) from which a single search starts, shape (v,); by default there are several
+        starts.
     intervals
-        Whether to compute intervals by profile likelihood, which searches on from the values. Otherwise the intervals
-        are those of the linearised model.
+        Whether to compute intervals by profile likelihood, which requires further searches. Otherwise the intervals are
+        those of the linearised model.
     torque_offset
-        Whether to fit an offset of the torque's zero point for each loop; by default the Bayesian criterion decides.
+        Whether to fit an offset of the zero of torque for each loop; by default the Bayesian criterion decides.
 
     Raises
     ------
     RunError
-        No static balance exists.
+        The model has no static equilibrium.
     FitStopped
-        Ctrl-C: its `fitted` has the best values so far, with intervals of the linearised model where there are no
-        others.
+        Ctrl-C was pressed. Its `fitted` has the best values so far, some with intervals of the linearised model.
     """
     problem = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials(), torque_offset is not False)
     interval_searches = {"ends": 2 * len(problem.parameters), "nearest": 1} if intervals else {}
@@ -248,7 +248,7 @@ def _continue_search(
     fits
         Fits with their intervals; those of this search are added.
     offset_gain
-        By how much the Bayesian information criterion is lower with torque offsets; stored in the fits.
+        Bayesian information criterion without torque offsets minus that with them; stored in the fits.
     interval_searches
         Expected number of searches for the intervals by kind (`TYPICAL_STEPS`), for the progress. If empty, no
         intervals by profile likelihood are computed.
@@ -335,9 +335,10 @@ def evaluate_fit(problem: FitProblem, scaled_values: Array) -> Fitted:
 
 
 def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
-    """Compute twice the negative log-likelihood of the loops, except for a constant: sum of n log(mean square) [1].
+    """Compute the sum over all loops of n times the logarithm of the mean square of the loop's residuals [1].
 
-    `residuals` are those of each loop, `independent` is the number n of independent residuals of each loop.
+    This is twice the negative log-likelihood, except for a constant. `residuals` has the array of each loop,
+    `independent` the number n of its independent residuals.
     """
     return sum(
         count * float(np.log(np.mean(loop_residuals**2)))
@@ -348,15 +349,15 @@ def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
 def _choose_offset(
     problem: FitProblem, solutions: list[tuple[float, Array]]
 ) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
-    """Choose by the Bayesian information criterion whether zero offsets of torque are fitted for the loops.
+    """Decide by the Bayesian information criterion whether an offset of the zero of torque is fitted for each loop.
 
-    `problem` is that with offsets; `solutions` are cost and scaled values (v,) (`bench.search`) of its searches, the
+    `problem` is that with offsets. `solutions` are cost and scaled values (v,) (`bench.search`) of its searches, the
     best first.
 
     Returns
     -------
     tuple
-        The chosen problem, by how much the criterion is lower with offsets [1], and the solutions of the chosen
+        The chosen problem, the criterion without offsets minus that with them [1], and the solutions of the chosen
         problem.
     """
     problem_without_offset = replace(problem, torque_offset=False)
@@ -391,8 +392,8 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
     fitted
         Its solution; `ends` is changed in place.
     valleys
-        Cost and scaled values (`bench.search`) of local minima where searches ended, the solution first. An end is
-        computed from each minimum with a cost within the interval's limit, and the farthest counts.
+        Cost and scaled values (`bench.search`) of local minima at which searches ended, the solution first. An end is
+        computed from each minimum whose cost is within the limit of the interval; the farthest of these ends is used.
 
     Returns
     -------
@@ -431,10 +432,10 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
 def _profile_distance(
     problem: FitProblem, fitted: Fitted, valley: tuple[float, Array], index: int, side: int, allowed_rise: float
 ) -> tuple[float, tuple[float, Array] | None]:
-    """Compute the signed distance of a value from its best value at which the profile cost has risen by `allowed_rise`.
+    """Compute how far a scaled value can move from its value at a minimum until the cost rises by `allowed_rise`.
 
-    The value is fixed at distances that double, and all others are fitted again. The distance is then interpolated.
-    Values and distance are scaled [1], as in `bench.search`.
+    The value is fixed at distances that double, and all others are fitted again each time. The distance is then
+    interpolated. Values and distance are scaled [1], as in `bench.search`.
 
     Parameters
     ----------
@@ -450,7 +451,8 @@ def _profile_distance(
     Returns
     -------
     distance, better_values
-        The distance, and cost and scaled values of a point lower than the valley, if a search reached one.
+        The signed distance. Cost and scaled values of a point with a lower cost than the minimum, if a search reached
+        one, else None.
     """
     (cost, valley_values), inverse = valley, fitted.uncertainty.inverse
     direction = inverse[:, index] / inverse[index, index]

@@ -132,7 +132,7 @@ def read_loop(path: Path | str) -> MeasuredLoop:
     Parameters
     ----------
     path
-        The CSV file. Its header may follow ``#``.
+        The CSV file. Its header line may begin with ``#``.
 
     Returns
     -------
@@ -150,12 +150,12 @@ def read_loop(path: Path | str) -> MeasuredLoop:
 
 
 def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, Array]:
-    """Read columns of numbers from a CSV file, by name, shape (n,) each.
+    """Read columns of numbers from a CSV file: column name -> values, shape (n,).
 
     Parameters
     ----------
     path
-        The file; its header may follow ``#``.
+        The file; its header line may begin with ``#``.
     names
         Columns to read.
     content
@@ -221,7 +221,7 @@ def _parse_number(text: str, location: str) -> float:
 
 
 def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str = "") -> MeasuredLoop:
-    """Create a loop from torque and deflection in chronological order, with checks; determine reversals and branches.
+    """Create a loop from torque and deflection in chronological order: check them, determine reversals and branches.
 
     The sign of the deflection is changed if it decreases with the torque.
 
@@ -230,9 +230,9 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     name
         Name of the loop.
     torque, deflection_deg
-        Torque at the output [N m] and its rotation [deg], shape (n,).
+        Torque at the output [N m] and rotation of the output [deg], shape (n,).
     origin
-        Origin of the points for messages; by default the name.
+        Source of the points for messages, such as the file; by default the name.
 
     Raises
     ------
@@ -329,7 +329,7 @@ def _require_no_outlier(values: Array, column: str, origin: str) -> None:
 
 
 def _mean_opening(loop: MeasuredLoop) -> float:
-    """Compute by how much the deflection is larger at falling than at rising torque [rad], the mean over the torques.
+    """Compute the deflection at falling minus that at rising torque [rad], averaged over the torques of the loop.
 
     It is negative for a loop that releases energy.
     """
@@ -352,11 +352,11 @@ def _median_filter(values: Array) -> Array:
 
 
 def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> int:
-    """Return the number of points of the first branch if it only leads from rest to the loop, or else 0.
+    """Return the number of points of the first branch if it only leads from rest to the loop, else 0.
 
-    It leads to the loop if it starts at a distance from the later branches of the same direction
-    (`SETTINGS.lead_distance`). `torque` [N m], `deflection` [rad] and the number `branch` of reversals before each
-    point have shape (n,).
+    The first branch is such a branch if it starts near zero torque, and farther than `SETTINGS.lead_distance` from the
+    later branches of the same direction. The distance is relative to that between the branches. `torque` [N m],
+    `deflection` [rad] and `branch`, the number of reversals before each point, have shape (n,).
     """
     same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
     if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
@@ -374,10 +374,10 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
 
 
 def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
-    """Compute the torque of the reversal near the point with an index [N m]: the extreme among neighbouring points.
+    """Compute the torque of a reversal [N m]: the extreme torque among the neighbours of the point with an index.
 
-    It is limited to a distance from the median there, so that an outlier does not count. `torque` [N m] and its moving
-    `medians` have shape (n,).
+    The extreme is limited to a distance from the median at that point, so that an outlier has no effect. `torque` [N m]
+    and its moving `medians` have shape (n,).
     """
     neighbours = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
     outermost = float(neighbours.max() if medians[index] >= np.median(neighbours) else neighbours.min())
@@ -391,8 +391,8 @@ def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:
 
     `torque` [N m], shape (n,), is in chronological order. A reversal is an extreme after which the torque returns by at
     least `SETTINGS.reversal` times the range of the torque. If the first branch does not begin at an end of the loop,
-    its start torque is set to that of the second reversal; likewise the end of the last branch to the torque of the
-    last reversal but one.
+    its start torque is replaced by the torque of the second reversal. Likewise, the end torque of the last branch is
+    replaced by the torque of the last reversal but one.
 
     Returns
     -------

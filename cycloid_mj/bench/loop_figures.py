@@ -91,7 +91,7 @@ class LoopFigures:
     coulomb: LoopFigure
 
     def in_units(self) -> dict[str, LoopFigure]:
-        """Return values and intervals by the keys of `DEFINITIONS`, in the units in which these keys end."""
+        """Return the figures and their intervals by the keys of `DEFINITIONS`, in the units in which these keys end."""
         return {
             "play_deg": self.play.scale(1.0 / DEGREE),
             "width_deg": self.width.scale(1.0 / DEGREE),
@@ -122,7 +122,8 @@ def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
     """Compute play, width, stiffness and Coulomb torque of the loops of one drive, with 95 % intervals (`DEFINITIONS`).
 
     Play and stiffness are those of the loop with the largest torque. Width and Coulomb torque are those of the loop
-    with the smallest range of deflection. Values that a loop does not show, e.g. with too few points, are NaN.
+    with the smallest range of deflection. A figure is NaN if its loop does not allow it, for example with too few
+    points.
     """
     largest_loop, smallest_loop = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
     coulomb = loop_coulomb_torque(smallest_loop)
@@ -147,10 +148,11 @@ def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
 
 
 def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure:
-    """Compute the stiffness [N m/rad] of a loop between two torques, the mean of both sides, with its 95 % interval.
+    """Compute the stiffness [N m/rad] of a loop between two torques, with its 95 % interval.
 
-    Lines are fitted to the loading branches for torques with magnitudes from `low` to `high` [N m], and beyond 1.2
-    times the Coulomb torque. NaN if a side of the loop ends below 98 % of `high`, or has too few points.
+    It is the mean of the stiffnesses at positive and negative torque. Lines are fitted to the loading branches, from
+    `low` to `high` [N m] in magnitude, without torques below `READING.loaded_coulomb` times the Coulomb torque. NaN if
+    a side of the loop ends below 98 % of `high`, or has too few points.
     """
     if min(high, *map(abs, loop.ends)) < high * READING.loaded[1]:
         return NO_FIGURE
@@ -163,8 +165,8 @@ def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure
 def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
     """Compute the lost motion of a loop [rad], with its 95 % interval.
 
-    It is the rotation between +3 % and -3 % of `rated_torque` [N m], at each of which the mean of rising and falling
-    branch is read. NaN if a branch does not cross one of these torques.
+    It is the rotation between the torques +3 % and -3 % of `rated_torque` [N m]; at each of them it is the mean of the
+    rising and the falling branch. NaN if a branch does not cross one of these torques.
     """
     level = LOST_MOTION_SHARE * rated_torque
     crossings = [
@@ -222,11 +224,11 @@ def loop_coulomb_torque(loop: MeasuredLoop) -> LoopFigure:
 def _fit_loading_line(
     loop: MeasuredLoop, direction: int, low: float, high: float, coulomb_torque: float
 ) -> _Line | None:
-    """Fit a line, deflection [rad] over torque [N m], to the loading branches of one side of a loop.
+    """Fit a line, deflection [rad] as a function of torque [N m], to the loading branches of one side of a loop.
 
-    `low` and `high` are the magnitudes of the torques between which points count [N m], `direction` is 1 for positive,
-    -1 for negative torque. Points below `READING.loaded_coulomb` times `coulomb_torque` [N m] are left out; NaN: none.
-    Return None if there are too few points.
+    `direction` is 1 for the side of positive torque, -1 for negative torque. Points with a torque from `low` to `high`
+    [N m] in magnitude are used, except those below `READING.loaded_coulomb` times `coulomb_torque` [N m]; if that is
+    NaN, all are used. Return None if there are too few points.
     """
     signed_torque = direction * loop.torque
     is_in_interval = (
@@ -331,8 +333,8 @@ def _interpolate_crossing(x: Array, y: Array, level: float) -> _Crossing:
 def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
     """Fit a line to the points (x, y) selected by a mask, shape (n,) each, by least squares.
 
-    The number of independent points, on which variances and degrees of freedom depend, is that of the points divided by
-    `autocorrelation_time`. None for fewer than `READING.min_points`, or if all have the same x.
+    Variances and degrees of freedom depend on the number of independent points. This is the number of points divided by
+    their `autocorrelation_time`. Return None for fewer than `READING.min_points`, or if all have the same x.
     """
     x, y = x[mask], y[mask]
     count, offsets = len(x), x - np.mean(x) if len(x) else x

@@ -84,8 +84,8 @@ def compare_candidates(fits: Mapping[str, Fitted]) -> tuple[ModelFit, ...]:
 def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]:
     """Return residuals, information criteria and values of several models' fits to the same loops, in their order.
 
-    The keys of `fits` are key and meaning of each model. All criteria use the number of independent residuals of the
-    model with the most parameters, whose residuals are nearest to noise.
+    The keys of `fits` are pairs of a model's key and its meaning in words. All criteria use the same number of
+    independent residuals: that of the model with the most parameters, because its residuals are nearest to noise.
     """
     independent = max(fits.values(), key=lambda item: len(item.parameters)).independent
     return tuple(
@@ -106,9 +106,8 @@ def fit_candidates(
 ) -> Iterator[tuple[str, Fitted]]:
     """Fit each model in `CANDIDATES` to the loops, one after the other.
 
-    The fits have the likeliest values, without intervals by profile likelihood. `bench` is the condition under which
-    the loops were measured. The number of evaluations that `trials` expects includes a later fit of the model `WRITTEN`
-    with intervals.
+    The fits have no intervals by profile likelihood. `bench` is the condition under which the loops were measured. The
+    number of evaluations that `trials` expects includes a later fit of the model `WRITTEN` with intervals.
 
     Yields
     ------
@@ -118,9 +117,9 @@ def fit_candidates(
     Raises
     ------
     RunError
-        No static equilibrium exists.
+        The model has no static equilibrium.
     FitStopped
-        Ctrl-C.
+        Ctrl-C was pressed.
     """
     parameters_by_model = {
         key: fit_parameters(model.reducer, (*COMMON, *extra), loops) for key, (_, extra) in CANDIDATES.items()
@@ -144,8 +143,9 @@ def select_model(fits: Sequence[ModelFit]) -> ModelFit:
 def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
     """Return the deviation of the model's deflection from the measured one in six sections of each loop.
 
-    The sections of each direction are unloading to zero torque, crossing the play, and loading the other side, from
-    `READING.loaded_coulomb` times the Coulomb torque on. A section without points is left out.
+    There are three sections with rising and three with falling torque. In the first the drive is unloaded to zero
+    torque, in the second it crosses the play, and in the third, from `READING.loaded_coulomb` times the Coulomb torque
+    on, it is loaded on the other side. A section without points is omitted.
     """
     rows = []
     for loop, modelled_deflection in zip(fitted.loops, fitted.turns, strict=True):

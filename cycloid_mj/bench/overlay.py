@@ -60,8 +60,9 @@ def apply_values(model: Model, parameters: Sequence[Parameter], values: Array) -
 def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, torque_offset: float = 0.0) -> Branches:
     """Compute torque [N m] and rotation [rad] of a model along each branch of a measured loop, as pairs of arrays.
 
-    The model reverses at the torques of the loop less `torque_offset` [N m]. It starts from rest, and two branches that
-    lead to the loop are left out. `bench` is the condition of the measurement.
+    The torque of the model reverses at the reversal torques of the loop minus `torque_offset` [N m]. The model starts
+    from rest. Two branches that lead from rest to the loop are computed and omitted. `bench` is the condition of the
+    measurement.
     """
     ends = [end - torque_offset for end in loop.turns]
     if model.contact_friction:
@@ -78,8 +79,8 @@ def _branches_with_contact_friction(
     """Compute torque [N m] and rotation [rad] along the branches between reversals, with friction in the contacts.
 
     `reversals` are torques [N m], `max_turn` [rad] is the largest rotation between neighbouring points, and `bench` is
-    the condition of the measurement. Two branches, from rest to the second reversal and back to the first, lead to the
-    loop and are left out.
+    the condition of the measurement. Two branches, from rest to the second reversal and back to the first, are computed
+    first and omitted from the result.
     """
     spans = list(pairwise(reversals))
     lead = [
@@ -108,8 +109,8 @@ def interpolate_deflections(loop: MeasuredLoop, branches: Branches) -> Array:
 def branch_distances(loop: MeasuredLoop, branches: Branches, torque_offset: float, deflection_offset: float) -> Array:
     """Compute the signed distance [1] of each measured point from the model's branch, shape (n - points_left_out,).
 
-    Torque and deflection are divided by the loop's ranges. Offsets of torque [N m] and deflection [rad] are added to
-    the model's branches. The distance is positive on the left of the branch, in its direction.
+    Torque and deflection are divided by the loop's ranges. `torque_offset` [N m] and `deflection_offset` [rad] are
+    added to the model's branches. The distance is positive for points to the left of the branch, seen in its direction.
     """
     ranges = float(np.ptp(loop.torque)), loop.height
     distance = np.zeros(len(loop.torque))

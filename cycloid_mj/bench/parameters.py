@@ -126,7 +126,7 @@ def needs_contact_friction(keys: Sequence[str]) -> bool:
     Raises
     ------
     UsageError
-        Some keys need that friction, and others represent it by friction of the wind-up.
+        Some keys need friction in the contacts, and others (`STANDS_FOR_RUBBING`) represent the same friction.
     """
     contact_keys = [key for key in keys if key in RUBBING or key.startswith("friction.")]
     wind_up_keys = [key for key in keys if key in STANDS_FOR_RUBBING]
@@ -213,10 +213,10 @@ def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
 
 
 def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of stiffness: of the teeth [1], and of the structure at the output [N m/rad].
+    """Return the parameters of stiffness: a factor on that of the teeth [1], and that of the structure [N m/rad].
 
-    The structure starts at twice the largest torque divided by the range of deflection of that loop, or at half of its
-    largest possible stiffness if that is lower.
+    The stiffness of the structure refers to the output. Its search starts from twice the largest torque divided by the
+    range of deflection of that loop, or from half of its largest possible value if that is lower.
     """
     largest_loop = max(loops, key=attrgetter("most"))
     stiffness, max_stiffness = 2.0 * largest_loop.most / largest_loop.height, _max_structure_stiffness(reducer)
@@ -247,10 +247,12 @@ def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tu
 
 
 def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of friction: of contacts [1], in proportion to the load [1], and constant friction [N m].
+    """Return four parameters of friction.
 
-    The fourth is the rotation [deg] over which the constant friction builds up. Constant friction starts at the Coulomb
-    torque of the loop with the smallest range of deflection, the rotation at a share of that range.
+    They are the coefficient of friction of the contacts [1], friction in proportion to the load [1], constant friction
+    [N m], and the rotation over which the constant friction builds up [deg]. The search for the constant friction
+    starts from the Coulomb torque of the loop with the smallest range of deflection, that for the rotation from 5 % of
+    that range.
     """
     max_torque, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
     height_deg, coulomb = lowest.height / DEGREE, loop_coulomb_torque(lowest).value
@@ -301,9 +303,10 @@ def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tup
 
 
 def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of hysteresis: torque [N m] and travel [deg] of the wind-up, and loss of the material [1].
+    """Return the parameters of hysteresis: friction torque [N m] and travel [deg] of the wind-up, and material loss.
 
-    Start and scale are shares of torque and range of deflection of the loop with the largest torque.
+    The travel is the rotation over which the friction builds up. The material loss is a share [1]. Start and scale of
+    both are shares of torque and range of deflection of the loop with the largest torque.
     """
     largest_loop = max(loops, key=attrgetter("most"))
     max_torque, largest_height, smallest_height = (
@@ -346,9 +349,10 @@ def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ..
 
 
 def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function from a model and a clearance [um] to the model with that clearance in some kinds of pairs.
+    """Return a function from a model and a clearance [um] to the model with that clearance in some `kinds` of pairs.
 
-    Teeth and seats of pins share it in the ratio of the design.
+    Teeth and seats of pins together have this clearance, divided in the ratio of the design; output holes have all of
+    it.
     """
 
     def apply(model: Model, value: float) -> Model:
@@ -363,9 +367,9 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 
 def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function from a model and a factor [1] to the model with that factor on the stiffness of kinds of pairs.
+    """Return a function from a model and a factor [1] to the model with the stiffness of some kinds of pairs times it.
 
-    The factor refers to the stiffness at the rated load.
+    The factor multiplies the stiffness at the rated load.
     """
 
     def apply(model: Model, value: float) -> Model:

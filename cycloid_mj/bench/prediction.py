@@ -40,7 +40,7 @@ class Prediction(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Table of play, stiffness, ... of the measured and the predicted loops, in the units in which the keys end."""
+        """Table of the figures in `DEFINITIONS`, such as play and stiffness, for measured and predicted loops."""
         modelled_figures = self.modelled.in_units()
         rows: list[dict[str, Cell]] = [
             {"key": key, "measured": item.value, "modelled": modelled_figures[key].value}
@@ -61,11 +61,11 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     Parameters
     ----------
     reducer
-        The reducer. Its clearances, stiffness and friction of the wind-up (`springs`) are used; its contacts have no
-        friction.
+        The reducer. The model has its clearances, stiffness and friction of the wind-up (`springs`), but no friction in
+        the contacts.
     loops
         Measured loops. The predicted deflections of each are shifted to the mean of the measured deflections; the zero
-        of torque is taken as exact.
+        of the measured torque is assumed to be exact.
     crank
         Angle of the crank [rad].
 
@@ -77,7 +77,7 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     Raises
     ------
     RunError
-        No static balance exists.
+        The model has no static equilibrium.
     """
     model = Model(reducer, Losses(), contact_friction=False)
     condition = LoopCondition("crank", crank, max(loop.most for loop in loops))

@@ -69,16 +69,18 @@ class Engine:
     ) -> Iterator[tuple[int, R]]:
         """Apply a function to each item in parallel; yield the results in the order of completion.
 
-        Processes and a cluster need a function of a module (or a `functools.partial` of such a function), which can be
-        pickled; items and results should be small. The results do not depend on the worker. The first error of the
-        function ends all work. Ctrl-C, and closing the iterator, cancel the items that wait and stop the rest.
+        With processes or a cluster, `function` must be picklable: a function of a module, or a `functools.partial` of
+        such a function. Items and results should be small. The results do not depend on the worker. The first error of
+        the function ends all work. On Ctrl-C, or if the iterator is closed, waiting items are cancelled and running
+        ones stopped.
 
         Parameters
         ----------
         function, items
             The function, and its arguments.
         on_lost
-            Function that returns the result of an item whose worker died at each attempt; by default a `RunError`.
+            Function that returns the result for an item whose worker died at each attempt; by default a `RunError` is
+            raised.
 
         Yields
         ------
@@ -88,7 +90,7 @@ class Engine:
         Raises
         ------
         RunError
-            Workers died again and again, have other versions of the packages, or cannot be reached.
+            Workers died repeatedly, have other versions of the packages, or cannot be reached.
         UsageError
             The scheduler's address is invalid, or Dask is not installed.
         """

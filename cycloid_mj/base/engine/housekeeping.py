@@ -25,8 +25,8 @@ def serve_parent() -> None:
 def _exit_with_parent(parent_pid: int) -> None:
     """Wait until the parent process with the id `parent_pid` ends, then terminate this process.
 
-    On POSIX `os.getppid` changes when the parent ends. On Windows it does not: there the end shows only in the
-    sentinel, a handle that becomes ready.
+    On POSIX `os.getppid` changes when the parent ends. On Windows it does not change, so the handle of the parent
+    process (`sentinel`), which becomes ready at its end, is tested instead.
     """
     sentinel = getattr(multiprocessing.parent_process(), "sentinel", None)
     while os.getppid() == parent_pid:
@@ -44,7 +44,8 @@ class _ResultsAbandoned(Exception):
 def forward_results(results: Generator[R, None, None]) -> Iterator[R]:
     """Yield the results of a `joblib.Parallel` as they arrive, without a warning if the caller stops early.
 
-    joblib's own generator warns of lost pieces of work when it is closed, as by an interrupted loop.
+    The generator of joblib warns of unfinished work when it is closed, for example because a loop over it was
+    interrupted.
     """
     try:
         for result in results:  # noqa: UP028  # `yield from` would close it itself
