@@ -177,9 +177,10 @@ def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:
 
 
 def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
-    """Return the parameters of clearances [um]: of mesh, output pins and cam, and a common value of mesh and output.
+    """Return the parameters of clearance [um]: of the mesh, the output pins, the cam, and mesh and output together.
 
-    The mesh includes the play of ring pins in their sockets. The tolerances of the design are the priors.
+    The last parameter sets mesh and output to a common value. The mesh includes the play of ring pins in their sockets.
+    The tolerances of the design are the priors.
     """
     design = reducer.design
     tooth, clearance, tooth_kinds = design.tooth_pair, design.clearance, _tooth_pairs(reducer)

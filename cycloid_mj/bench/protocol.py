@@ -217,7 +217,7 @@ def protocol_of(
     starting, running, back_driving
         CSV files of the tests of the same name; `docs/protocol.md` describes their columns.
     angles
-        Number of crank angles at which the model is locked.
+        Number of crank angles at which the loops of the model are computed.
     progress
         Called with the number of finished crank angles and that of all.
 
@@ -231,7 +231,7 @@ def protocol_of(
     UsageError
         The design does not exist, a file is malformed, or the torque of a loop is not in N m.
     RunError
-        The model has no static balance, or a run failed.
+        The model has no static equilibrium, or a run failed.
     """
     reducer = Reducer(resolve(design))
     files = BenchFiles(tuple(loops), te, starting, running, back_driving)
@@ -248,7 +248,7 @@ def protocol(
 ) -> Protocol:
     """Compute lost motion, stiffness, transmission error and no-load torques of a model, and of a bench's recordings.
 
-    The lines are those of `LINES`; those for which the bench has no file are missing.
+    The result has the lines of `LINES`, without values of the bench for which there is no file.
 
     Parameters
     ----------
@@ -259,7 +259,7 @@ def protocol(
     rated_torque
         Rated torque on the output [N m].
     angles
-        Number of crank angles at which the model is locked.
+        Number of crank angles at which the loops of the model are computed.
     progress, engine
         Progress and workers; by default none, and threads.
 
@@ -268,7 +268,7 @@ def protocol(
     UsageError
         A file is malformed, or the torque of a loop is not in N m.
     RunError
-        The model has no static balance, or a run failed.
+        The model has no static equilibrium, or a run failed.
     """
     for loop in files.loops:
         require_torque(loop, rated_torque)
@@ -303,15 +303,15 @@ def protocol(
 def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> MeasuredLoop:
     """Compute the hysteresis loop of a model with the crank locked at an angle [rad], as a bench would measure it.
 
-    The torque on the output reverses at +-`rated_torque` [N m]. The loop is simulated, as by ``measure lost-motion``.
-    A design with friction elements parallel to the torsion spring (`slip_elements`) cannot be simulated. Its loop is
+    The torque on the output reverses at +-`rated_torque` [N m]. The loop is simulated, as by ``measure lost-motion``. A
+    design with friction elements parallel to the torsion spring (`slip_elements`) cannot be simulated. Its loop is
     computed by statics, in which these elements are the only friction. Two torque cycles are then computed, and the
     second is returned.
 
     Raises
     ------
     RunError
-        The model has no static balance, or the run failed.
+        The model has no static equilibrium, or the run failed.
     """
     elements = slip_elements(reducer)
     if len(elements.limits):
@@ -334,10 +334,10 @@ def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> M
 
 
 def find_breakaway_torque(crank: Array, torque: Array) -> float:
-    """Return the magnitude of the torque [N m] at which a crank begins to turn; NaN if it does not.
+    """Return the magnitude of the torque [N m] at which a crank begins to turn; NaN if it does not turn.
 
-    It is that of the last point with a crank angle within `START.turned` of the first. `crank` [rad] and `torque` [N m]
-    are in chronological order, shape (n,).
+    The torque is that of the last point whose crank angle differs from the first by at most `START.turned`. `crank`
+    [rad] and `torque` [N m] are in chronological order, shape (n,).
     """
     has_moved = np.abs(crank - crank[0]) > START.turned
     if not has_moved[-1]:
@@ -369,8 +369,9 @@ def read_breakaway_torque(path: Path, torque_column: str) -> float:
 def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
     """Compute lost motion, hysteresis loss and stiffness from loops, by the keys of `LINES` and in their units.
 
-    Each value is the mean over the loops, with the lowest and the highest end of their intervals. Loops that do not
-    reach `SETTINGS.min_full_torque` of the rated torque [N m], or of the largest loop if that is smaller, are left out.
+    Each value is the mean over the loops; its interval extends from the lowest to the highest end of their intervals.
+    Loops with too small a torque are left out: it must reach the share `SETTINGS.min_full_torque` of the rated torque
+    [N m], or of the torque of the largest loop if that is smaller.
     """
     full_loops = [
         loop
@@ -396,7 +397,7 @@ def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str,
 
 
 def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
-    """Return the mean of values that are not NaN, with the lowest and the highest end of their intervals."""
+    """Return the mean of the values that are not NaN, with an interval that covers all of their intervals."""
     known_figures = [item for item in figures if not math.isnan(item.value)]
     if not known_figures:
         return NO_FIGURE

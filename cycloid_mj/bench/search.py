@@ -146,7 +146,7 @@ class FitProblem:
     def _cached_models(self) -> Callable[[tuple[float, ...]], Model]:
         """Cached function that maps the scaled values of the first k parameters to the model with these values.
 
-        k is the length of its argument, up to the number of parameters; the others keep their values of `model`.
+        k is the number of the values; the other parameters are those of the attribute `model`.
         """
 
         @lru_cache(maxsize=8 * len(self.parameters))
@@ -204,7 +204,7 @@ class FitProblem:
 
         `scaled` are the scaled parameters and offsets, shape (v,). Residuals of a loop are divided by the root of their
         number, so that all loops have the same weight. A value that differs from its prior by one standard deviation
-        has the weight of a loop with an rms residual of `MODEL_ERROR`.
+        contributes as much to the sum of squares as a loop with an rms residual of `MODEL_ERROR`.
         """
         self.trials()
         prior_residuals = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
@@ -278,9 +278,9 @@ class FitProblem:
     def starts(self) -> list[Array]:
         """Return the initial vector of each search: scaled parameters and offsets, shape (v,) each.
 
-        There is a search for each dict of `start_factors`. Its initial parameters are their values `Parameter.start`
-        times these factors. Offsets are initially those of the centre of each loop. If stiffness or play is fitted,
-        several factors are tried for them in addition, and those with the smallest residuals are used.
+        There is a search for each dict of `start_factors`. It starts from the values `Parameter.start` times these
+        factors, and from the offsets of the centre of each loop. If stiffness or play is fitted, several further
+        factors are tried for them, and those with the smallest residuals are used.
         """
         keys = {parameter.key for parameter in self.parameters}
         centres = [0.5 * float(loop.deflection.max() + loop.deflection.min()) for loop in self.loops]
@@ -374,9 +374,10 @@ class FitProblem:
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
         """Return the scaled values within their intervals, (v,), with the least rms deviation of the deflections.
 
-        `start` are the initial values, `low` and `high` the ends of the 95 % intervals, shape (v,) each. A value that
-        differs from its start by a quarter of its interval, about a standard deviation, has the weight of a loop with
-        an rms residual of `MODEL_ERROR`, so that values on which the deflections hardly depend remain near their start.
+        `start` are the initial values, `low` and `high` the ends of the 95 % intervals, shape (v,) each. Values on
+        which the deflections hardly depend remain near their start, because changes are penalised: a change by a
+        quarter of the interval, about a standard deviation, contributes as much as a loop with an rms residual of
+        `MODEL_ERROR`.
         """
         from scipy.optimize import least_squares
 
@@ -407,10 +408,7 @@ class FitProblem:
 
 
 def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
-    """Return a function that replaces the elements of `start`, shape (v,), at the indices `free` by its argument (f,).
-
-    It returns a new array.
-    """
+    """Return a function from values (f,) to a copy of `start`, shape (v,), with the values at the indices `free`."""
 
     def fill(values: Array) -> Array:
         scaled_values = start.copy()

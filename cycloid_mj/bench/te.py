@@ -271,9 +271,9 @@ def compute_model_error(reducer: Reducer, torque: float) -> Array:
 def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Return the orders that a measurement resolves [cycles per crank turn], increasing, shape (k,).
 
-    They are the integers, and the multiples of N/(N-1) (N teeth of the ring) that differ from integers by nearly a
-    cycle over the measurement. The highest is at most `TE.max_harmonic` times N, and lower if the points are too far
-    from each other to resolve it.
+    They are the integers, and the multiples of N/(N-1), where N is the number of teeth of the ring. A multiple is left
+    out if it differs from an integer by much less than a cycle over the measurement. The highest order is
+    `TE.max_harmonic` times N, or lower if the points are too far from each other to resolve it.
     """
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     resolution = TE.max_cycles_per_point * len(measured.crank) / measured.turns
@@ -285,10 +285,10 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
 
 
 def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
-    """Return the crank angle of the model [rad] at the bench's zero for which the model is nearest to the measurement.
+    """Return the angle [rad] to add to measured crank angles for which the model is nearest to the measurement.
 
     `ideal` is the model's error [rad], shape (n,), at equally spaced crank angles over a turn of the output, which is
-    `lobes` turns of the crank. The squared residual of all shifts is computed by FFT, and its minimum refined by a
+    `lobes` turns of the crank. The squared residual is computed for all shifts by FFT, and its minimum refined by a
     parabola. The smallest of equally good angles is returned.
     """
     count, turn = len(ideal), 2.0 * np.pi * lobes

@@ -91,11 +91,11 @@ class FitUncertainty:
 def estimate_uncertainty(
     slopes: Sequence[Array], residuals: Sequence[Array], is_free: Mask, prior: Array | None = None
 ) -> FitUncertainty:
-    """Compute the covariance of fitted values, and what their intervals need, by the sandwich estimate HC3.
+    """Return the covariance of fitted values, and the quantities from which their confidence intervals are computed.
 
-    The covariance is (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with slopes A, residuals r and leverages h (MacKinnon and
-    White, J. Econometrics 29, 1985, 305-325), so that each point has its own noise. It is multiplied by the
-    `autocorrelation_time` of each loop.
+    The covariance is the sandwich estimate HC3, (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with slopes A, residuals r and
+    leverages h (MacKinnon and White, J. Econometrics 29, 1985, 305-325), in which each point has its own noise. It is
+    multiplied by the `autocorrelation_time` of each loop.
 
     Parameters
     ----------

@@ -49,10 +49,10 @@ __all__ = [
 
 
 def check(design: Named) -> Checks:
-    """Check a design: return all checks of `soundness`, passed or not, then warnings about how well it works.
+    """Check a design; return the checks of `soundness`, and warnings about how well the design works.
 
-    The warnings are left out for a design that cannot be built, and for an RV reducer, which has none yet. Checks of
-    its life are in ``life.checks``.
+    The result has passed and failed checks. The warnings are left out for a design that cannot be built, and for an RV
+    reducer. The checks of the life are in ``life.checks``.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ TIED = {"gear.eccentricity_mm", "output.pin_radius_mm"}
 
 
 def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
-    """Return checks whose remedies were tried on the design and kept only if they work.
+    """Return the checks of a design with those of their remedies that work, after trying each remedy on the design.
 
     A change is kept if the check passes with it and no other check that needs no statics gets worse. It is completed by
     changes for checks that fail because of it, such as a hole that depends on the eccentricity. If no change is left,
@@ -57,7 +57,7 @@ def verify_remedies(reducer: Reducer, checks: Checks) -> Checks:
 def _verify_remedy(reducer: Reducer, check: Check, checks_before: Mapping[str, Check]) -> Check:
     """Return a failed check with only those of its changes that work, each completed, and its remedy in words.
 
-    `checks_before` are all checks of the unchanged design by name.
+    `checks_before` are the checks of the unchanged design by name.
     """
     if not check.changes:
         return check
@@ -151,10 +151,10 @@ def _choose_repair(reducer: Reducer, failed_check: Check, applied_change: Change
 
 
 def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change) -> Change | None:
-    """Change a key by more, in the same direction, until a check passes: by growing steps, then bisection.
+    """Increase a change of a single key until the failed check passes: by growing steps, then by bisection.
 
-    `applied_change` maps the only key to its value so far, with which `failed_check` fails. Returns the key with its
-    value to four digits, or None if the check never passes.
+    `applied_change` maps the key to its value so far, with which `failed_check` fails. Return the key with its new
+    value, rounded to four digits, or None if the check never passes.
     """
     ((key, value),) = applied_change.items()
     original = value_of(reducer.design, key)
@@ -183,7 +183,7 @@ def _extend_change(reducer: Reducer, failed_check: Check, applied_change: Change
 
 
 def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
-    """Check a changed design without statics; return the checks by name, or None if the file forbids the change."""
+    """Check a changed design without statics; return the checks by name, or None if the change is not allowed."""
     try:
         changed_reducer = Reducer(override(reducer.design, dict(change)))
         sound = soundness(changed_reducer)

@@ -15,7 +15,7 @@ MAX_POSES = 36
 
 
 def assembly_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks that the parts of a design with errors or modifications fit together; none for ideal parts."""
+    """Yield the checks that parts with manufacturing errors or modifications fit together; none for ideal parts."""
     if reducer.is_ideal:
         return
     if reducer.design.ring.has_sockets:

@@ -13,7 +13,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
-    """Yield the rules for the walls around bore and holes of the disc, and the check of the radius of its holes."""
+    """Yield the rules for the thickness of the walls around bore and holes of the disc, and the check of the holes."""
     design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
     E, rho, bore, hole = (
@@ -78,8 +78,8 @@ def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
 def counterweight_rule(reducer: Reducer) -> Rule:
     """Return the rule that a half-disc counterweight as long as the shaft can balance disc and cam.
 
-    The limits are the smallest radius [m] at this length and the smallest length [m] at this radius. Disc and shaft
-    must be feasible, and the counterweight larger than the shaft.
+    Its limits are a smallest radius [m] for the present length, and a smallest length [m] for the present radius. Disc
+    and shaft must be feasible, and the counterweight larger than the shaft.
 
     The static moments about the axis are w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L, with the eccentricity c, face
     width w, areas S, ratio q of the densities of disc and shaft, radii R and r of counterweight and shaft, and the
@@ -98,7 +98,7 @@ def counterweight_rule(reducer: Reducer) -> Rule:
 def bearing_room_rule(reducer: Reducer) -> Rule:
     """Return the rule that the journal is long enough for the shaft's bearings and the counterweight.
 
-    A bearing width that the design leaves open counts as 0, as it follows from the length that is left.
+    A bearing width that the design does not set counts as 0, because it is then chosen to fit the remaining length.
     """
     design = reducer.design
     shaft = design.shaft

@@ -14,16 +14,17 @@ def has_bare_rollers(reducer: Reducer) -> bool:
 
 
 def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
-    """Yield the two parts that a cam roller presses on, each with its true pressure over the pressure of the model.
+    """Yield both parts on which the bare rollers of the cam press, each with a pressure ratio.
 
-    The model's contact ``cam`` has the curvature of a roller on the cam, but the modulus of shaft on disc. True
-    pressures differ: roller and cam are of the same material, and in the bore of the disc the curvature is smaller.
-    Hertz's pressure is proportional to sqrt(curvature x modulus).
+    The ratio is the true Hertz pressure on the part over that of the model's contact ``cam``. This contact has the
+    curvature of a roller on the cam, but the modulus of shaft on disc. In fact, roller and cam are of the same
+    material, and in the bore of the disc the curvature is smaller. Hertz's pressure is proportional to sqrt(curvature x
+    modulus).
 
     Yields
     ------
     tuple
-        Name of the part, "shaft" or "gear", and its peak pressure over the pressure of the contact ``cam`` [1].
+        Name of the part, "shaft" or "gear", and the pressure ratio [1].
     """
     design, contact = reducer.design, reducer.contacts["cam"]
     shaft, roller, bore = design.material_of("shaft"), reducer.contacts.roller_radius, design.gear.bore_radius
@@ -33,9 +34,9 @@ def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
 
 
 def cam_pressure_limit(reducer: Reducer, factor: float, strength: str) -> float:
-    """Compute the pressure [Pa] of the contact ``cam`` at which a bare roller reaches the limit of cam or bore.
+    """Compute the largest allowed pressure [Pa] of the model's contact ``cam`` for bare rollers.
 
-    The limit of each part is `factor` times its `strength`, an attribute of its material.
+    At this pressure the cam or the bore reaches its limit, `factor` times the attribute `strength` of its material.
     """
     limits = (
         factor * getattr(reducer.design.material_of(part), strength) / ratio for part, ratio in roller_contacts(reducer)

@@ -124,8 +124,8 @@ class Limit:
 def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = "") -> Remedy:
     """Return the remedy that changes the keys of all limits together, in words and as a single change.
 
-    `other_remedy`, in words, is an alternative to it. Without limits, text and changes are empty. A limit that the file
-    does not allow is left out of the text; then there is no change.
+    `other_remedy`, in words, is an alternative to it. Without limits, text and changes are empty. If the design file
+    does not allow a value, this limit is left out of the text, and no change is returned.
     """
     changes = [limit.change(reducer) for limit in limits]
     text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
@@ -136,9 +136,10 @@ def joint_remedy(reducer: Reducer, limits: Sequence[Limit], other_remedy: str = 
 
 
 def single_remedies(reducer: Reducer, limits: Sequence[Limit], otherwise: str = "") -> Remedy:
-    """Return a remedy per limit, each of which is sufficient, in words and as changes; both are empty without limits.
+    """Return a remedy for each limit, in words and as changes; each remedy alone is sufficient.
 
-    `otherwise`, in words, is a further alternative. A limit that the file does not allow is left out.
+    `otherwise`, in words, is a further alternative. A limit whose value the design file does not allow is left out.
+    Without limits, both text and changes are empty.
     """
     texts = [*(limit.remedy(reducer) for limit in limits), otherwise] if limits else []
     return {
@@ -161,9 +162,9 @@ def numbers(value: float, bound: float, unit: Unit) -> Numbers:
 def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
     """Format a value and its limit, both in SI units, in a unit of the design file.
 
-    They are written with at least four digits, and as many as distinguish them. If value and limit are equal, all
-    digits are written: a remedy lies slightly beyond the limit, and can then be distinguished from it. `side` is the
-    text before the limit, such as "at most".
+    Both have four digits, or more if their texts would otherwise be equal. If value and limit themselves are equal, all
+    digits are written, because a remedy that lies slightly beyond the limit must differ from it. `side` is the text
+    before the limit, such as "at most".
 
     Returns
     -------

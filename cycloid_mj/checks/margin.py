@@ -55,10 +55,10 @@ def _short_width_rule(reducer: Reducer) -> Rule:
 
 
 def _undercut_margin_rule(reducer: Reducer) -> Rule:
-    """Return the rule that the sharpest convex point of the lobes keeps a share of its radius of curvature.
+    """Return the rule that the offset of the flank is well below the radius of curvature of the pins' path.
 
-    The offset of the flank from the path of the pin centres (pin radius, clearance, modification) takes at most
-    `MARGINS.max_undercut_share` of the smallest convex radius of this path.
+    The flank is the path of the pin centres, offset by pin radius, clearance and modification. At the sharpest convex
+    point of the path, the offset must be at most `MARGINS.max_undercut_share` of the radius of curvature.
     """
     path_radius, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
     radius = reducer.design.ring.pin_radius

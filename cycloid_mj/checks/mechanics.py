@@ -121,9 +121,9 @@ def _bolt_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules that the cam encloses shaft and fillet, and the rules for the counterweight of a single disc.
+    """Yield the rules that the cam is larger than shaft and fillet, and that the counterweight has a feasible size.
 
-    The counterweight must be larger than the shaft, and turn inside the ring.
+    The counterweight must be larger than the shaft, and turn inside the ring. Several discs need none.
     """
     design = reducer.design
     shaft, c = design.shaft, design.gear.eccentricity
@@ -158,8 +158,8 @@ def _shaft_rules(reducer: Reducer) -> Iterator[Rule]:
 def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
     """Yield the check that the clearances from crank to output are small compared with the teeth.
 
-    Their sum is compared with the eccentricity and the pin radius. If it is too large, and the disc has a feasible
-    shape (`has_shape`), a second check is that the disc cannot skip a tooth.
+    The sum of the clearances is compared with eccentricity and pin radius. If it is too large, and the disc has a
+    feasible shape (`has_shape`), a second check is yielded: that the disc cannot skip a tooth.
     """
     design = reducer.design
     names = design.pair_kinds

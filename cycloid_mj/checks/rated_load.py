@@ -50,9 +50,9 @@ class RatedLoad:
         return peak_pressure(self.reducer, self.springs, self.contact_loads, kind)
 
     def torque_at(self, kind: str, pressure: float) -> float:
-        """Compute the output torque [N m] at which the contacts of a kind reach a peak pressure [Pa]; NaN if none does.
+        """Compute the output torque [N m] at which the contacts of a kind reach a peak pressure [Pa].
 
-        It is NaN if inertia forces alone exceed the pressure, or there is no equilibrium.
+        Return NaN if they never reach it, if inertia forces alone exceed it, or if there is no equilibrium.
         """
         try:
             with np.errstate(invalid="ignore"):  # shares of the torque where it vanishes

@@ -49,8 +49,8 @@ def wall_rule(
     name
         Name of the check.
     limits
-        Function from a wall thickness, relative to `radius` [1], to the limits on those keys of the design each of
-        which can provide this wall. The first limit is that of the checked key; the others are alternative remedies.
+        Function from a wall thickness, relative to `radius` [1], to the limits on keys of the design with which the
+        wall has this thickness. The first limit is that of the checked key; the others are alternative remedies.
     share, radius
         Assumed smallest wall over `radius` [1], and radius of the pin circle [m].
     location
@@ -76,8 +76,8 @@ def evaluate(reducer: Reducer, rules: Iterable[Rule | Check]) -> Iterator[Check]
 def _evaluate(reducer: Reducer, rule: Rule) -> Check:
     """Evaluate a rule on a reducer; return its check with value, limit and remedy.
 
-    If the wider limit of the rule `failure` is violated too, an error, the check of that rule is returned instead, with
-    the remedy of `rule`.
+    A rule that warns may have a second rule `failure` with a wider limit. If that is violated too, the check of the
+    second rule, which is an error, is returned instead, with the remedy of `rule`.
     """
     limit = rule.limit
     is_passed = limit.is_met(reducer)

@@ -153,11 +153,14 @@ def _weaker_strength(
 
     Returns
     -------
-    tuple
-        Key that sets the strength, as `Limit.key`: its attribute is `body_attribute`, or "surface_yield" if the
-        surface is hardened. Strength of the surface over the pressure ratio [Pa], which the pressure of the model
-        is compared with. Pressure ratio [1]: true pressure on this part over the pressure of the model; it is 1
-        except for bare rollers (`roller_contacts`).
+    key : str
+        Key of the design file that sets the strength: that of `body_attribute`, or "surface_yield" for a hardened
+        surface.
+    strength : float
+        Strength of the surface over the pressure ratio [Pa], with which the pressure of the model is compared.
+    ratio : float
+        Pressure ratio [1]: true pressure on this part over that of the model; 1 except for bare rollers
+        (`roller_contacts`).
     """
     design = reducer.design
     has_bare_rollers_on_disc = kind == "cam" and has_bare_rollers(reducer)
@@ -318,7 +321,10 @@ class Wall:
 
 
 def list_walls(reducer: Reducer) -> tuple[Wall, ...]:
-    """Return the walls of disc and housing that pins press on, with their thickness [m] and kind of stress."""
+    """Return the walls of disc and housing that pins press on, with thickness [m] and allowed share of the strength.
+
+    The share of the yield strength is that in tension or in shear.
+    """
     design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole_radius = output.hole_radius + design.clearance.output

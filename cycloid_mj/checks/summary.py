@@ -61,7 +61,7 @@ class Summary:
 
 
 def summarize(reducer: Reducer) -> Summary:
-    """Summarize a design that can be built: ratio, loads, pressures and sizes; errors as `rated_load`."""
+    """Summarize a design that can be built: ratio, loads, pressures and sizes; raises as `rated_load`."""
     design = reducer.design
     state = rated_load(reducer)
     turning_reducer = reducer if design.drive.speed else reducer.but(drive={"speed": CREEP_SPEED})

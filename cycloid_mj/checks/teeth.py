@@ -34,8 +34,8 @@ WALLS = ("bore", "holes_to_bore", "holes_to_root", "neighbouring_holes", "neighb
 def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
     """Yield the rules for the teeth of disc and ring, in the order in which they depend on each other.
 
-    Rules without meaning for a path of the pins with loops are left out. In texts, N are the ring teeth, c is the
-    eccentricity, E the pin-circle radius and rho the pin radius.
+    If the path of the pins in the disc has loops, the rules that require a path without loops are left out. In texts, N
+    are the ring teeth, c is the eccentricity, E the pin-circle radius and rho the pin radius.
     """
     design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
@@ -69,12 +69,13 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
 
 
 def _undercut_rule(reducer: Reducer) -> Rule:
-    """Return the rule that the profile has no undercut: pin and clearance are smaller than the path's convex radii.
+    """Return the rule that the profile has no undercut: the radius of curvature of the path must exceed the offset.
 
-    The path of a pin centre in the disc is a trochoid. An internal gear exists under the same condition (see
+    The path of a pin centre in the disc is a trochoid, and the profile is offset from it by pin radius and clearance.
+    The smallest convex radius of the path counts. An internal gear exists under the same condition (see
     ``geometry.envelope``). The condition also keeps the outline simple: for N >= 4 ring teeth the smallest convex
-    radius of the path is below the smallest distance of its tangents from the disc's centre, so that the polar angle
-    grows along the entire profile.
+    radius is below the smallest distance of the path's tangents from the disc's centre, so that the polar angle grows
+    along the entire profile.
     """
     design = reducer.design
     ring, c, offset = design.ring, design.gear.eccentricity, reducer.profile_offset
@@ -146,7 +147,7 @@ def _socket_support_rule(reducer: Reducer) -> Rule:
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def remaining_angle(pin_radius: float, eccentricity: float) -> float:
-        """Compute the angle [rad] of the socket's support minus the largest direction of the force.
+        """Compute the angle [rad] by which the socket's support exceeds the largest direction of the force.
 
         A `pin_radius` and an `eccentricity` [m] replace those of the design.
         """

@@ -13,10 +13,10 @@ SIGMAS = 3.0
 
 
 def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
-    """Yield the checks that the manufacturing errors of a design fit into its clearances; all are warnings.
+    """Yield the checks that the manufacturing errors of a design are smaller than its clearances; all are warnings.
 
-    Errors of position and radius of a ring pin add as squares. Errors of the cams' positions and eccentricity are
-    compared with the sum of the clearances of cam and mesh.
+    For a ring pin, the root of the sum of squares of its errors of position and radius counts. Errors of the cams'
+    positions and of the eccentricity are compared with the sum of the clearances of cam and mesh.
     """
     design = reducer.design
     errors, measured, clearance, pair = design.errors, design.measured, design.clearance, design.tooth_pair

@@ -30,10 +30,10 @@ LogName = Annotated[str, Parameter(metavar="RUN.mcap", help="Log of a run, writt
 def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Compare a logged run with closed-form results.
 
-    Only the log is read. For the hold phase: transmission error and speed of output and disc (Hsieh 2014, Eq. 12),
-    path and speed of the point q (Eqs 16-18 at the measured crank angle), contacts, pin 1, torques and losses. For
-    the ramp: the path of q. A log of an interrupted run is evaluated up to its end; if it ends in the ramp, over the
-    ramp.
+    At constant speed, the command evaluates transmission error and speed of output and disc (Hsieh 2014, Eq. 12), path
+    and speed of the point q (Eqs 16-18 at the measured crank angle), contacts, pin 1, torques and losses. During the
+    ramp of the speed, it evaluates the path of q. A log of an interrupted run is evaluated up to its end; if it ends
+    during the ramp, the ramp is evaluated. No file except the log is needed.
     """
     from cycloid_mj.analysis import analyze as judged
     from cycloid_mj.log import read

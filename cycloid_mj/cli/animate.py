@@ -84,8 +84,8 @@ def animate(
 ) -> int:
     """Draw an animation of a logged run with forces and loads.
 
-    No display is needed. --magnify enlarges each gap between the disc and the parts that touch it; overlaps are
-    elastic approach. MP4 requires pip install 'cycloid-mj[video]'.
+    No display is needed. --magnify enlarges each gap between the disc and the parts that touch it; overlaps show the
+    elastic deflection of contacts. MP4 requires pip install 'cycloid-mj[video]'.
     """
     from cycloid_mj.log import read
     from cycloid_mj.plots.animation import draw_frames, select_samples

@@ -95,9 +95,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def application(names: Collection[str] | None = None) -> App:
-    """Build the command line, with flags and help of all commands or only of `names`; others are listed by name.
+    """Build the command line, with flags and help of all commands or only of `names`.
 
-    A command that is only listed does not import its modules, so that help is fast.
+    The other commands are listed by name only. Their modules are not imported, so that help is fast.
     """
     app = CompletingApp(
         name="cycloid-mj",
@@ -190,9 +190,9 @@ def _has_command(paper: "Paper") -> bool:
 
 
 def _expand_folded_command(words: list[str]) -> list[str]:
-    """Return the `words` of a command line with the group in front of a command with an old name, and warn of it.
+    """Replace an old command name at the start of a command line by its group and name, and warn of it.
 
-    A command line without an old name is returned unchanged.
+    `words` are returned unchanged if they do not start with an old name.
     """
     if not words or (group := FOLDED.get(words[0])) is None:
         return words

@@ -36,16 +36,16 @@ def run_all(
     force
         Whether existing logs are replaced.
     quiet
-        Whether to print no progress.
+        If true, no progress is printed.
     solver
         Solver of the runs.
     viewable
-        Designs whose logs have frames and model for viewers; by default all, see `run_into_log`.
+        Designs whose logs contain frames and model for viewers; by default all, see `run_into_log`.
 
     Raises
     ------
     RunError
-        A run failed, or Ctrl-C stopped them: every run has then ended, and each log that was begun is readable.
+        A run failed, or Ctrl-C stopped them. All runs have ended, and each log that was begun is readable.
     CycloidError
         Another error of a run, such as an existing log.
     """

@@ -122,7 +122,7 @@ def calibrate(
 
     The model is quasi-static: contacts with clearances, a compliant structure, and friction with hysteresis that
     develops over a travel. With --fit friction, friction acts at teeth, holes and cam and grows with the load. With
-    material_loss, the material dissipates energy, too. Each loop has its own offset.
+    material_loss, the material dissipates energy, too. Each loop has its own offset of torque and deflection.
 
     The command writes the calibrated design, a JSON file, a table of residuals, a figure and a page. They show play,
     stiffness and Coulomb friction of the measured and of the fitted loops, each parameter with its 95 % confidence
@@ -219,7 +219,7 @@ def _fit_loss_models(
 
 
 def _describe_defect(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
-    """Test the calibrated design as in `_first_defect`; return one sentence on the first failure, or an empty tuple.
+    """Test the calibrated design as in `_first_defect`; return a sentence on the first failure, or an empty tuple.
 
     The sentence also lists the fitted parameters that cause the failure. A parameter is a cause if the design passes
     all tests when this parameter alone has its value in the original design. With `quiet` no progress is printed.

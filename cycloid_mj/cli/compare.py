@@ -206,7 +206,7 @@ def compare(
 def _require_consistent(designs: Sequence[str], logs: Sequence[str], options: CompareOptions) -> None:
     """Raise UsageError unless at least two designs, or two logs and no designs, are named.
 
-    With logs, flags that apply to new simulations raise it, too.
+    It is also raised if logs are named together with flags that apply to new simulations only.
     """
     if logs and len(logs) < len(designs):
         raise UsageError(

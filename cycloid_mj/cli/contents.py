@@ -25,8 +25,8 @@ class Listed(NamedTuple):
     def add_to(self, app: App, name: str, group: Group, position: int) -> None:
         """Import the function of the command, and add it with flags and help to an app.
 
-        `function` names it as "module:function"; the function "commands" builds a group of commands. `position` is the
-        place of the command in its `group` of the help.
+        The attribute `function` has the form "module:function". If the function is named "commands", it builds a group
+        of commands. `position` is the place of the command in its `group` of the help.
         """
         module_name, _, function_name = self.function.partition(":")
         module = import_module(f"cycloid_mj.cli.{module_name}")

@@ -42,9 +42,9 @@ def datasheet(
 ) -> int:
     """Write a manufacturer-style data sheet as PDF and HTML.
 
-    Rated torque for a required life (service.life_h), computed with the checks of `rate`; momentary torque, lost
-    motion, stiffness, efficiency, backlash, mass, inertia, curves and a dimensioned drawing. All values are computed
-    by statics and stated with their conditions.
+    The sheet states the rated torque for a required life (service.life_h), the momentary torque, lost motion,
+    stiffness, efficiency, backlash, mass and inertia, with curves and a dimensioned drawing. The rated torque is
+    computed with the checks of `rate`. All values are computed by statics and stated with their conditions.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.life.datasheet import datasheet as computed

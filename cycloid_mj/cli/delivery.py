@@ -84,7 +84,7 @@ def claim_destination(
     with_page
         Whether the folder gets a page without ``--html``, too.
     resumed
-        Whether an earlier run of the command is resumed, to which the files in the folder belong.
+        Whether the command continues an earlier run, whose files in the folder may be replaced.
 
     Raises
     ------
@@ -106,8 +106,8 @@ def claim_page(
 ) -> Path | None:
     """Claim the file name of the HTML page, and return it; None if no page is requested.
 
-    Parameters and errors are those of `claim_destination`: output flags of the command, and the `stem` of the page's
-    name in the folder `directory` if ``--html`` does not name the page.
+    If ``--html`` does not name the page, its name is `stem` in the folder `directory`. The other parameters and the
+    errors are those of `claim_destination`.
     """
     if flags.html is None and not with_page:
         return None
@@ -165,7 +165,8 @@ def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, 
 
     `title` and `page` are the title and the HTML page of the outcome. If `file` is a path, and ``--all`` is among the
     `flags`, a table of the range of each column is printed. With ``--json``, a JSON object with the names of the
-    columns and the number of rows is printed. If `file` is stdout, it replaces the CSV, and also has the values.
+    columns and the number of rows is printed. If `file` is stdout, this object is printed instead of the CSV, and has
+    the values.
     """
     destination, files = Destination(title, None, page), [] if file == STDOUT else [file]
     rows = len(next(iter(columns.values())))
@@ -188,7 +189,7 @@ def deliver_columns(title: str, columns: Columns, file: str, page: Path | None, 
 
 
 def write(outcome: Outcome, destination: Destination, flags: CommonFlags) -> None:
-    """Write the files of an outcome, all or none, and print the names of those that its text does not name.
+    """Write the files of an outcome, all or none; print the names of the files that its text does not mention.
 
     With ``--quiet`` among the `flags` nothing is printed.
     """
@@ -209,14 +210,9 @@ def _list_files(files: Collection[Path]) -> str:
 
 
 def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[Path, bytes]]:
-    """Yield every file of an outcome: files, pictures in each format, JSON, CSV and page.
+    """Yield the path and the content of every file of an outcome: files, pictures in each format, JSON, CSV and page.
 
-    Without a folder there is at most the page.
-
-    Yields
-    ------
-    tuple
-        Path and content.
+    If the destination has no folder, only the page is yielded, if there is one.
     """
     if destination.folder:
         for name, content in outcome.files.items():
@@ -240,8 +236,8 @@ def _encode_files(outcome: Outcome, destination: Destination) -> Iterator[tuple[
 def show_outcome(outcome: Outcome, show_hidden: bool) -> None:
     """Print an outcome as text: headline, failures, warnings and summary; tables and notes if they fit into 25 lines.
 
-    With `show_hidden` (``--all``), all warnings, tables, notes and passed checks are printed; else a line counts what
-    is hidden.
+    With `show_hidden` (``--all``), all warnings, tables, notes and passed checks are printed. Otherwise the last line
+    states how many of them are hidden.
     """
     passes = outcome.passes if show_hidden else ()
     show_hidden = show_hidden or _count_lines(outcome) <= TEXT.max_lines

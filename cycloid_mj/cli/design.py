@@ -175,7 +175,7 @@ def _outcome(
 
 
 def _describe_defaults(design: Design, motor: Sequence[str]) -> str:
-    """Return a sentence on motor torque and speed that a design file leaves to the defaults; empty if it states both.
+    """Return a sentence on the motor torque and speed that apply by default; empty if the design file states both.
 
     `motor` are the keys that the file leaves out.
     """

@@ -105,7 +105,9 @@ def _run_test(name: str, needed: bool, work: Callable[[], str]) -> Finding:
 
 
 def _test_contact() -> str:
-    """Install the contact functions in MuJoCo, which tests them once for each release; return a sentence on success.
+    """Install the contact functions in MuJoCo; return a sentence on success.
+
+    The installation tests memory layout, gaps and forces, once for each release of MuJoCo.
 
     Raises
     ------

@@ -27,14 +27,14 @@ DutyFlag = Annotated[
 def duty_cycle(
     design: Design, load_nm: float | None, speed_rpm: float | None, duty: Path | None, peak_nm: float | None = None
 ) -> "Duty":
-    """Return the duty cycle of a command's flags: one torque and speed, by default nominal, or the rows of a file.
+    """Return the duty cycle that the flags of a command define: one torque and speed, or the rows of a file.
 
     Parameters
     ----------
     load_nm, speed_rpm
-        Torque on the output [N m] and speed of the crank [rpm], not 0; None: nominal.
+        Torque on the output [N m] and speed of the crank [rpm], not 0; None for the nominal values.
     duty
-        CSV file of the duty cycle, which excludes both.
+        CSV file of the duty cycle; `load_nm` and `speed_rpm` must then be None.
     peak_nm
         Peak torque of an emergency stop [N m]; None: twice the largest torque.
 

@@ -176,7 +176,7 @@ class MotorInterface:
     ] = None
 
     def chosen(self) -> "Motor":
-        """Return the name of the motor or, if dimensions are set, its interface with these dimensions.
+        """Return the name of the motor if no dimensions are set; else the motor's interface with these dimensions.
 
         Raises
         ------
@@ -359,7 +359,8 @@ def _drive_files(
 ) -> Mapping[str, bytes]:
     """Return the files of covers, flanges and the parts that are joined to them: name -> content.
 
-    `sizes` is the casing; None: the result is empty. The clearances are increased by ``--offset-um``.
+    The clearances are increased by ``--offset-um``. `sizes` are the sizes of the casing; without them the result is
+    empty.
     """
     from cycloid_mj.parts.export import drive_files, widen_clearances
 
@@ -474,7 +475,8 @@ class _Plates:
 def _make_print_plates(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Plates:
     """Return the files of print plates and of the bill of materials, with the tables and notes about them.
 
-    Warns of what cannot be bought or printed. `sizes` are those of the casing, None for the mechanism alone.
+    Warnings report items that cannot be bought or printed. `sizes` are those of the casing, None for the mechanism
+    alone.
     """
     from cycloid_mj.life.joints import tightening_torques
     from cycloid_mj.parts.export.print_files import print_files
