@@ -93,11 +93,12 @@ def _shorten(text: str) -> str:
 def format_tally(content: Mapping[str, Any]) -> str:
     """Return a sentence with the number of claims for each verdict."""
     claims = content["claims"]
-    counts = ", ".join(
+    *counts, last_count = (
         f"{sum(claim['verdict'] == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
     )
     command = "cycloid-mj reproduce --quick" if content["quick"] else "cycloid-mj reproduce"
-    return f"`{command}` compares {len(claims)} claims of the paper with the model.\nOf these, {counts}."
+    tally = f"{', '.join(counts)}, and {last_count}"
+    return f"`{command}` compares {len(claims)} claims of the paper with the model.\nOf these, {tally}."
 
 
 def claim_rows(content: Mapping[str, Any]) -> list[tuple[str, ...]]:

@@ -282,8 +282,8 @@ def require_balance(residual: Residual, springs: Springs, load: Array) -> None:
             f"the design{near_limit}. Reduce the friction coefficients (friction.*)"
         )
     raise RunError(
-        f"{failure}. Friction is not the cause, because without clearance, the parts are in equilibrium even with "
-        f"{JAM.max_friction:.0%} of the friction coefficients of the design. {remedy[0].upper()}{remedy[1:]}"
+        f"{failure}. Friction is not the cause: a drive without clearance has an equilibrium even if its friction "
+        f"coefficients are raised to {JAM.max_friction:.0%} of those of the design. {remedy[0].upper()}{remedy[1:]}"
     )
 
 

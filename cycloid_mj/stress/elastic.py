@@ -393,5 +393,5 @@ def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
 def _not_factorised(part: str, error: Exception) -> CycloidError:
     return CycloidError(
         f"the stiffness matrix of the {part} cannot be factorised ({error}): check that its supports prevent rigid "
-        "motion, and its outline with `cycloid-mj export`"
+        "motion, and export the part with `cycloid-mj export` to check its outline"
     )

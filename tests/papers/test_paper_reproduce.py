@@ -411,7 +411,7 @@ def test_a_row_of_the_page_names_its_load():
     loaded = claim | {"condition": {"load_nm": 36.68, "input_torque_nm": 1.048}, "at_rated_load": None}
     content = {"quick": True, "claims": [claim, loaded]}
     assert docs_results.format_tally(content).startswith("`cycloid-mj reproduce --quick` compares 2 claims")
-    assert ", 0 disagree, 2 are not determined." in docs_results.format_tally(content)
+    assert ", 0 disagree, and 2 are not determined." in docs_results.format_tally(content)
     rows = docs_results.claim_rows(content)
     assert rows[0][:6] == ("Fig. 6", "both", "none", "more with pins", "pin > nonpin", "0.4 to 1")
     assert rows[0][6].startswith("0.12 pin / nonpin (")

@@ -100,8 +100,8 @@ def test_failed_equilibrium_is_no_jam_if_parts_without_clearance_balance() -> No
     for springs, told in (
         (
             rubbing,
-            r"residual is 0.25 of the load \(allowed: .*\)\. Friction is not the cause, .* even with 110% of the "
-            "friction coefficients",
+            r"residual is 0.25 of the load \(allowed: .*\)\. Friction is not the cause: .* raised to 110% of those "
+            "of the design",
         ),
         (smooth, r"found at a crank angle of 17.19 deg .*: the residual is 0.25 of the load .*; check the clearances"),
     ):
