@@ -85,9 +85,9 @@ class Reactions:
 
 
 def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
-    """Compute the bearing reactions to the forces of all discs, `contact_loads`, at the m crank angles of the springs.
+    """Compute the bearing reactions to the contact forces `contact_loads` of all discs, at the angles of `springs`.
 
-    Weight and unbalance of shaft and output are not included. See `compute_spatial_reactions`.
+    Weight and unbalance of shaft and output are left out. `Reactions` states the content and the shapes of the result.
     """
 
     def sum_by_disc(forces: Array, directions: Array) -> Array:
@@ -105,11 +105,11 @@ def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) 
 
 
 def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
-    """Compute the bearing reactions to known forces of each cycloid disc on shaft, output and ring, as `Reactions`.
+    """Compute the bearing reactions to known forces of each of the D discs on shaft, output and ring, as `Reactions`.
 
-    The forces are `shaft`, `output` and `ring` [N], shape (m, D, 2) each. They act in the planes of the discs, so that
-    the bearings also support their moments. If ``output.support`` is "both_ends", the output has a bearing in each of
-    its two end discs; otherwise the reactions of the output's bearings are None.
+    `shaft`, `output` and `ring` are the forces on these parts [N], shape (m, D, 2) each. Each acts in the plane of its
+    disc, so the bearings also support the tilting moments. If ``output.support`` is "both_ends", the output has a
+    bearing in each of its two end discs; otherwise the reactions of the output's bearings are None.
     """
     design = reducer.design
     gear = design.gear

@@ -140,7 +140,10 @@ class FilmSurfaces:
     inputs: FilmInputs = DESIGN_INPUTS
 
     def at(self, selected: Mask) -> "FilmSurfaces":
-        """Return the surfaces of only those contact lines that the mask `selected`, in the shape of `radius`, marks."""
+        """Return the surfaces of only those contact lines for which the mask `selected` is true.
+
+        `selected` has the shape of `radius`.
+        """
         flank, seat = (
             None if speeds is None else SurfaceSpeeds(speeds.moving[selected], speeds.fixed[selected])
             for speeds in (self.flank, self.seat)
@@ -161,11 +164,11 @@ class FilmSurfaces:
         return line_friction(law, force, self.flank.entrainment, self.flank.sliding, self.radius, length, modulus)
 
     def seat_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction of the seats of rolling pins, as the equivalent at the flank; None without seats.
+        """Compute the friction of rolling pins in their seats, as an equivalent at the flank; None without seats.
 
-        The equivalent coefficient is the friction force at the flank that turns a pin in its seat, over the normal
-        force: the coefficient of the seat times `seat_scale`. `force` is the normal force of each contact [N], shape
-        (m, teeth).
+        The equivalent coefficient is the friction force at the flank that turns a pin in its seat, divided by the
+        normal force. It is the coefficient of the seat times `seat_scale`. `force` is the normal force of each contact
+        [N], shape (m, teeth).
         """
         design, seat = self.reducer.design, self.seat
         if seat is None:
@@ -178,15 +181,15 @@ class FilmSurfaces:
         return seat_film.scaled(self.seat_scale)
 
     def smaller_friction(self, force: Array) -> tuple[MixedFriction, Mask]:
-        """Compute the friction of each pin where it is smaller: at its flank, or in its seat.
+        """Compute the friction of each pin at its flank or in its seat, whichever is smaller.
 
         `force` is the normal force of each contact [N], shape (m, teeth).
 
         Returns
         -------
         tuple
-            The smaller friction of each contact, and whether it acts in the seat, so that the pin rolls, shape (m,
-            teeth).
+            The smaller friction of each contact, and a mask, shape (m, teeth): true where the seat has the smaller
+            friction, so that the pin rolls on the disc.
         """
         flank, seat = self.flank_friction(force), self.seat_friction(force)
         if seat is None:
@@ -203,9 +206,10 @@ class FilmSurfaces:
         return hole_speeds(gear, output.pin_radius, output.hole_radius, mesh_speed(self.reducer))
 
     def output_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction of holes on output pins, for plain rollers as a coefficient at the rim; None on needles.
+        """Compute the friction between the holes of the discs and the output pins; None for pins on needles.
 
-        `force` is the normal force of each contact [N], of any shape; the result has the same shape.
+        Plain rollers turn on their pins; their friction is converted to an equivalent coefficient at the rim of the
+        roller. `force` is the normal force of each contact [N], of any shape; the result has the same shape.
         """
         design = self.reducer.design
         output = design.output
@@ -224,7 +228,10 @@ class FilmSurfaces:
         return core_friction.scaled(scale)
 
     def cam_friction(self, force: Array) -> Array:
-        """Compute the friction coefficients of cams at the disc's bore radius [1], in the shape of the forces [N]."""
+        """Compute the friction coefficients of the cams at the bore radius of the disc [1] under forces [N].
+
+        `force` has any shape; the result has the same shape.
+        """
         design, force = self.reducer.design, np.asarray(force, float)
         radius = design.gear.bore_radius
         if design.gear.bearing == "rolling":
@@ -274,14 +281,16 @@ class FilmContacts:
         return replace(self, surfaces=replace(self.surfaces, inputs=inputs))
 
     def displaced(self, departures: Array) -> "FilmContacts":
-        """Return the contacts for displaced discs, whose centres change the phases of the pins.
+        """Return the contacts for displaced discs.
 
-        A clearance of the cam of 25 um at an eccentricity of 1 mm changes the phases by 1.4 deg.
+        A displaced disc centre changes the phases of the pins, which are their angles from the direction of the
+        eccentric: by 1.4 deg if a clearance of the cam of 25 um displaces a disc with an eccentricity of 1 mm.
 
         Parameters
         ----------
         departures
-            Displacements of discs and output from their ideal poses [m], shape (m, 3 D + 1), as in ``reducer.gaps``.
+            Displacements from the ideal pose [m], shape (m, 3 D + 1): x, y and rotation of each disc, then rotation of
+            the output; rotations are arc lengths as in ``reducer.gaps``.
         """
         moved = self.centres + departures[:, :-1].reshape(len(departures), -1, 3)[..., :2]
         (x, y), (moved_x, moved_y) = np.moveaxis(self.centres, -1, 0), np.moveaxis(moved, -1, 0)
@@ -308,7 +317,7 @@ class FilmContacts:
         return FilmFriction(contacts, self.surfaces.mean_cam_friction(cam), tooth_friction, output_friction, rolls)
 
     def friction_at_working_forces(self) -> FilmFriction:
-        """Compute the film friction of all contacts under the working force of each kind of pair."""
+        """Compute the film friction of all contacts under the working force of each kind (`reducer.contact`)."""
         reducer, shape = self.surfaces.reducer, self.surfaces.radius.shape
         teeth, output, cam = (reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam"))
         return self.friction(
@@ -334,10 +343,12 @@ def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> Fi
 
 
 def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: int, motion: Array) -> FilmContacts:
-    """Build the contacts of the film law at crank angles in the frame of the ring [rad], shape (m,).
+    """Build the contacts with the ring and of output pins for the film law.
 
     Parameters
     ----------
+    crank
+        Crank angles in the frame of the ring [rad], shape (m,).
     mesh_gaps, teeth
         Gaps of all contacts, and the number of contact lines with the ring among them, which come first.
     motion
@@ -420,10 +431,10 @@ def cam_mean_diameter(reducer: Reducer) -> float:
 def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[float, float]:
     """Return the drag torques of crank and output that do not depend on the load.
 
-    Without the law ``film``, the drag torques are values of the design, `drag`. With this law they are the torques of
-    the seals by ISO/TR 14179-2, unless the design sets `drag`, and Palmgren's M0 of the rolling cams as a torque on the
-    crank; for an RV reducer those of its crank bearings and main bearings. `inputs` are factors on the inputs of the
-    law.
+    Without the law ``film``, they are the values `drag` of the design. With this law, the torques of the seals follow
+    from ISO/TR 14179-2, unless the design sets `drag`. Palmgren's torque M0 of rolling bearings is added: that of the
+    cams on the crank, or in an RV reducer those of crank bearings on the crank and of main bearings on the output.
+    `inputs` are factors on the inputs of the law.
 
     Returns
     -------
@@ -476,10 +487,10 @@ class RollerBearings:
 
 
 def roller_bearings(reducer: RvReducer) -> tuple[RollerBearings, RollerBearings, RollerBearings]:
-    """Return the needles in the discs, the tapered bearings and the main bearings of an RV reducer.
+    """Return the needles in the discs, the tapered bearings and the main bearings of an RV reducer, in this order.
 
-    The mean diameter of a tapered bearing is that of journal and outer ring. Main bearings are not drawn: a bearing on
-    each flange, whose rollers are midway between flange and pin circle, is assumed.
+    The mean diameter of a tapered bearing is the mean of journal and outer ring. The design has no dimensions of the
+    main bearings: one is assumed on each flange, with its rollers midway between flange and pin circle.
     """
     cranks, discs, speed = reducer.cranks, reducer.design.gear.discs, reducer.crank_speed
     needle_diameter = 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
@@ -504,8 +515,9 @@ def idle_power(reducer: RvReducer, bearings: RollerBearings, inputs: FilmInputs 
 def state_seals(reducer: Reducer) -> Reducer:
     """Return the reducer with the seal torques of the law ``film`` as `drag.crank` and `drag.output` of its design.
 
-    A reducer with another law, or with a `drag`, is returned unchanged. The seals follow from the covers of the drive,
-    whose design takes 0.05 s. Copies of the result at other speeds and temperatures do not repeat it.
+    A reducer with another law, or whose design sets `drag`, is returned unchanged. The seal torques depend on the
+    covers of the drive, which take 0.05 s to design. Copies of the result at other speeds and temperatures reuse these
+    torques.
     """
     drag = reducer.design.drag
     if not reducer.design.has_film or drag.crank or drag.output:

@@ -68,9 +68,14 @@ class Spread:
 
 @cache
 def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
-    """Return samples of the film law's inputs, and their positions in the ranges from 0 to 1, shape (count, inputs).
+    """Return samples of the inputs of the film law: a scrambled Sobol sequence with a fixed seed.
 
-    The samples are a scrambled Sobol sequence with a fixed seed; `count` should be a power of 2.
+    `count` is the number of samples and should be a power of 2.
+
+    Returns
+    -------
+    tuple
+        The samples, and the position of each input in its range of `RANGES`, from 0 to 1, shape (count, inputs).
     """
     from scipy.stats import qmc
 
@@ -86,9 +91,9 @@ def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
 
 
 def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: Array) -> Spread:
-    """Return the 5 to 95 % interval of a result, and the share of each input in its variance.
+    """Compute the 5 to 95 % interval of a result, and the share of each input in the variance of this result.
 
-    Shares follow from a linear regression over the positions of the inputs in their ranges.
+    The shares follow from a linear regression of `outcomes` on `positions`.
 
     Parameters
     ----------
@@ -111,15 +116,16 @@ def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: A
 
 @once
 def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
-    """Compute the power lost under an output torque [N m] with the law ``film``, and for samples of its inputs.
+    """Compute the power lost with the law ``film``, for the design's own inputs of the law and for samples of them.
 
-    All samples have the contact forces of the design's own inputs; the growth of these forces with friction is included
-    in the first order. A negative torque drives. Errors as `balance.powers`.
+    `torque` [N m] is the torque on the output; if it is negative, the output drives the crank. Contact forces are
+    solved for the design's own inputs. Their change with the friction of a sample is added to first order. Raises as
+    `balance.powers`.
 
     Returns
     -------
     tuple
-        Power lost by the design [W], and by each of the `samples`, shape (samples,) [W].
+        Power lost with the design's own inputs [W], and with each of the `samples` [W], shape (samples,).
     """
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     springs, sign = springs_of(reducer), float(np.sign(design.drive.speed))
@@ -145,10 +151,10 @@ RAISED_FRICTION = 1.1
 
 
 def _compute_loss_growth(reducer: Reducer, springs: Springs, torque: float, contact_loads: Loads) -> float:
-    """Compute the relative growth of the contact forces over the relative growth of all friction coefficients [1].
+    """Compute the relative growth of the contact forces divided by that of all friction coefficients [1].
 
-    Forces are weighted by their losses; `torque` [N m] is the torque on the contacts, with the drag of seals, and
-    `contact_loads` is the equilibrium under it.
+    The growth is a mean over the contacts, weighted by their friction losses. `contact_loads` is the equilibrium under
+    `torque` [N m], the torque of the contacts on the output including the drag of seals.
     """
     assert contact_loads.friction is not None
     raised_springs = springs.with_friction(contact_loads.friction.scaled(RAISED_FRICTION))
@@ -227,10 +233,10 @@ def _select_loaded_contacts(reducer: Reducer, springs: Springs, contact_loads: L
 
 
 def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, further_loss: float = 0.0) -> Spread:
-    """Compute the efficiency [%] and its interval under an output torque [N m] that brakes; errors as `powers`.
+    """Compute the efficiency [%] and its interval when the crank drives against an output torque [N m].
 
     `samples` is the number of samples of the film law's inputs. `further_loss` is the power lost in parts without a
-    film law [W], such as the bearings of shaft and output.
+    film law [W], such as the bearings of shaft and output. Raises as `balance.powers`.
     """
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, torque, samples)
@@ -238,13 +244,19 @@ def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES, f
 
 
 def make_efficiency_spread(delivered: float, lost: float, outcomes: Array) -> Spread:
-    """Return the efficiency [%] and its interval for a delivered power and the power lost [W], own and by sample."""
+    """Return the efficiency [%] and its interval, from delivered and lost powers [W].
+
+    `lost` is the power lost with the design's own inputs, `outcomes` (n,) that of each sample.
+    """
     share = 100.0 * delivered / (delivered + outcomes)
     return compute_spread(100.0 * delivered / (delivered + lost), share, sample_inputs(len(outcomes))[1])
 
 
 def back_driving_efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:
-    """Compute the efficiency [%] and its interval if the output drives with a torque [N m]; errors as `powers`."""
+    """Compute the efficiency [%] and its interval when the output drives with a `torque` [N m].
+
+    Raises as `balance.powers`.
+    """
     supplied = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, -torque, samples)
     share = 100.0 * np.maximum(1.0 - outcomes / supplied, 0.0)

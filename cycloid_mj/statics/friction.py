@@ -9,15 +9,16 @@ from cycloid_mj.reducer.gaps import Gaps
 
 
 def compute_friction_per_force(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
-    """Compute the generalised friction force of each contact per normal force [1], shape (..., n, u).
+    """Compute the generalised friction force of each of n contacts, divided by its normal force [1], shape (..., n, u).
 
-    Coulomb friction opposes the sliding of the ideal parts. Its generalised force on an unknown z is -mu sign(v) ds/dz,
-    with the sliding distance s and the sliding velocity v of the contact.
+    Coulomb friction opposes the sliding of the ideal parts. Its generalised force on an unknown z is -mu sign(v) ds/dz
+    per normal force, with the friction coefficient mu, the sliding distance s and the sliding velocity v of the
+    contact.
 
     Parameters
     ----------
     mesh_gaps
-        The contacts, with unknowns z as in ``reducer.gaps``.
+        The contacts, with the u unknowns z of ``reducer.gaps``.
     motion
         Velocities of z [m/s], shape (..., u): `reducer.gaps.ideal_motion` times the crank's speed against the ring.
     """
@@ -34,16 +35,16 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
     Returns
     -------
     tuple of float
-        Missing loss over the friction loss of teeth and output pins [1], and over the output power [1]; 0 without
-        friction.
+        Missing loss divided by the friction loss of teeth and output pins [1], and missing loss divided by the output
+        power [1]. Both are 0 without friction.
 
     Notes
     -----
     The full Coulomb loss of a contact with the force F and the sliding speed v is mu F v. If v is below v0 F/F_w, with
     the creep speed v0 and the working force F_w, a run has only the share v F_w/(v0 F) of it. Tooth forces are those of
-    a disc that only rotates, by an angle t, against pins with full clearance: F = K max(a t - clearance, 0) at the arm
-    a. With weight, or if the disc moves sideways, the missing loss may be twice as large. A moving pin or sleeve
-    divides the sliding between its two contacts, which extends the range to higher speeds.
+    a disc that only rotates, by an angle t: F = K max(a t - g, 0) for a tooth with the stiffness K, the lever arm a and
+    the full clearance g. With weight, or if the disc moves sideways, the missing loss may be twice as large. A moving
+    pin or sleeve divides the sliding between its two contacts, which extends the range to higher speeds.
     """
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
@@ -72,11 +73,11 @@ def missing_friction(reducer: Reducer) -> tuple[float, float]:
 def _creep_speed_factor(reducer: Reducer) -> float:
     """Compute the factor by which moving pins raise the speed below which teeth creep at less than full friction [1].
 
-    It is 1 for fixed pins, and without friction. A moving pin divides the sliding between two contacts in series, at
-    the disc and at its seat, and both creep. The pin has the radius R, its socket or core the radius r. A friction
-    force f at the disc is in equilibrium with the force f' at the seat if r f' = R f. With the limits mu F at the disc
-    and mu' F at the seat, each contact creeps in proportion to the share of its limit. The pin's surface moves by R/r
-    times the sliding at the seat.
+    It is 1 for fixed pins, and without friction. A moving pin of the radius R turns in a socket or on a core of the
+    radius r. The sliding of the disc is divided between two contacts in series, at the disc and at the seat. Their
+    friction forces f and f' are in equilibrium if r f' = R f, and have the limits mu F and mu' F under the normal force
+    F. Below its limit, each contact creeps at a speed proportional to f/(mu F) or f'/(mu' F). The pin's surface moves
+    by R/r times the sliding at the seat.
     """
     design = reducer.design
     ring, seat = design.ring, design.seat_pair
@@ -89,10 +90,10 @@ def _creep_speed_factor(reducer: Reducer) -> float:
 
 
 def _forces_with_clearance(arms: Array, torque: float, play: float, stiffness: float) -> Array:
-    """Compute the forces of teeth [N] at arms [m], both (n, N), under a torque [N m] on a disc that only rotates.
+    """Compute the forces of N teeth on a disc that only rotates [N], shape (n, N), at n crank angles.
 
-    Each tooth has a clearance `play` [m] and a `stiffness` [N/m]. Bisection determines the rotation at each of n
-    angles.
+    `arms` (n, N) [m] are the lever arms of the teeth, and `torque` [N m] is the torque on the disc. Each tooth has a
+    clearance `play` [m] and a `stiffness` [N/m]. Bisection determines the rotation of the disc.
     """
     arms = np.maximum(arms, 0.0)
     lower = np.zeros(len(arms))
@@ -105,7 +106,7 @@ def _forces_with_clearance(arms: Array, torque: float, play: float, stiffness: f
 
 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
-    """Compute the ideal friction losses relative to the output power, under the design's own load with ideal sharing.
+    """Compute the friction losses under the design's own load with ideal load sharing, relative to the output power.
 
     Parameters
     ----------
@@ -117,17 +118,17 @@ def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float
     Returns
     -------
     tuple of float
-        Losses of mesh, output pins and cam over the output power [1].
+        Losses of mesh, output pins and cam, each divided by the output power [1].
 
     Notes
     -----
-    Symbols: eccentricity c, N ring teeth, pin radius rho, crank speed w; at a pin, B is its angle from the crank, alpha
-    the angle of the contact normal, l the distance of its centre from the pitch point.
+    Symbols: eccentricity c, N ring teeth, pin radius rho, crank speed w, output torque T. At a pin, B is its angle from
+    the crank, alpha the angle of the contact normal, and l the distance of its centre from the pitch point.
 
-    A tooth contact slides at (l - rho) w/(N-1). Friction acts about the gear's centre with the arm s = l - rho + c
-    (N-1) cos(B - alpha), against the gear's rotation, so that the normal forces F rise by 1/(1 - mu sum F s / sum F
-    arm). The holes slide on the output pins at c w N/(N-1). The cam of radius R slides, or rolls with the coefficient
-    of a bearing, at R w N/(N-1) under its total force.
+    A tooth contact slides at (l - rho) w/(N-1). Its friction acts about the gear's centre with the arm s = l - rho + c
+    (N-1) cos(B - alpha), against the gear's rotation. The normal forces F are therefore larger by the factor 1/(1 - mu
+    sum(F s)/T). The holes slide on the output pins at c w N/(N-1). The cam of radius R slides at R w N/(N-1) under its
+    total force; a cam with a rolling bearing has the friction coefficient of the bearing instead.
     """
     design = reducer.design
     gear, load, output = reducer.tooth_profile, design.load.torque, design.output

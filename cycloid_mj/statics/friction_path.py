@@ -97,7 +97,7 @@ def follow_torque_path(
         Torque path, shape (m,) [N m], counter-clockwise positive: torque on the output, or, with the output locked,
         torque on the crank times the ratio.
     crank
-        Angle at which the crank is locked, or starts [rad].
+        Angle of the locked crank, or initial angle of the crank [rad].
     losses
         Losses in addition to the friction of the contacts.
     locked_shaft
@@ -108,9 +108,9 @@ def follow_torque_path(
     Returns
     -------
     tuple of Array
-        Positions on the path, as indices of `torque` with fractions, and rotations there [rad], shape (rows,) each.
-        Each point of the path has a row. If the output rotates by more than `max_rotation` between two points, there
-        are rows between them, so that a jump across the backlash appears at its torque.
+        Positions on the path as fractional indices of `torque`, and rotations there [rad], shape (rows,) each. Each
+        point of the path has a row. If the output rotates by more than `max_rotation` between two points, there are
+        rows between them, so that a jump across the backlash appears at its torque.
 
     Raises
     ------
@@ -144,16 +144,18 @@ def follow_torque_path(
 def build_friction_elements(
     reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, locked_shaft: Held
 ) -> Rubbing:
-    """Build the friction elements of contacts, cams and seals, in this order, for a locked shaft.
+    """Build the friction elements of contacts, cams and seals, in this order, with one shaft locked.
+
+    Each element is a tangential spring that slips at a limit, see `Rubbing`.
 
     Parameters
     ----------
     reducer
         The reducer.
     springs
-        Contact springs at one crank angle, without friction.
+        Contact springs at the angle `crank`, without friction.
     crank
-        That angle [rad].
+        Angle of the locked crank, or initial angle of the crank [rad].
     losses
         Losses in addition to the friction of the contacts.
     locked_shaft
@@ -196,10 +198,10 @@ def build_friction_elements(
 
 
 def slip_rotations(travel: float, count: int = _SETTINGS.seal_elements) -> Array:
-    """Compute the rotations at which `count` elements of constant friction slip [rad], increasing, shape (count,).
+    """Compute the rotations at which `count` friction elements of equal limits slip [rad], increasing, shape (count,).
 
-    If elements of equal limits slip at these rotations, their friction grows as 1 - exp(-x/travel) with the rotation x;
-    `travel` is in [rad].
+    Elements that slip at these rotations have together a friction that grows as 1 - exp(-x/travel) with the rotation x
+    from rest. `travel` is in [rad].
     """
     from scipy.special import gammaincinv
 

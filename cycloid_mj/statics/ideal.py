@@ -24,9 +24,9 @@ def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:
 
 
 def _cam_force(reducer: Reducer, crank: Array, phase: float) -> Array:
-    """Compute the magnitude of the cam's force on a disc (m,) [N] at crank angles (m,) [rad], with weight and inertia.
+    """Compute the magnitude of the cam's force on a disc [N], shape (m,), with weight and inertia of the disc.
 
-    `phase` [rad] is the phase of the disc on the crank.
+    `crank` (m,) [rad] are the crank angles, and `phase` [rad] is the phase of the disc on the crank.
     """
     ring, pins, turned = _share_load(reducer, crank, phase)
     force = ideal_loads.cam_force(ring, pins, turned + phase, body_force(reducer, crank, phase))
@@ -42,13 +42,13 @@ def _ideal_peak_of_disc(reducer: Reducer, kind: str, crank: Array, phase: float)
 
 
 def _share_load(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
-    """Compute the ideal loads of the disc at a `phase` [rad] at crank angles [rad], shape (m,).
+    """Compute the ideal loads of the disc with the `phase` [rad] at crank angles [rad], shape (m,).
 
     Returns
     -------
     ring, pin_forces, ring_crank
-        Load sharing of the ring, forces of the disc on the output pins [N] (m, pins), and the crank angles in the frame
-        of the ring [rad] (m,).
+        Load sharing of the ring teeth, forces of the disc on the output pins [N] (m, pins), and the crank angles in the
+        frame of the ring [rad] (m,).
     """
     design = reducer.design
     gear, output, ring_crank = reducer.tooth_profile, design.output, reducer.member.against_ring(crank)

@@ -38,11 +38,11 @@ JAM = JamFrictionSettings()
 
 
 def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> float:
-    """Compute the largest multiple of the design's friction [1] at which parts without clearance are in equilibrium.
+    """Compute the largest multiple of the design's friction [1] at which parts without clearance have an equilibrium.
 
-    The result is at most `JAM.max_friction`. `load` (u,) [N] is the generalised load at the crank angle of index
-    `angle_index`: along x, y and the rotation of each disc, then on the output; torques are over the radius of the
-    output's pin circle.
+    A larger friction jams the parts. The result is at most `JAM.max_friction`. `load` (u,) [N] is the generalised load
+    at the crank angle with the index `angle_index`: forces along x and y and torque of each disc, then the torque of
+    the output. Torques are divided by the radius of the circle of output pins.
 
     Notes
     -----
@@ -56,9 +56,9 @@ def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> flo
     length_unit = load_size / springs.cam_stiffness
 
     def residual(displacements: Array, friction: float) -> Array:
-        """Compute the residual forces over the load [1], shape (u,), at displacements (u,) over `length_unit`.
+        """Compute the residual forces divided by the largest component of the load [1], shape (u,).
 
-        `friction` is the multiple of the design's friction.
+        `displacements` (u,) are divided by `length_unit`; `friction` is the multiple of the design's friction.
         """
         forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
         residual_force = load + forces @ (slopes + friction * rubbing)

@@ -24,10 +24,10 @@ Eight drives with clearances of 2 to 250 um at 3 and 10 % of the nominal torque,
 
 
 def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
-    """Compute the rms inertia torque of a load that follows a transmission error, relative to the load [1].
+    """Compute the rms inertia torque of the load, divided by its torque [1], if it follows the transmission error.
 
-    `rotation` is the rotation of the output from its ideal angle [rad] at evenly spaced crank angles of a turn, shape
-    (n,), whose second derivative is computed by FFT; `load` is the torque on the output [N m].
+    `rotation` (n,) is the rotation of the output from its ideal angle [rad] at evenly spaced crank angles of a turn.
+    Its second derivative is computed by FFT. `load` is the torque on the output [N m].
     """
     orders = np.fft.rfftfreq(rotation.size, 1.0 / rotation.size)
     second_derivative = np.fft.irfft(-(orders**2) * np.fft.rfft(rotation), rotation.size)
@@ -35,10 +35,10 @@ def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
 
 
 def tracking_warnings(design: Design, quantities: Mapping[str, Quantity]) -> Iterator[str]:
-    """Yield a warning if the inertia torque of the load exceeds `MAX_INERTIA_SHARE`; else nothing.
+    """Yield a warning if the inertia torque of the load exceeds its share `MAX_INERTIA_SHARE`; otherwise nothing.
 
-    `quantities` are the static figures of the design. The warning states by how much the static efficiency of such
-    drives differed from simulations (`EFFICIENCY_ERRORS`).
+    `quantities` are the figures of the design's static data sheet, by key. The warning states by how much the static
+    efficiency of drives with such a share differed from simulations (`EFFICIENCY_ERRORS`).
     """
     share = quantities[INERTIA_SHARE].value
     if share > MAX_INERTIA_SHARE:

@@ -64,9 +64,9 @@ def load_friction(share: float, travel: float) -> LoadFriction:
 
 
 def slip_elements(reducer: Reducer) -> SlipElements:
-    """Return the slip elements of a design's constant friction and hysteresis (table ``springs``).
+    """Return the slip elements of a design's constant friction and of its hysteresis (table ``springs``).
 
-    Each of these two has `ELEMENTS` elements if its limit is above 0, and none otherwise.
+    Friction and hysteresis have `ELEMENTS` elements each if their limit is above 0, and none otherwise.
     """
     springs = reducer.design.springs
     components = [
@@ -91,10 +91,10 @@ class LockedCurve:
 
 
 def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
-    """Solve for the rotation of the output [rad] with a crank locked at an angle [rad], without friction and weight.
+    """Solve for the rotation of the output over the torque, with the crank locked at an angle [rad].
 
-    The torque of the curve reaches at least +-`max_torque` [N m]: up to the next power of 2, so that similar torques
-    share a solution.
+    Friction and weight are left out. The torque of the curve reaches the next power of 2 from `max_torque` [N m] in
+    both directions, so that similar torques share a solution.
 
     Raises
     ------
@@ -112,8 +112,8 @@ def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> Loc
 def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
     """Solve for torque and rotation of the output at a locked crank angle [rad], up to +-`max_torque` [N m].
 
-    Across the backlash, the torque is +-1e-6 of `max_torque`, so that it increases everywhere. The reducer should have
-    a rigid structure: its torsion is added by the caller, so that a fit of torsion needs no new solution.
+    Across the backlash, the torque rises from -1e-6 to 1e-6 of `max_torque`, so that it increases everywhere. The
+    reducer should have a rigid structure. The caller adds the torsion, so that a fit of torsion needs no new solution.
     """
     weightless = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     shares = np.array(SHARES)
@@ -132,8 +132,8 @@ def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> L
 def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
     """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest at no torque.
 
-    `curve` is the rotation by the contacts without friction, which is extrapolated linearly; `elements` are the slip
-    elements. Between reversals of the path, the rotation is interpolated on a branch of `locked_branches`.
+    `curve` is the rotation due to the contacts without friction, which is extrapolated linearly; `elements` are the
+    slip elements. Between reversals of the path, the rotation is interpolated on a branch of `locked_branches`.
     """
     path = np.concatenate([[0.0], torque])
     reversals = 1 + np.flatnonzero(np.diff(np.sign(np.diff(path))))
@@ -150,7 +150,7 @@ def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array
 def locked_branches(
     curve: LockedCurve, elements: SlipElements, reversals: Sequence[float], friction: LoadFriction = NO_LOAD_FRICTION
 ) -> list[tuple[Array, Array]]:
-    """Compute the hysteresis branches between reversal torques [N m], of which the first is the torque at rest.
+    """Compute the branches of a hysteresis loop with a locked crank, from each reversal torque to the next.
 
     The torque T(x) of contacts, slip elements and load-dependent friction is piecewise linear and increasing in the
     rotation x, with vertices at the points of the curve and at the slip limits. The inverse of this function is a
@@ -159,9 +159,9 @@ def locked_branches(
     Parameters
     ----------
     curve, elements
-        Rotation by the contacts without friction, and slip elements of constant friction.
+        Rotation due to the contacts without friction, and slip elements of constant friction.
     reversals
-        Torques at which branches begin and end [N m].
+        Torques at which branches begin and end [N m], shape (branches + 1,); the first is the torque at rest.
     friction
         Friction proportional to the torque of the contacts.
 
@@ -196,7 +196,7 @@ def _compute_vertices(
     friction_slip: Array,
     reversals: Array,
 ) -> list[tuple[Array, Array]]:
-    """Compute the vertices of torque [N m] and rotation [rad] of each branch between reversals; see `locked_branches`.
+    """Compute the vertices of each branch, torque [N m] and rotation [rad], as `locked_branches`.
 
     Parameters
     ----------
@@ -250,8 +250,7 @@ def _by_increasing_torque(branch: tuple[Array, Array]) -> tuple[Array, Array]:
 def _extend_curve(curve: LockedCurve, end_torque: float) -> tuple[Array, Array]:
     """Extend a curve of torque and rotation linearly to +-`end_torque` [N m].
 
-    Points whose rotation does not exceed the rotations of all points before them are left out, so that both quantities
-    increase.
+    A point is left out unless its rotation exceeds that of all points before it, so that torque and rotation increase.
 
     Returns
     -------

@@ -15,9 +15,10 @@ MAX_ANGLE = 600.0 * ARCMINUTE
 
 
 def preloaded(design: Named) -> Design:
-    """Return a design with ``ring.preload_arcmin`` instead of ``ring.preload_torque_nm``; unchanged without the latter.
+    """Return a design with the angle ``ring.preload_arcmin`` instead of the torque ``ring.preload_torque_nm``.
 
-    Brent's method determines the angle between the halves such that `halves_torque` is the torque of the design.
+    A design without this torque is returned unchanged. Brent's method determines the angle between the halves of the
+    ring at which `halves_torque` equals the torque of the design.
 
     Parameters
     ----------
@@ -61,9 +62,10 @@ def preloaded(design: Named) -> Design:
 
 
 def halves_torque(reducer: Reducer) -> float:
-    """Compute the torque between two halves of a ring rotated by `ring.preload`, not 0, without load and at rest [N m].
+    """Compute the torque [N m] between the two halves of a ring that are rotated against each other by `ring.preload`.
 
-    The result is the magnitude of the mean over 13 crank angles.
+    This angle must not be 0. The reducer is at rest without load. The result is the magnitude of the mean over 13 crank
+    angles.
 
     Raises
     ------

@@ -220,7 +220,7 @@ class RvLoads:
 def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     """Compute the springs of an RV reducer at crank angles against the ring [rad], shape (m,).
 
-    Contact stiffness is that of the reducer `at_rated_load`. Exceptions are those of ``springs.springs_of``.
+    Contact stiffness is that of the reducer `at_rated_load`. Raises as ``springs.springs_of``.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     teeth = mesh_gaps(reducer, crank)
@@ -260,14 +260,14 @@ def _unknowns(reducer: RvReducer) -> int:
 
 
 def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
-    """Return the displacement of each eccentric from its bore without load [m], and its gradient by the unknowns.
+    """Return the displacement of each eccentric from its bore without load, and its gradient by the unknowns.
 
-    `crank` are crank angles against the ring [rad], shape (m,).
+    `crank` are crank angles against the ring [rad], shape (m,). Unknowns are those of the module docstring.
 
     Returns
     -------
     tuple
-        Displacement (m, D, n, 2) [m], and gradient (m, D, n, 2, u) [1].
+        Displacement in x and y (m, D, n, 2) [m], and gradient (m, D, n, 2, u) [1].
     """
     stage, lever, eccentricity = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
     discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)
@@ -284,9 +284,9 @@ def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
 
 
 def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
-    """Compute the displacement of each eccentric from its bore by manufacturing errors [m], shape (m, D, n, 2).
+    """Compute the displacement of each eccentric from its bore due to manufacturing errors [m], shape (m, D, n, 2).
 
-    `crank` are crank angles against the ring [rad], shape (m,).
+    The last axis is x and y in the frame of the ring. `crank` are crank angles against the ring [rad], shape (m,).
     """
     errors, shape = reducer.crank_errors, (len(reducer.phases), reducer.cranks.count)
     carrier_angle = -crank / reducer.design.lobes
@@ -306,9 +306,9 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
 
 
 def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
-    """Compute the displacement of the teeth of each planet from its crank by run-out [m], shape (m, n, 2).
+    """Compute the displacement of the teeth of each planet from its crank due to run-out [m], shape (m, n, 2).
 
-    `crank` are crank angles against the ring [rad], shape (m,).
+    The last axis is x and y in the frame of the ring. `crank` are crank angles against the ring [rad], shape (m,).
     """
     errors, shape = reducer.crank_errors, (reducer.cranks.count,)
     displacements = np.stack([listed(errors.planet_x, shape), listed(errors.planet_y, shape)], axis=-1)
@@ -316,10 +316,11 @@ def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
 
 
 def phase_errors(reducer: RvReducer, crank: Array) -> Array:
-    """Compute the phase error of each crank by its planet [rad], shape (m, n), at a fixed sun, for `closed_form_error`.
+    """Compute the phase error of each crank due to the errors of its planet [rad], shape (m, n), at a fixed sun.
 
-    `crank` are crank angles against the ring [rad], shape (m,). A planet that is displaced by o along the circle of
-    cranks is turned back by o over its pitch radius.
+    The errors are run-out and transmission error. A displacement o of the planet's teeth along the circle of cranks
+    turns the crank back by o divided by the pitch radius of the planet. `crank` are crank angles against the ring
+    [rad], shape (m,). The result is an argument of `closed_form_error`.
     """
     forward = quarter_turned(reducer.stage.crank_places(crank)) / reducer.lever
     displaced = np.sum(planet_offsets(reducer, crank) * forward, axis=-1)
@@ -340,10 +341,11 @@ def _mesh_error(reducer: RvReducer, crank: Array) -> Array:
 
 
 def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
-    """Return the gaps of the planets' flanks on the sun without load, and their gradients by the unknowns.
+    """Return the gaps between the flanks of the planets and the sun without load, and their gradients by the unknowns.
 
-    The first n flanks carry a counter-clockwise load on the carrier. The normal of a flank points from the sun to the
-    planet, at the pressure angle to the circle of cranks. `crank` are crank angles against the ring [rad], shape (m,).
+    Each planet has two flanks. The first n flanks carry a counter-clockwise load on the carrier. The normal of a flank
+    points from the sun to the planet, at the pressure angle to the circle of cranks. `crank` are crank angles against
+    the ring [rad], shape (m,). Unknowns are those of the module docstring.
 
     Returns
     -------
@@ -381,9 +383,9 @@ def compute_rv_friction(
 ) -> RvFriction:
     """Compute the friction of an RV reducer at crank angles against the ring [rad], shape (m,).
 
-    Cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. Needles and taper of a
-    crank both carry the force of a disc. The sliding of a planet is the mean over its path of contact (`PlanetMesh`).
-    `coefficients` are by default those of the law ``coulomb``.
+    Cranks turn counter-clockwise against the ring if `sense` is 1, and clockwise if it is -1. The needles and the
+    tapered bearings of a crank both carry the force of a disc. The sliding of a planet is the mean over its path of
+    contact (`PlanetMesh`). `coefficients` are by default those of the law ``coulomb``.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     coefficients = coefficients or coulomb_coefficients(reducer)
@@ -404,16 +406,18 @@ def compute_rv_friction(
 
 
 def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningFriction | None = None) -> RvLoads:
-    """Solve for the balance under a torque on the carrier [N m], not 0: a number, or one per crank angle, shape (m,).
+    """Solve for the static balance of an RV reducer under a torque on the carrier.
 
     Parameters
     ----------
     springs
         Springs at m crank angles.
     torque
-        Torque on the carrier, counter-clockwise positive.
+        Torque on the carrier [N m], not 0, counter-clockwise positive: a number, or a torque per crank angle, shape
+        (m,).
     friction
-        Friction at these angles, which follows the forces by fixed-point iteration; None without friction.
+        Friction at these angles, which depends on the forces and is determined by fixed-point iteration; None: no
+        friction.
 
     Raises
     ------
@@ -440,7 +444,7 @@ def solve_rv_loads(springs: RvSprings, torque: float | Array, friction: RunningF
 
 
 def _loads_at(springs: RvSprings, displacements: Array) -> RvLoads:
-    """Return forces, displacements and compliance at displacements (m, u) [m] that are in equilibrium."""
+    """Return forces, displacements and compliance in the equilibrium at known displacements (m, u) [m]."""
     unit = np.zeros(displacements.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
     compliance = np.asarray(np.linalg.solve(_tangent(springs, displacements), unit[..., np.newaxis]))
@@ -462,7 +466,7 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
     """Return the displacements of least energy (m, u) [m], by a semismooth Newton method with Armijo backtracking.
 
     All crank angles are solved together under `load` [N] from the displacements `start` [m], shape (m, u). The tangent
-    leaves out the curvature of flanks, whose share is the pin force times curvature over stiffness, below 1e-3.
+    neglects the curvature of flanks: its share, which is pin force times curvature over stiffness, is below 1e-3.
 
     Raises
     ------
@@ -498,9 +502,9 @@ def _minimise_energy(springs: RvSprings, load: Array, start: Array) -> Array:
 def _contact_gaps(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
     """Return the gaps of all contacts at some displacements, and factors a and b in the gradients of the pins' gaps.
 
-    The gradient of a pin's gap is grad q + a grad p - b grad phi. q and p are the displacements along the normal and
-    along the flank, phi is the rotation of the disc. The gap is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in
-    ``statics.kernel``: p_phi is the part of p that phi causes, bend the relative curvature, and twist its rate.
+    The gap of a pin is q - phi (p - p_phi/2) + bend p^2/2 + twist p^3/6, as in ``statics.kernel``. q and p are the
+    displacements along the normal and along the flank, phi is the rotation of the disc, and p_phi is the part of p that
+    phi causes. bend is the relative curvature, and twist is its rate. The gradient is grad q + a grad p - b grad phi.
 
     Parameters
     ----------
@@ -538,7 +542,7 @@ def contact_gradients(springs: RvSprings, displacements: Array) -> Array:
 def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
     """Return the forces of cranks on discs at some displacements, with their energy and stiffness.
 
-    With a preload, needles are loaded on both sides until the far side opens.
+    With a preload, the needles on both sides are loaded up to the displacement at which those on the far side open.
 
     Parameters
     ----------
@@ -569,7 +573,7 @@ def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Ar
 
 
 def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Array, Array]:
-    """Compute the energy and the residual forces of a balance at some displacements.
+    """Compute the energy of springs and load, and the residual forces, at some displacements.
 
     Parameters
     ----------
@@ -581,7 +585,8 @@ def _assemble(springs: RvSprings, load: Array, displacements: Array) -> tuple[Ar
     Returns
     -------
     tuple
-        Energy (m,) [J], and residual forces (m, u) [N], 0 in equilibrium.
+        Energy of the springs minus work of the load (m,) [J]; and residual forces (m, u) [N], which are 0 in
+        equilibrium.
     """
     gaps, rise, arm = _contact_gaps(springs, displacements)
     force = springs.stiffness * np.maximum(-gaps, 0.0)
@@ -602,7 +607,7 @@ def _sum_along(slope: Array, force: Array) -> Array:
 
 
 def _tangent(springs: RvSprings, displacements: Array) -> Array:
-    """Return the tangent stiffness at displacements (m, u) [m] without the curvature of flanks, (m, u, u) [N/m]."""
+    """Return the tangent stiffness (m, u, u) [N/m] at displacements (m, u) [m], without the curvature of flanks."""
     gaps, _, _ = _contact_gaps(springs, displacements)
     slopes = contact_gradients(springs, displacements)
     slopes *= np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis]

@@ -56,7 +56,7 @@ def planet_speeds(reducer: RvReducer) -> SurfaceSpeeds:
 def planet_friction(reducer: RvReducer, force: Array, inputs: FilmInputs = DESIGN_INPUTS) -> Array:
     """Compute the mean friction coefficients of planet meshes [1] under their forces [N], in the shape of `force`.
 
-    The mean over the path of contact has the weights of the friction power: load share times sliding speed.
+    The mean over the path of contact is weighted by the friction power, which is load share times sliding speed.
     """
     path, speeds, material = planet_path(reducer), planet_speeds(reducer), reducer.design.material
     friction = line_friction(
@@ -128,7 +128,7 @@ def bearing_friction(reducer: RvReducer) -> tuple[float, float]:
 
 
 def build_rv_film(reducer: RvReducer, crank: npt.ArrayLike, sense: float) -> RvFilm:
-    """Build the film friction of an RV reducer; arguments as of `compute_rv_friction`."""
+    """Return the friction of an RV reducer with the law ``film``; arguments are those of `compute_rv_friction`."""
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     teeth = mesh_gaps(reducer, crank)
     contacts = build_film_contacts(reducer, crank, teeth, teeth.kind.size, sense * ideal_motion(reducer, crank))
@@ -167,7 +167,10 @@ class RvFilmLosses:
     bearing_force: float
 
     def contact_powers(self, inputs: FilmInputs = DESIGN_INPUTS) -> dict[str, float]:
-        """Compute the mean powers [W] that grow with the forces, lost by "teeth", "crank bearings" and "planets"."""
+        """Compute the mean powers lost to friction that grows with the forces [W], by its source.
+
+        The keys are "teeth", "crank bearings" and "planets". `inputs` are those of the film law.
+        """
         reducer, planet = self.reducer, self.reducer.planet
         teeth = replace(self.surfaces, inputs=inputs).smaller_friction(self.teeth)[0].coefficient
         meshes = np.sum(planet_friction(reducer, self.planets, inputs) * self.planets, axis=1).mean()
@@ -196,7 +199,7 @@ class RvFilmLosses:
 
 
 def build_rv_losses(film: RvFilm, springs: RvSprings, loads: RvLoads) -> RvFilmLosses:
-    """Build the losses under the forces of a solution with film friction; the speeds are those of the design."""
+    """Return the losses with film friction under the forces `loads` of a solution, at the speeds of the design."""
     reducer, is_loaded = film.reducer, loads.pins > 0.0
     mesh_speed = abs(float(reducer.member.against_ring(reducer.design.drive.speed)))
     unit_power = loads.pins * np.abs(springs.slip) * mesh_speed / len(springs.crank)

@@ -71,10 +71,11 @@ SETTINGS = RvSheetSettings()
 
 
 def carrier_turn_angles(reducer: RvReducer, count: int = SETTINGS.force_angles) -> Array:
-    """Return crank angles against the ring [rad], shape (count,), that cover a turn of the carrier evenly.
+    """Return crank angles against the ring [rad], shape (count,), that cover a turn of the carrier nearly evenly.
 
-    As fractions of the turn they are the fractional parts of k times the golden ratio for k = 0, 1, ..., sorted in the
-    order in which the drive passes them. Such a sequence also covers every part of the turn nearly evenly.
+    Divided by the turn, they are the fractional parts of k times the golden ratio for k = 0, 1, ..., sorted in the
+    order in which the drive passes them. The angles within any part of the turn then cover this part nearly evenly,
+    too.
     """
     shares = np.sort(np.mod(0.5 * (np.sqrt(5.0) - 1.0) * np.arange(count), 1.0))
     return np.asarray(-_carrier_sense(reducer) * reducer.crank_turn * shares)
@@ -103,8 +104,8 @@ def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_an
 def balance_running(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
     """Solve for the balance of the running drive with friction at `count` crank angles over a turn of the carrier.
 
-    `torque` on the output [N m], not 0, brakes the drive. If the torque is negative, the drive runs in reverse and is
-    braked, too. Raises as `solve_rv_loads`.
+    `torque` [N m], not 0, acts on the output and brakes the drive. A negative torque brakes a drive that runs in
+    reverse. Raises as `solve_rv_loads`.
     """
     springs, on_carrier = springs_over_turn(reducer, count), torque_on_carrier(reducer, torque)
     return solve_rv_loads(springs, on_carrier, running_friction(reducer, springs.crank, np.sign(on_carrier)))
@@ -132,7 +133,7 @@ def ideal_rv(reducer: RvReducer, torque: float) -> IdealRvLoads:
 
 
 def closed_rotation(reducer: RvReducer) -> Array:
-    """Compute the output's rotation by manufacturing errors in closed form [rad], over a turn of the carrier.
+    """Compute the rotation of the output due to manufacturing errors over a turn of the carrier, in closed form [rad].
 
     Clearance and load are not included, and the sun is fixed. The shape is (`RvSheetSettings.closed_angles`,).
     """
@@ -181,7 +182,7 @@ def lost_motion(reducer: RvReducer, load: float) -> float:
 def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     """Yield forces [N] of cranks, pins and planets, pressure [MPa] on the pins, and transmission errors [arcsec].
 
-    `load` is the torque on the output [N m].
+    `load` is the torque on the output [N m]. Keys and definitions are in `sheet_figures`.
     """
     ideal_loads, balanced_loads, springs = (
         ideal_rv(reducer, load),
@@ -235,9 +236,9 @@ def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
 def friction_powers(reducer: RvReducer, load: float, count: int = SETTINGS.force_angles) -> dict[str, float]:
     """Compute the mean powers lost to friction under a `load` on the output [N m], over a turn of the carrier.
 
-    The mean is over `count` crank angles. Needles and tapered bearings of a crank carry the force of the disc. With the
-    law ``coulomb``, their coefficient acts at the radius of the eccentric. With the law ``film``, "seals" include the
-    main bearings (`rv_film`).
+    The mean is over `count` crank angles. Needles and tapered bearings of a crank both carry the force of the disc.
+    With the law ``coulomb``, their friction acts at the radius of the eccentric. With the law ``film``, "seals" include
+    the main bearings (`rv_film`).
 
     Returns
     -------
@@ -277,9 +278,10 @@ def _film_losses(reducer: RvReducer, load: float, count: int) -> RvFilmLosses:
 
 @once
 def rv_lost_powers(reducer: RvReducer, load: float, samples: int = SAMPLES) -> tuple[float, Array]:
-    """Compute the power lost with the law ``film``, and for samples of its inputs, as `film_spread.lost_powers`.
+    """Compute the power lost with the law ``film``, for the design's own inputs of the law and for samples of them.
 
-    `load` is the torque on the output [N m]. The means are over `RvSheetSettings.rotation_angles` crank angles.
+    `load` is the torque on the output [N m]. Powers are means over `RvSheetSettings.rotation_angles` crank angles. The
+    result is that of `film_spread.lost_powers`: the power of the design [W], and of each sample [W], shape (samples,).
     Raises as `solve_rv_loads`.
     """
     count = SETTINGS.rotation_angles

@@ -105,9 +105,9 @@ def identical_samples(reducer: Reducer, count: int) -> Samples:
 def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
     """Draw `count` samples with normally distributed errors, whose standard deviations are in the table `errors`.
 
-    Each kind of error has a random stream of its own, seeded by `seed` and its index. Errors that the design lists part
-    by part, waves and the error of the eccentricity are the same in all samples. The mean of each other error is 0, or
-    the measured deviation of the part, if the design has one.
+    Each kind of error has its own random stream, which is seeded by `seed` and the index of the stream. Errors that the
+    design lists part by part, waves and the error of the eccentricity are the same in all samples. The mean of each
+    other error is 0, or the measured deviation of the part, if the design has one.
     """
     errors, nominal_samples = reducer.design.errors, identical_samples(reducer, count)
     measured_errors = measured_deviations(reducer.design)
@@ -115,9 +115,10 @@ def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
     def draw(
         stream: int, deviation: float, listed_errors: Sequence[float], nominal: Array, mean: Array | float
     ) -> Array:
-        """Draw errors of a kind about a `mean`, in the shape of `nominal`; `nominal` itself if the design lists them.
+        """Draw errors of one kind about a `mean`, in the shape of `nominal`; `nominal` itself if the design lists them.
 
-        `stream` is the index of the random stream, `deviation` the standard deviation [m].
+        `stream` is the index of the random stream, `deviation` the standard deviation [m]. `listed_errors` are the
+        errors that the design lists, if any.
         """
         draws = np.random.default_rng([seed, stream]).standard_normal(nominal.shape)
         return nominal if listed_errors else mean + deviation * draws
@@ -186,12 +187,14 @@ def solve_samples(
 ) -> list[SampleFigures]:
     """Solve for the equilibrium of every sample under each output torque, at crank angles over a turn.
 
-    The result is bit-equal for any number of threads. The stiffness of the springs is that of the design.
+    The result is the same to the last bit for any number of threads. The stiffness of the springs is that of the
+    design.
 
     Parameters
     ----------
     reducer
-        The nominal reducer; its errors, clearances and modification are ignored.
+        The nominal reducer; its errors and modification are ignored, and its clearances are replaced by those of the
+        samples.
     samples
         Deviations of the samples.
     torques
@@ -240,7 +243,7 @@ def _solve_rows(
     ideal_reducer, springs
         The reducer without errors, and its springs at k crank angles.
     samples
-        Deviations of the samples; their waves are in addition to `common_waves`.
+        Deviations of the samples; their waves are added to `common_waves`.
     common_waves
         Cosine and sine amplitudes of the profile error that all samples have, shape (orders, 2) [m].
     torques
@@ -251,8 +254,8 @@ def _solve_rows(
     Returns
     -------
     Array
-        Shape (torques, samples, `FIGURES`): the fields of `SampleFigures`, without torsion and for a carrier output,
-        then the relative residual.
+        Shape (torques, samples, `FIGURES`): the fields of `SampleFigures`, with the carrier as output and without
+        torsion of the structure; then the relative residual.
     """
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
     effects = _error_effects(ideal_reducer, springs, orders, common_waves)
@@ -355,7 +358,7 @@ def _own_disc_gradients(contacts: kernel.KernelSprings, slopes: Array) -> Array:
 
 
 def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
-    """Convert the deviations of the samples to those of each contact, for the compiled kernel.
+    """Convert the deviations of the parts of each sample to those of each contact, for the compiled kernel.
 
     Parameters
     ----------

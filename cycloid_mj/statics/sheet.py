@@ -147,7 +147,7 @@ class Sheet(Presented):
         return known_difference(quantity) if self.has_known_differences else None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the sheet to JSON values: conditions, assumptions, and quantities by key in the units of the keys."""
+        """Convert the sheet to JSON values: conditions, assumptions, and quantities by key."""
         return {
             "design": self.design,
             "condition": self.condition,
@@ -162,9 +162,10 @@ class Sheet(Presented):
 
 
 def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
-    """Compute the data-sheet quantities of a sound design under an output torque [N m], by default `load_of` it.
+    """Compute the data-sheet quantities of a design under an output torque `load` [N m].
 
-    Warns if the inertia of the load affects the results (`tracking_warnings`).
+    The default torque is the load of the design, or its nominal torque (`load_of`). Warns if the inertia of the load
+    affects the results (`tracking_warnings`).
 
     Raises
     ------
@@ -188,7 +189,7 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     """Compute the main quantities of `sheet` in less than half of the time; raises as `sheet`.
 
     These are backlash, lost motion and stiffness, the forward transmission error under the load, forces and pressures
-    up to first yield, and the efficiency.
+    with the torque at first yield, and the efficiency.
     """
     if isinstance(reducer, RvReducer):
         rv_parts: tuple[SheetPart, ...] = ("motions", "loads", "losses")
@@ -197,7 +198,7 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
-    """Compute the quantities of `parts` of a sheet under a load [N m] (None: `load_of`), with their conditions."""
+    """Compute a sheet with the quantities of `parts` under a load [N m]; None: the default of `load_of`."""
     _, source = load_of(reducer, load)
     reducer, load = _with_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
@@ -234,7 +235,7 @@ def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> 
 
 @once
 def _compute_part(reducer: Reducer, load: float, part: SheetPart) -> Mapping[str, Quantity]:
-    """Compute the quantities of a part of the sheet, by key, for a reducer whose design has the same `load` [N m].
+    """Compute the quantities of one `part` of the sheet, by key, under the `load` of the reducer's design [N m].
 
     The result is empty for a part that RV reducers do not have.
     """
@@ -248,7 +249,9 @@ def _cached_part(part: SheetPart) -> Part:
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
-    """Return the torque on the output and its origin: `load`, the load of the design, or the nominal torque.
+    """Return the torque on the output for a sheet, and its origin.
+
+    It is `load` unless this is None, else the load of the design unless this is 0, else the nominal torque.
 
     Returns
     -------
@@ -264,7 +267,7 @@ def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSou
 
 
 def _with_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
-    """Return the reducer with a load on the output [N m] in its design; by default the result of `load_of`.
+    """Return the reducer with a `load` on the output [N m] in its design; None: the default of `load_of`.
 
     Returns
     -------
@@ -302,9 +305,9 @@ def known_difference(quantity: Quantity) -> float | None:
 def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield backlash [arcmin], lost motion [arcmin], stiffness [N m/arcmin] and compliances [arcmin/(N m)].
 
-    They are means over crank angles of a turn, at which the crank is locked, without friction and weight. The backlash
-    is extrapolated from two small torques in each direction to no torque. Lost motion and stiffness are relative to the
-    `load` on the output [N m]. If ``structure`` is "springs", torsion of the structure has compliances of its own.
+    They are means over angles of a locked crank, without friction and weight. The backlash is extrapolated to zero
+    torque from two small torques in each direction. Lost motion and stiffness are those under shares of the `load` on
+    the output [N m]. If ``structure`` is "springs", the parts in torsion have compliances of their own.
     """
     static_reducer = at_rest(reducer)
     crank_angles = turn_evenly(reducer)
@@ -345,11 +348,12 @@ def _stiffness(windups: Sequence[Windup]) -> float:
 
 
 def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
-    """Yield the transmission errors of disc and output [arcsec] of each of `CASES` and `DIRECTIONS`, with friction.
+    """Yield the transmission errors of disc and output [arcsec] for each of `CASES` and `DIRECTIONS`, with friction.
 
-    Then yield the reversal error, which is the difference of the mean angles between the directions, and the wind-up,
-    which is that between the loads [arcsec]. A reducer with a central crank also has the relative inertia torque of a
-    load that follows the error.
+    Then yield the reversal error [arcsec], which is the difference of the mean angles between forward and reverse
+    motion, and the wind-up [arcsec], which is their difference between full load and no load. A reducer with a central
+    crank also has the relative inertia torque of a load that follows the error. `load` is the torque on the output [N
+    m].
     """
     means: dict[tuple[str, str, str], float] = {}
     for case in CASES:
@@ -375,8 +379,9 @@ def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
 def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
     """Compute the rotations of "gear" and "output" from their ideal angles [rad] over a turn, shape (m,) each.
 
-    `case` and `direction` are keys of `CASES` (share of the load) and `DIRECTIONS` (sign of the speed). Crank angles
-    are evenly spaced, both ends included. For an RV reducer, only the output is computed, over a turn of the carrier.
+    `case` is a key of `CASES` (shares of the `load` [N m]), `direction` a key of `DIRECTIONS` (signs of the speed).
+    Crank angles are evenly spaced, both ends included. For an RV reducer, only the output is computed, over a turn of
+    the carrier.
     """
     if isinstance(reducer, RvReducer):
         return {"output": rv_sheet.running_rotation(reducer, DIRECTIONS[direction] * CASES[case] * load)}
@@ -388,9 +393,9 @@ def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str)
 
 
 def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
-    """Yield peak-to-peak and rms values [arcsec] of the rotations of disc and output [rad], by part.
+    """Yield peak-to-peak and rms values [arcsec] of rotations [rad], which have the keys "gear" and "output".
 
-    `case` and `direction` are arguments of `_compute_rotations`, and part of the keys.
+    `case` and `direction` are arguments of `_compute_rotations`, and part of the keys of the quantities.
     """
     for shaft, rotation in rotations.items():
         end = f"{case}_{direction}_speed"
@@ -402,8 +407,8 @@ def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS))
     """Yield forces [N], pressures [MPa] and margins of each kind of mating pair, and the torques of `LIMITS` [N m].
 
     `load` is the torque on the output [N m]; only the first `limit_count` limits are computed. With several discs,
-    their shares of the torque and the bearing reactions are included. A limit is NaN, with a note, if no contact is
-    narrow enough for Hertz theory.
+    their shares of the torque and the bearing reactions are included. If no contact is narrow enough for Hertz theory,
+    the torques are NaN, with a note.
     """
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
@@ -441,7 +446,7 @@ def _force_angles(reducer: Reducer) -> Array:
 def disc_shares(shares: Array) -> Iterator[Quantity]:
     """Yield the mean share of each disc in the output torque [1], from `shares` at m crank angles, shape (m, D).
 
-    Nothing is yielded for a single disc. Without crank angles, m = 0, shares are NaN with a note.
+    Nothing is yielded for a single disc. If m is 0, because the output has no load, the shares are NaN with a note.
     """
     for number, item in enumerate(shares.T if shares.shape[1] > 1 else (), start=1):
         value = float(item.mean()) if item.size else math.nan
@@ -486,7 +491,7 @@ def _mean_or_zero(values: Array) -> float:
 def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency [%] and losses [W] under a load [N m], and torque [N m] and efficiency [%] of back-driving.
 
-    The torque is NaN for a self-locking reducer. With the law ``film``, efficiencies have an interval.
+    The torque is NaN for a self-locking reducer. With the law ``film``, the efficiencies include an interval.
     """
     yield from _efficiency_figures(reducer, load)
     back_powers, back_torque = solve_back_driving(reducer, load)
@@ -501,7 +506,7 @@ def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency [%], losses [W] and shaft powers [W] when the crank drives a `load` on the output [N m].
 
-    With the law ``film``, the efficiency has an interval.
+    With the law ``film``, the efficiency includes an interval.
     """
     design = reducer.design
     mean_powers = powers(reducer, load)
@@ -518,9 +523,10 @@ def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 
 def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
-    """Solve for the output torque that drives the crank against the torque `load` [N m] over the ratio.
+    """Solve for the output torque that drives the crank against a torque of `load` [N m] divided by the ratio.
 
-    The output torque is `load` over the back-driving efficiency, which depends on it: a fixed-point iteration.
+    The output torque is `load` divided by the back-driving efficiency. The efficiency depends on this torque, so both
+    are determined by a fixed-point iteration.
 
     Returns
     -------

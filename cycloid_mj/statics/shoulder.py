@@ -19,10 +19,10 @@ TORSION = (3.4, 19.0, 1.0, 2.0)
 
 
 def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:
-    """Compute the notch factor alpha of a shoulder of a round shaft (DIN 743-2) [1].
+    """Compute the notch factor alpha [1] of a shoulder of a round shaft, by DIN 743-2.
 
-    `radius` [m] of the shaft increases to `outer` [m] (inf: a wide disc) with a fillet of the radius `fillet` [m].
-    `terms` are `BENDING` or `TORSION`.
+    At the shoulder, the radius of the shaft increases from `radius` to `outer` [m]; inf is a wide disc. `fillet` [m] is
+    the radius of the fillet between them. `terms` are `BENDING` or `TORSION`.
     """
     a, b, c, z = terms
     depth = outer - radius
@@ -36,11 +36,11 @@ def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[flo
 
 
 def root_arms(reducer: Reducer) -> Array:
-    """Compute the moments at the roots of an output pin per force at the middle of each disc [m], shape (roots, D).
+    """Compute the bending moments at the roots of an output pin per force of each disc [m], shape (roots, D).
 
-    A cantilever has one root with F a. A beam clamped at both ends has two with F a b^2/l^2, where a is the distance of
-    the force from the root, b that from the other root, and l their sum (Roark, Formulas for Stress and Strain, 8.1,
-    case 1d).
+    Forces act in the middle planes of the discs. A cantilever has one root, where a force F has the moment F a. A beam
+    clamped at both ends has two roots, with moments F a b^2/l^2. a is the distance of the force from the root, b that
+    from the other root, and l their sum (Roark, Formulas for Stress and Strain, 8.1, case 1d).
     """
     gear = reducer.design.gear
     root_position = gear.stack_width / 2.0 + AXIAL_GAP

@@ -57,7 +57,7 @@ class Springs:
     friction: FilmFriction | None = None
 
     def with_friction(self, friction: FilmFriction) -> "Springs":
-        """Return the springs with other friction coefficients; only for springs with the law ``film``."""
+        """Return the springs with the friction coefficients of `friction`; only for springs with the law ``film``."""
         assert self.film is not None
         rubbing = friction.contacts[..., np.newaxis] * self.film.unit_rubbing
         speed = self.film.surfaces.reducer.design.drive.speed
@@ -78,9 +78,9 @@ class Springs:
         return np.asarray(slope[..., :-1].reshape(*slope.shape[:2], -1, 3)[..., :2].sum(axis=2))
 
     def load(self, torque: float | Array) -> Array:
-        """Return the generalised forces of a torque on the carrier, weight and inertia [N], shape (m, 3 D + 1).
+        """Return the generalised forces of a torque on the carrier, of weight and of inertia [N], shape (m, 3 D + 1).
 
-        The torque [N m] is a number, or has shape (m,).
+        `torque` [N m] is a number, or has shape (m,).
         """
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
         for disc in range(self.body_force.shape[1]):
@@ -158,10 +158,10 @@ def _with_cam_friction(contacts: kernel.KernelSprings, reducer: Reducer, coeffic
 
 
 def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions: Array) -> kernel.KernelSprings:
-    """Return the springs of gaps and cams for the compiled kernel, without friction.
+    """Return the springs of contacts and cams for the compiled kernel, without friction.
 
-    `mesh_gaps` are the gaps at m crank angles, `teeth` is the number of contact lines with the ring among them, and
-    `cam_positions` are those of the cams [m], shape (m, D, 2).
+    `mesh_gaps` are the gaps at m crank angles, and `teeth` is the number of contact lines with the ring among them.
+    `cam_positions` [m], shape (m, D, 2), are the positions of the cams.
     """
     design, bending = reducer.design, _cross_compliances(reducer)
     pin_stiffness = np.repeat(np.array(reducer.contacts["output"].stiffness_by_disc), design.output.pins)
@@ -187,10 +187,10 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions
 
 
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
-    """Compute the stiffness of contact lines with the ring [N/m], with sockets or sleeves in series.
+    """Compute the stiffness of contact lines with the ring [N/m], in series with that of sockets or sleeves.
 
-    `curvature` is the relative curvature of each line [1/m], any shape; the result has the same shape. A line on a half
-    of the ring is half as long, and has half of the stiffness.
+    `curvature` is the relative curvature of each line [1/m], of any shape; the result has the same shape. If the ring
+    has two halves, each line is half as long and has half of the stiffness.
     """
     law = reducer.contacts.teeth.curvature_law
     stiffness = law.stiffness * law.factors(curvature)
@@ -200,11 +200,11 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
 
 
 def _cross_compliances(reducer: Reducer) -> Array:
-    """Compute the compliances of an output pin between discs [m/N], (D, D): deflection at a disc per force of another.
+    """Compute the deflection of an output pin at each disc per force of each other disc [m/N], shape (D, D).
 
-    The diagonal is 0, as the deflection under a disc's own force is part of the contact's stiffness. The forces of
-    discs at phases b and b' include the angle b - b': the share cos(b - b') of the deflection is along a force, and the
-    share across it only moves the contact along its circle.
+    The diagonal is 0, as the deflection under a disc's own force is part of the contact's stiffness. Only the component
+    of a deflection along the force of its disc counts: the forces of discs at phases b and b' include the angle b - b',
+    so it is multiplied by cos(b - b'). The other component only moves the contact along its circle.
     """
     phases, flexibility = np.array(reducer.phases), reducer.contacts.pin_flexibility
     np.fill_diagonal(flexibility, 0.0)

@@ -26,9 +26,10 @@ TWISTING = ("carrier", "shaft", "housing")
 def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
     """Compute the torsional stiffness of each of `TWISTING` about its own axis [N m/rad]; inf in a rigid structure.
 
-    Values that the design does not set follow from the shape: G pi r^4/(2 L) for the shaft, G 4 pi t/(1/r^2 - 1/R^2)
-    for rings of inner radius r, outer radius R and thickness t (in-plane shear): the output disc from hub to pins, the
-    housing from pins or lobes to bolts or rim.
+    Values that the design does not set follow from the shape and the shear modulus G. A shaft of the radius r and the
+    length L has G pi r^4/(2 L). A ring of inner radius r, outer radius R and thickness t has G 4 pi t/(1/r^2 - 1/R^2)
+    (in-plane shear): the output disc between hub and pins, and the housing between its pins or lobes and its bolts or
+    rim.
     """
     design = reducer.design
     if design.structure == "rigid":
@@ -47,12 +48,12 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
 
 
 def twisting_compliance(reducer: Reducer) -> dict[str, float]:
-    """Compute the rotation of the output at a locked crank by the torsion of each part, per output torque [rad/(N m)].
+    """Compute the rotation of the output due to the torsion of each part, per output torque [rad/(N m)].
 
-    Keys are `TWISTING`. The crank has the torque of the output over the ratio N - 1, and its torsion appears at the
-    output divided by N - 1. The ring has N/(N - 1) times the torque of the output, and its torsion appears multiplied
-    by N/(N - 1). If the ring is the output, each is multiplied by the square of `Member.share`. Contact forces do not
-    change, as all contacts rotate together.
+    Keys are `TWISTING`; the crank is locked, and N is the number of ring teeth. The crank has the torque of the output
+    divided by the ratio N - 1, and its torsion appears at the output divided by N - 1. The ring has N/(N - 1) times the
+    torque of the output, and its torsion appears multiplied by N/(N - 1). If the ring is the output, each is multiplied
+    by the square of `Member.share`. Contact forces do not change, as all contacts rotate together.
     """
     design = reducer.design
     stiffness, teeth, share_squared = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
@@ -72,7 +73,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
     """Compute the deflection of the shaft at each cam per force on each cam [m/N], shape (D, D).
 
     The shaft is an Euler-Bernoulli beam with its radius on two rigid bearings that allow it to tilt. No quantity of the
-    sheet includes this deflection; `structure_text` states it.
+    data sheet includes this deflection; only `structure_text` states it.
 
     Raises
     ------

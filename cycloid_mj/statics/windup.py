@@ -62,9 +62,10 @@ class Windup:
         return self.turn[LOST_MOTION_SHARE] - self.turn[-LOST_MOTION_SHARE]
 
     def compliance(self, values: dict[float, float]) -> float:
-        """Compute the slope of values over the torque in the linear part, per [N m], as the mean of both directions.
+        """Compute the slope of `values` over the torque in its linear range, as the mean of both directions.
 
-        `values` are a rotation [rad] or a displacement [m] by relative torque, such as `turn`.
+        `values` are rotations [rad] or displacements [m], such as `turn`; their keys are torques relative to `rated`.
+        The result is in [rad/(N m)] or [m/(N m)].
         """
         low, high = STRAIGHT
         rise = (values[high] - values[low], values[-low] - values[-high])
@@ -85,8 +86,8 @@ class Windup:
 def split_in_series(reducer: Reducer, output_rate: float, disc_rate: float, centre_lead: float) -> dict[str, float]:
     """Split the compliance of the output [rad/(N m)] into shares of output pins, cam and mesh, keyed by `SERIES`.
 
-    Torsion of the structure counts with the contacts of the output. If the ring is the output, the disc rotates against
-    a fixed carrier.
+    The torsion of the structure is part of the share of the output pins. If the ring is the output, the disc rotates
+    against a fixed carrier.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def solve_windups(
 ) -> list[Windup]:
     """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m], without friction.
 
-    Returns a wind-up per crank angle, with the poses under both signs of each torque share of `SHARES`. With
+    Returns a `Windup` per crank angle, with the poses under both signs of each torque share of `SHARES`. With
     `warm_start`, each solution starts from the previous equilibria, which halves the time if the angles vary smoothly.
 
     Raises
@@ -158,8 +159,8 @@ def solve_windups(
 def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
     """Compute the work of the force increments from a low to a high load in each of `SPRINGS` [J], shape (m,) by name.
 
-    The work is force increment times relative displacement, summed over the contacts. That of bent output pins is
-    separate.
+    The work is force increment times relative displacement, summed over the contacts. The work that bends the output
+    pins is the separate entry "bending".
     """
     displacement = high.departures - low.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)

@@ -171,7 +171,7 @@ def largest_play(springs: KernelSprings) -> float:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def scale_clearances(springs: KernelSprings, share: float, scaled_clearance: Array) -> KernelSprings:
-    """Return springs whose clearances are multiplied by `share` [1]; a cam with negative clearance (preload) keeps it.
+    """Return springs with clearances multiplied by `share` [1], except the negative clearance (preload) of a cam.
 
     The clearances of the contacts are written to `scaled_clearance` (n,) [m], a workspace of the new springs, which
     share all other arrays with `springs`.
@@ -233,10 +233,11 @@ def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _CurveOffset:
-    """Compute the offset of the two curves of a contact at displaced parts, with rotations to the second order.
+    """Compute the offset of the two curves of a contact when disc and output are displaced.
 
     It is the offset between the two points that touch in the ideal mesh: q along the normal and p along the tangent of
-    the ideal contact [m]. For a tooth, both are components in the frame that rotates with the disc.
+    the ideal contact [m], with rotations to the second order. For a tooth, both are components in the frame that
+    rotates with the disc.
 
     Parameters
     ----------
@@ -320,13 +321,14 @@ def _curve_distance(
 ) -> tuple[float, float, float, float]:
     """Compute the distance of two curves whose points of ideal contact have moved apart by an offset.
 
-    Where the third-order expansion is not valid, the foot point on the trochoid is used; if there is none nearby, as
-    for parts that are far apart, the profile is approximated by its circle of curvature.
+    The distance is expanded to the third order. Where the expansion is not valid, the foot point on the trochoid is
+    used. If there is none nearby, as for parts that are far apart, the profile is approximated by its circle of
+    curvature.
 
     Parameters
     ----------
     trochoid, phase
-        As in `KernelSprings`, for contacts of a profile.
+        As in `KernelSprings`; used only for a tooth profile.
     curvature, curvature_rate
         Relative curvature at the ideal contact [1/m], and its rate along the arc [1/m2].
     q, p
@@ -402,18 +404,11 @@ def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
 def _find_foot_point(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, normal_component: float
 ) -> tuple[bool, float, float, float, float]:
-    """Find the foot point of a point on the `trochoid` E u(t) - c u(N t), with symbols as in `KernelSprings`.
+    """Find the foot point of a displaced point on the `trochoid` (`KernelSprings`), by Newton's method with bisection.
 
-    The point is at q along the normal and p along the tangent [m] from the curve's point at the `phase` (N - 1) t,
-    where the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method,
-    safeguarded by bisection, starts near the foot point on the circle of curvature, at the arc length p over
-    `normal_component`, which is 1 + curvature q.
-
-    Returns
-    -------
-    tuple
-        Whether there is a foot point nearby; distance [m], cosine and sine of the angle by which the normal rotates,
-        and rate of this angle by p [1/m].
+    The ideal contact is at the `phase` (N - 1) t [rad]. The point is displaced from it by q along the normal and p
+    along the tangent [m]; `normal_component` is 1 + curvature q. Returns whether there is a foot point nearby; distance
+    [m], cosine and sine of the angle by which the normal rotates, and rate of this angle by p [1/m].
     """
     E, c, N = trochoid
     sine, cosine = math.sin(phase), math.cos(phase)
@@ -472,7 +467,8 @@ def bound_width(springs: KernelSprings, k: int, i: int, offset: _CurveOffset, us
     """Compute a lower bound of the width of a contact's gap [m]; 0 if the gap may be closed.
 
     The arguments are those of `gap_at`: indices of crank angle `k` and contact `i`, and the `offset` from
-    `curve_offset`. With `use_foot_point`, the bound is valid for the gap at the foot point.
+    `curve_offset`. If `use_foot_point` is true, the bound is valid for the gap that `gap_at` computes at the foot
+    point.
     """
     q, p = offset.q, offset.p
     curvature, curvature_rate, trochoid = springs.curvature[k, i], springs.curvature_rate[k, i], springs.trochoid

@@ -89,21 +89,10 @@ def solve_by_arclength(
 ) -> float:
     """Solve for displacements z (u,) [m] at crank angle `k` by pseudo-arclength continuation in friction and clearance.
 
-    Parameters
-    ----------
-    springs, k, load
-        Springs, index of the crank angle, and generalised load (u,) [N].
-    z
-        Output array for the displacements, which are a solution if the result is at most `tolerance`.
-    tolerance
-        Residual norm of a solution [N].
-    path, system
-        Path from `allocate_path`; residual, tangent and workspace. They are overwritten.
-
-    Returns
-    -------
-    float
-        Residual norm [N]; infinity if the path is lost, or friction wedges the parts along it.
+    `springs` are those at all crank angles and `load` (u,) [N] is the generalised load. `tolerance` [N] is the residual
+    norm of a solution. `z` is an output array. `path` is a result of `allocate_path`; `path` and `system` are
+    overwritten. Returns the residual norm [N]: infinity if the path ends before full friction and clearance, or if
+    friction wedges parts.
 
     Notes
     -----
@@ -169,7 +158,7 @@ def solve_scaled(
     Parameters
     ----------
     springs, k, load, z, tolerance, use_backtracking, system
-        As in `newton`, without damping and warm start.
+        As in `newton`, which is called without damping and warm start.
     clearance, friction
         Factors on all clearances (`scale_clearances`) and on the friction [1].
     scaled_clearance
@@ -177,7 +166,7 @@ def solve_scaled(
 
     Notes
     -----
-    `newton` is compiled into each of its callers, this function is not.
+    This function is compiled once, unlike `newton`, which is compiled into each of its callers.
     """
     scaled_springs = scale_clearances(springs, clearance, scaled_clearance)
     return newton(scaled_springs, k, load, z, 1.0, friction, TRUE, tolerance, 0.0, FALSE, use_backtracking, system)
@@ -187,8 +176,8 @@ def solve_scaled(
 def _friction_and_clearance(order: float, parameter: float) -> tuple[float, float]:
     """Return the factors on friction and clearance [1] at a `parameter` of the path; they exceed 1 beyond its end.
 
-    With the `order` 1, friction grows at parameters from 0 to 1, then clearance from 1 to 2; with -1, clearance grows
-    first. With 0, both grow together from 0 to 1.
+    If `order` is 1, friction grows at parameters from 0 to 1, then clearance at parameters from 1 to 2. If it is -1,
+    clearance grows first. If it is 0, both grow together at parameters from 0 to 1.
     """
     if order == 0.0:
         return parameter, parameter
@@ -197,7 +186,9 @@ def _friction_and_clearance(order: float, parameter: float) -> tuple[float, floa
 
 
 def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> Path:
-    """Allocate the workspace of a continuation path, whose unit is the largest clearance of all contacts and cams.
+    """Allocate the workspace of a continuation path.
+
+    The unit of length of the path is the largest clearance of all contacts and cams, at least 1 um.
 
     Parameters
     ----------
@@ -206,7 +197,7 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> P
     unknown_count
         Number of displacements.
     order
-        Relation of friction and clearance along the path, see `search.PARAMETER_ORDERS`.
+        Order in which friction and clearance grow along the path, see `search.PARAMETER_ORDERS`.
     """
     return Path(
         order,
@@ -227,10 +218,11 @@ def allocate_path(springs: KernelSprings, unknown_count: int, order: float) -> P
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
 def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: Path, system: System) -> float:
-    """Assemble the residual at a point of the path and its derivatives, `path.matrix`; return the residual norm [N].
+    """Write the residual at a point of the path, and its derivatives, to `path`; return the residual norm [N].
 
-    `k` is the index of the crank angle, `load` (u,) [N] the generalised load. The point (u + 1,) consists of
-    displacements over `path.unit`, and the parameter. The residual is written to ``path.residual``.
+    The `point` (u + 1,) consists of the displacements divided by `path.unit`, and the parameter. The residual is
+    written to ``path.residual``, its derivatives by the entries of the point to ``path.matrix``. `k` is the index of
+    the crank angle, `load` (u,) [N] the generalised load.
     """
     unknown_count, matrix, residual, z = load.size, path.matrix, system.residual, system.back
     for j in range(unknown_count):
@@ -269,12 +261,12 @@ def _add_clearance_rate(
     rate: Array,
     system: System,
 ) -> None:
-    """Add the derivative of the springs' generalised forces by the share of clearance to `rate` [N], shape (u,).
+    """Add the derivative of the springs' generalised forces by the factor on all clearances to `rate` [N], shape (u,).
 
     Parameters
     ----------
     springs, scaled_springs
-        Springs with their full clearances, and with the present share of them.
+        Springs with their full clearances, and with clearances multiplied by the present factor.
     k, z
         Index of the crank angle, and displacements (u,) [m].
     friction
@@ -307,8 +299,9 @@ def _update_tangent(
 ) -> float:
     """Write the unit tangent of the path at a `point` to `path.tangent`; return the sign of the determinant there.
 
-    If the augmented system is singular, the sign is 0 and the tangent unchanged. `sign` is the sign at the beginning of
-    the path, which directs the tangent. `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
+    The determinant is that of the augmented system. If the system is singular, the result is 0 and the tangent is
+    unchanged. The tangent points forwards along the path; this direction follows from `sign`, the sign of the
+    determinant at the beginning of the path. `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
     """
     unknown_count = load.size
     augmented_residual(springs, k, load, point, path, system)
@@ -339,7 +332,7 @@ def _predict_and_correct(
 
     It fails if the corrector does not converge, if the tangent is not unique, or if the new point is not ahead of the
     old one along the new tangent. The tangent is then unchanged. `sign` is an argument of `_update_tangent`,
-    `tolerance` the residual norm of a solution [N]; `k` is the index of the crank angle, `load` (u,) [N] the
+    `tolerance` [N] is the residual norm of a solution, `k` the index of the crank angle, and `load` (u,) [N] the
     generalised load.
     """
     copy(path.tangent, path.previous_tangent)
@@ -360,8 +353,9 @@ def _correct(
 ) -> bool:
     """Compute `path.next_point` at a `length` [1] from `path.point` by Newton's method; return whether it converges.
 
-    It fails if the residual norm stays above `tolerance` [N], or the point deviates too far from the predictor along
-    `path.tangent`. `k` is the index of the crank angle, `load` (u,) [N] the generalised load.
+    The predictor is the point at this length along `path.tangent`. The method fails if the residual norm stays above
+    `tolerance` [N], or if the new point is too far from the predictor. `k` is the index of the crank angle, `load` (u,)
+    [N] the generalised load.
     """
     unknown_count, point, next_point, tangent, residual = (
         load.size,
@@ -396,10 +390,11 @@ def _correct(
 def _pass_corner(
     springs: KernelSprings, k: int, load: Array, sign: float, tolerance: float, path: Path, system: System
 ) -> float:
-    """Find a point of the path beyond a corner, where a contact opens or closes and the path may turn back.
+    """Step to a point of the path beyond a corner, where a contact opens or closes and the path may turn back.
 
-    Tangents are computed at trial distances from 1e-7 to 1e-3, and steps of 1e-2 to 1e-6 along them are tried.
-    Arguments as in `_predict_and_correct`. Returns the length of the step [1], 0 if none succeeds.
+    Tangents are computed at distances of 1e-7 to 1e-3 ahead of `path.point`. Along each, steps of 1e-2 to 1e-6 are
+    tried. The arguments are those of `_predict_and_correct`. Returns the length of the successful step [1], 0 if there
+    is none.
     """
     unknown_count = load.size
     tangent = path.corner_tangent

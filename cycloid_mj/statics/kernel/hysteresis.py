@@ -160,15 +160,15 @@ def follow_path(
     max_motion
         Displacement of the output [m], as an arc length at `springs.radius`, above which a step is halved.
     positions, z
-        Output arrays (rows,) and (rows, u) [m], rows >= m: position on the path, as an index of its loads with
-        fraction, and displacements there. Each load has a row, from the first load on; rows beyond m are for the parts
-        of halved steps. On entry, the first row of z must contain the displacements at rest; it is overwritten.
+        Output arrays (rows,) and (rows, u) [m], rows >= m: position on the path, as a fractional index of its loads,
+        and displacements there. Each load has a row, from the first load on; rows beyond m are for the parts of halved
+        steps. On entry, the first row of z must contain the displacements at rest; it is overwritten.
 
     Returns
     -------
     tuple of Residual and int
-        Residual, and number of rows that are filled in. The residual force is 0 if the whole path was solved. If a
-        step has no equilibrium, it is the residual of this step over the largest load of the path.
+        Residual, and number of rows that are filled in. The residual force is 0 if the whole path was solved. If a step
+        has no equilibrium, it is the residual of this step divided by the largest load of the path.
     """
     elements, unknowns = rubbing.stick.size, path.shape[1]
     old, new = _allocate_state(elements, unknowns), _allocate_state(elements, unknowns)
@@ -234,9 +234,9 @@ def _follow_path(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
-    """Write the load at a `share` [1] of the step from load `m` - 1 to load `m` of a path (loads, u) to `load` [N].
+    """Write the load [N] at a `share` [1] of the step from load `m` - 1 to load `m` of a path to `load` (u,).
 
-    The first step, `m` = 0, begins without load.
+    `path` has the shape (loads, u). The first step, `m` = 0, begins without load.
     """
     for j in range(load.size):
         before = path[m - 1, j] if m else 0.0
@@ -246,11 +246,12 @@ def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
 def assemble_after(
     springs: KernelSprings, rubbing: Rubbing, middle: Array, load: Array, z: Array, fixed_limits: bool
 ) -> State:
-    """Assemble residual and tangent of the second of two steps from rest: to `middle` (u,), then to `z` (u,) [m].
+    """Assemble energy, residual and tangent of a step from the displacements `middle` to `z`, (u,) [m] each.
 
-    The `load` (u,) [N] acts at z. Neither displacement needs to be an equilibrium. The friction limits follow from the
-    normal forces at z, as in `follow_path`. With `fixed_limits` they follow from the normal forces at `middle`; then
-    the residual is the negative gradient of the energy, and the tangent is symmetric.
+    Another step leads from rest to `middle` before. The `load` (u,) [N] acts at z. Neither displacement needs to be an
+    equilibrium. The friction limits follow from the normal forces at z, as in `follow_path`. With `fixed_limits` they
+    follow from those at `middle`; then the residual is the negative gradient of the energy, and the tangent is
+    symmetric.
     """
     unknown_count, elements = z.size, rubbing.stick.size
     rest, old, new = (_allocate_state(elements, unknown_count) for _ in range(3))
@@ -335,10 +336,10 @@ def _solve_newton(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Solve a step by Newton's method with the consistent tangent of springs and friction; return the residual [N].
+    """Solve a step by Newton's method with the consistent tangent; return the residual norm [N].
 
-    `old` is the state before the step, `new` the state after it, whose displacements are filled in. A residual norm
-    below `tolerance` [N] is a solution; `increment` has the load and the workspace.
+    `old` is the state before the step, `new` the state after it, which is overwritten. A residual norm up to
+    `tolerance` [N] is a solution; `increment` has the load and the workspace.
     """
     copy(old.z, new.z)
     max_length = _HYSTERESIS.max_step / largest(springs.curvature[0])
@@ -412,11 +413,11 @@ def _solve_pseudo_transient(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Solve a step by pseudo-transient continuation with friction along the path; return the residual norm [N].
+    """Solve a step by pseudo-transient continuation; return the residual norm [N].
 
-    If there is no equilibrium nearby, parts jump to a distant equilibrium, which depends on the friction along the path
-    to it. With enough viscous drag (a short pseudo time step) each solution is unique. The arguments are those of
-    `_solve_newton`; `old` is overwritten, too: both states end at the solution.
+    If there is no equilibrium nearby, parts jump to a distant equilibrium, which depends on the work of friction on the
+    way to it. With enough viscous drag (a short pseudo time step), the solution of each pseudo time step is unique. The
+    arguments are those of `_solve_newton`. Both states `old` and `new` are overwritten by the solution.
     """
     regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     drag, norm = springs.cam_stiffness, np.inf
@@ -470,9 +471,9 @@ def _assemble_step(
 ) -> tuple[float, float]:
     """Assemble residual and tangent of a step in `increment`, at the displacements of `new`.
 
-    `old` is the state before the step. The forces of springs, friction and material are written to `new`. With
-    `fixed_limits`, the friction limits are taken from `increment`, so that there is an energy, and the tangent is
-    symmetric.
+    `old` is the state before the step. The forces of springs, friction and lossy material are written to `new`. With
+    `fixed_limits`, the limits of friction and material are those of `increment`; the residual is then the negative
+    gradient of the energy, and the tangent is symmetric.
 
     Returns
     -------
@@ -552,7 +553,7 @@ def _add_cam(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add the contact of a disc and its cam, with its friction, to a step; return their energy [J].
+    """Add the contact of a disc and its cam, with friction, to residual and tangent of a step; return its energy [J].
 
     `disc` is the index of the disc. The other arguments are those of `_assemble_step`: `old` and `new` are the states
     before and after the step, and `fixed_limits` is whether the friction limits are taken from `increment`.
@@ -584,11 +585,11 @@ def _add_contact(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add contact `i` of a `stiffness` [N/m] and a deflection `depth` [m], with its friction, to a step.
+    """Add contact `i`, including friction, to residual and tangent of a step; return its energy [J].
 
-    The material retains a share of the force by a spring along the normal that slips at a limit. The forces are written
-    to `new`. The other arguments are those of `_assemble_step`; `increment.gradient` (u,) must be the gradient of the
-    depth. Returns the energy of the contact [J].
+    The contact has the `stiffness` [N/m] and the deflection `depth` [m]; `increment.gradient` (u,) must be the gradient
+    of the depth. A further spring along the normal, which slips at a limit, represents the force that the material
+    retains during unloading. The forces are written to `new`. The other arguments are those of `_assemble_step`.
     """
     spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
     new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
@@ -623,10 +624,10 @@ def _add_friction(
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add the friction of element `i` with a limit [N] to a step; return its energy [J].
+    """Add the friction of element `i` to residual and tangent of a step; return its energy [J].
 
-    Return mapping: the elastic trial force is reduced to the limit. `rate` [N/m] is the derivative of the limit by the
-    depth of the contact. `old` is the state before the step; the friction force is written to ``new.side``.
+    The elastic trial force is reduced to the `limit` [N] (return mapping). `rate` [N/m] is the derivative of the limit
+    by the deflection of the contact. `old` is the state before the step; the friction force is written to ``new.side``.
     """
     slip, stick, unknown_count = old.slip[i], rubbing.stick[i], increment.load.size
     new.side[i] = 0.0

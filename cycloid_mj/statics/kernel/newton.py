@@ -82,28 +82,12 @@ def newton(
 ) -> float:
     """Solve for the displacements of static equilibrium at a crank angle by a semismooth Newton method.
 
-    Parameters
-    ----------
-    springs, k, load, stiffness_factor, friction, use_foot_points
-        As in `assemble`: springs, index of the crank angle, generalised load (u,) [N], factors on stiffness and
-        friction, and whether foot points of teeth are computed.
-    z
-        Start values of the displacements (u,) [m], which are replaced by the solution.
-    tolerance
-        Residual norm of a solution [N].
-    damping
-        Stiffness that is added to the tangent, over the stiffness of the cam and per residual norm [1/N].
-    warm_start
-        Whether contacts that carried a force count as closed in the first step (warm-started active set).
-    use_backtracking
-        Whether steps are shortened until the energy falls (Armijo); only without friction.
-    system
-        Residual, tangent and workspace, which are overwritten.
-
-    Returns
-    -------
-    float
-        Residual norm, the largest residual force [N]; above `tolerance` if no solution was reached.
+    `z` (u,) [m] contains start values, which are replaced by the solution. `tolerance` [N] is the residual norm of a
+    solution. `damping` [1/N] is the stiffness added to the tangent, divided by the stiffness of the cam and the
+    residual norm. With `warm_start`, contacts that carried a force count as closed in the first step (warm-started
+    active set). With `use_backtracking`, steps are shortened until the energy falls (Armijo); only without friction.
+    `system` is overwritten. The other arguments are those of `assemble`. Returns the residual norm, the largest
+    residual force [N].
     """
     cam_stiffness, max_length = stiffness_factor * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
     residual, step, start, unknown_count = system.residual, system.step, system.start, z.size
@@ -142,11 +126,11 @@ def newton(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _compute_step(use_backtracking: bool, cam_stiffness: float, damping: float, system: System) -> bool:
-    """Compute the Newton step (u,) [m] in ``system.step``; return whether it exists (the tangent is not singular).
+    """Write the Newton step (u,) [m] to ``system.step``; return whether it exists, so that the tangent is not singular.
 
-    With `use_backtracking`, the step descends by the modified Hessian, whose eigenvalues are at least a small share
-    of `cam_stiffness` [N/m]. If not, `damping` [N/m] is added to the diagonal of the tangent. The tangent is
-    overwritten.
+    With `use_backtracking`, the step is a descent direction from the modified Hessian, whose eigenvalues are at least a
+    small share of `cam_stiffness` [N/m]. If not, `damping` [N/m] is added to the diagonal of the tangent. The tangent
+    is overwritten.
     """
     tangent, residual, step = system.tangent, system.residual, system.step
     if use_backtracking:
@@ -175,10 +159,11 @@ def _quadratic_form(stiffness: Array, step: Array) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> float:
-    """Solve a linear system `matrix` (u, u) times `solution` = `right_side` (u,) by Gaussian elimination with pivoting.
+    """Solve the linear system `matrix` (u, u) x = `right_side` (u,) by Gaussian elimination with pivoting.
 
-    Matrix and right side are overwritten; `solution` may be `right_side`. `diagonal` is added to the diagonal
-    (regularization of rigid-body modes). Returns the sign of the determinant, or 0 if the matrix is singular.
+    The solution x is written to `solution` (u,), which may be `right_side` itself; the matrix is overwritten.
+    `diagonal` is first added to the diagonal of the matrix (regularization of rigid-body modes). Returns the sign of
+    the determinant, or 0 if the matrix is singular.
     """
     unknown_count, sign = right_side.size, 1.0
     for j in range(unknown_count):
@@ -215,7 +200,7 @@ def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: fl
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> bool:
-    """Solve a symmetric linear system by Cholesky factorization in place; return whether it is positive definite.
+    """Solve a symmetric linear system by Cholesky factorization; return whether its matrix is positive definite.
 
     Only the lower half of the `matrix` (u, u) is read and overwritten; `diagonal` is added to its diagonal. The
     solution of `matrix` times x = `right_side` (u,) is written to `solution` (u,), which may be `right_side` itself.
@@ -251,8 +236,9 @@ def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: 
 def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenvalue: float, vectors: Array) -> None:
     """Compute a descent direction `step` (u,) from a `residual` (u,) and a symmetric, maybe indefinite `matrix` (u, u).
 
-    The matrix is inverted with eigenvalues replaced by their absolute values, at least `min_eigenvalue`; if all exceed
-    this, by a Cholesky factorization. The matrix is overwritten, `vectors` (u, u) is workspace.
+    The eigenvalues of the matrix are replaced by their absolute values, at least `min_eigenvalue`, and the residual is
+    multiplied by the inverse. If all eigenvalues exceed this minimum, a Cholesky factorization suffices. The matrix is
+    overwritten; `vectors` (u, u) is workspace.
     """
     unknown_count = residual.size
     for i in range(unknown_count):
@@ -276,7 +262,7 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
     """Compute the eigenvectors of a symmetric matrix (u, u) as columns of `vectors` (u, u), by Jacobi rotations.
 
     The matrix is overwritten, and its diagonal becomes the eigenvalues (Golub & Van Loan, Matrix Computations, 8.5).
-    NumPy's function would import SciPy, which takes a quarter of a second per command.
+    NumPy's function is not used in compiled code, because it would import SciPy, which takes 0.25 s per command.
     """
     unknown_count, tolerance = len(matrix), 0.0
     for i in range(unknown_count):

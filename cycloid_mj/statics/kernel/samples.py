@@ -105,8 +105,8 @@ def balance_few_samples(
         Output array (t, all samples, ``FIGURES``): quantities of each sample as in `_write_sample_figures`, then the
         relative residual, above ``RESIDUAL_RTOL`` if a crank angle has no equilibrium.
     use_paths
-        True to solve along paths where Newton's method fails (``search.balance_with_paths``), in Python only; otherwise
-        None, never False. Compiled code requires None.
+        True: solve along paths where Newton's method fails (``search.balance_with_paths``), which compiled code cannot.
+        None: do not; False is not allowed.
     workspace
         From `allocate_workspace`; overwritten.
     """
@@ -173,7 +173,7 @@ def _fill_sample(
     cam_position: Array,
     start_values: Array,
 ) -> None:
-    """Write gaps, cam positions and start values of a sample: effects of unit errors times its errors, summed.
+    """Write contact offsets, cam positions and start values of a sample: the effects of its errors, summed.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def _fill_sample(
     cam_position
         Output array for the positions of the cams (k, D, 2) [m].
     start_values
-        Output array for the initial displacements (k, u) [m]: x and y of each disc, which is on its cam.
+        Output array for the initial displacements (k, u) [m]: x and y of each disc, which is centred on its cam.
     """
     circle, rotation = deviations.pin_circle[sample], deviations.rotation[sample]
     for k in range(distance.shape[0]):
@@ -225,7 +225,8 @@ def _write_sample_figures(
 ) -> None:
     """Write means, ranges and maxima of a sample over its crank angles to a `row`.
 
-    The arguments are single attributes of the springs, as conversion of all of them from Python takes long to compile.
+    Attributes of the springs are separate arguments, because the conversion of all springs from Python takes long to
+    compile.
 
     Parameters
     ----------
@@ -234,7 +235,7 @@ def _write_sample_figures(
     cam_position, cam_clearance, cam_stiffness
         Positions (k, D, 2) [m], clearance [m] and stiffness [N/m] of the cams.
     z
-        x, y and rotation times `radius` of each disc, then the rotation of the output, shape (k, 3 D + 1) [m].
+        Displacements at each crank angle, shape (k, u) [m], as in `KernelSprings`.
     force
         Contact forces (k, n) [N].
     row

@@ -16,6 +16,11 @@ from cycloid_mj.statics.kernel.system import System, allocate_system
 class SearchSettings(NamedTuple):
     """Settings of the natural-parameter continuation in stiffness and friction with step halving (`_continue`).
 
+    The continuation begins with springs so soft that all contacts are closed in spite of the clearances: their energy
+    is convex, and Newton's method finds its minimum. Friction is then increased and the springs are hardened. Steps are
+    halved until Newton's method converges at their end. If such a path ends, because parts snap across their
+    clearances, the springs are hardened first, by descent of the energy, and friction is increased afterwards.
+
     Attributes
     ----------
     short_work, warm_work
@@ -80,15 +85,15 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapo
     z
         Start values of the displacements (k, u) [m], which are replaced by the solutions.
     force
-        Output array for the forces of the springs (k, n) [N].
+        Output array for the forces of the contacts (k, n) [N].
     extrapolate
         Whether only the first row of z is a start value, and the others are extrapolated from the previous equilibria.
 
     Returns
     -------
     Residual
-        Relative residual, at most ``RESIDUAL_RTOL``, and the number of assemblies at all angles. If an angle has no
-        equilibrium, its index and its larger residual; later angles are not solved.
+        Largest relative residual, at most ``RESIDUAL_RTOL``, and the number of assemblies at all angles. If an angle
+        has no equilibrium, its index and its residual; later angles are then not solved.
     """
     return balance_with_paths(springs, load, z, force, extrapolate, allocate_system(springs))
 
@@ -124,9 +129,9 @@ def balance_briefly(
 ) -> Residual:
     """Solve as `balance` from the crank angle of index `first_angle` on, without the paths of `solve_by_arclength`.
 
-    The workspace `system` counts the assemblies. After a failure, the result has the index of the angle, and
-    `system.begun` its start values. With `extrapolate` and a `first_angle` above 0, the first solution is warm-started
-    as after a difficult angle (`SearchSettings.short_work`), and the count of assemblies continues.
+    The workspace `system` counts the assemblies. If there is no solution at an angle, the result has the index of the
+    angle, and `system.begun` its start values. With `extrapolate` and a `first_angle` above 0, the first solution is
+    warm-started as after a difficult angle (`SearchSettings.short_work`), and the count of assemblies continues.
     """
     start, largest_norm = system.begun, 0.0
     was_quick, warm_start = FALSE, extrapolate and first_angle > 0
@@ -165,10 +170,10 @@ def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
 
 
 def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float, play: float) -> bool:
-    """Return whether friction wedges a cam: its deflection by far exceeds that under the load alone (`SearchSettings`).
+    """Return whether friction wedges a cam, so that its deflection by far exceeds that under the load alone.
 
-    `k` is the index of the crank angle, `z` (u,) [m] the displacements, `load` [N] the largest component of the load,
-    and `play` [m] the result of `largest_play`.
+    `SearchSettings` has the limits. `k` is the index of the crank angle, `z` (u,) [m] are the displacements, `load` [N]
+    is the largest component of the load, and `play` [m] the largest clearance (`largest_play`).
     """
     valid = springs.cam_clearance + _SEARCH.reach * springs.trochoid[1]
     max_deflection = max(min(_SEARCH.wedged_depth * play, valid), _SEARCH.wedged_force * load / springs.cam_stiffness)
@@ -195,30 +200,11 @@ def _continue(
     warm_start: bool,
     system: System,
 ) -> float:
-    """Solve for displacements z (u,) [m] at crank angle `k` by Newton's method, or by continuation from `start`.
+    """Solve for displacements at crank angle `k` by Newton's method, or by the continuation of `SearchSettings`.
 
-    Springs so soft that all contacts are closed in spite of the clearances have a convex energy, whose minimum Newton's
-    method finds. From there, friction is increased and the springs are hardened, in steps that are halved until
-    Newton's method converges at the end of each. If such a path ends, because parts snap across their clearances, the
-    springs are hardened first, by descent of the energy, and friction is increased afterwards.
-
-    Parameters
-    ----------
-    springs, k, load
-        Springs, index of the crank angle, and generalised load (u,) [N].
-    z
-        Start values of Newton's method, which are replaced by the solution.
-    start
-        Start values of the continuation (u,) [m].
-    scale
-        Largest component of the load [N].
-    warm_start, system
-        As in `newton`.
-
-    Returns
-    -------
-    float
-        Smallest residual norm that was reached [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
+    `z` (u,) [m] contains start values of Newton's method and is overwritten by the solution; `start` (u,) [m] are those
+    of the continuation. `scale` [N] is the largest component of the `load` (u,) [N]. `warm_start` and `system` are
+    arguments of `newton`. Returns the smallest residual norm [N]: a solution if at most `RESIDUAL_RTOL` times `scale`.
     """
     has_friction = springs.rubbing.shape[0] > 0
     min_factor, friction, factor, parameter, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
@@ -267,10 +253,11 @@ def _continue(
 def _continue_by_arclength(
     springs: KernelSprings, k: int, load: Array, z: Array, smallest_norm: float, tolerance: float, system: System
 ) -> float:
-    """Solve along the paths of `solve_by_arclength` from `system.begun` (u,), after Newton's method has failed.
+    """Solve at crank angle `k` by `solve_by_arclength`, after Newton's method has failed from `system.begun` (u,).
 
-    Paths are followed in turn until equilibrium is reached within `tolerance` [N]; the solution is written to `z` (u,)
-    [m]. `smallest_norm` is the residual norm so far [N]; returns the smallest residual norm [N].
+    Paths with each of `PARAMETER_ORDERS` are followed until one reaches equilibrium within `tolerance` [N]. The
+    solution is written to `z` (u,) [m]. `smallest_norm` [N] is the smallest residual norm so far; returns the updated
+    value.
     """
     has_friction = springs.rubbing.shape[0] > 0
     for order in PARAMETER_ORDERS if has_friction else (0.0,):
@@ -290,9 +277,10 @@ def _continue_by_arclength(
 def _grow_clearances(
     springs: KernelSprings, k: int, load: Array, z: Array, tolerance: float, clearance: Array, system: System
 ) -> float:
-    """Solve without friction by descent of the energy while clearances grow in steps; return the residual norm [N].
+    """Solve without friction for increasing clearances, from none to the full; return the last residual norm [N].
 
-    The arguments are those of `solve_scaled`; `z` (u,) [m] ends at the solution, and `clearance` (n,) [m] is workspace.
+    Each step is a descent of the energy. The arguments are those of `solve_scaled`; `z` (u,) [m] ends at the solution,
+    and `clearance` (n,) [m] is workspace.
     """
     norm, count = math.inf, _SEARCH.clearance_steps
     for step in range(count + 1):
@@ -304,9 +292,9 @@ def _grow_clearances(
 def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float:
     """Compute the force [N] that deflects the stiffest spring by `clearance_count` times the largest clearance.
 
-    It determines the stiffness of the soft springs at the beginning of a continuation, at the crank angle of index `k`.
-    The force is limited such that no contact deflects beyond the range in which its curves are valid, even if a cam is
-    much stiffer.
+    The load divided by this force is the factor on the stiffness at the beginning of a continuation (`_continue`). The
+    force is limited such that no contact deflects beyond the range in which its curves are valid, even if a cam is much
+    stiffer. `k` is the index of the crank angle.
     """
     reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):

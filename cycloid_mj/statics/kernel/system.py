@@ -127,7 +127,7 @@ class _Cam(NamedTuple):
 
 
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
-    """Compute energy, residual forces and stiffness of the springs without friction.
+    """Compute energy, residual forces and stiffness of the springs without friction, as `State`.
 
     The springs are evaluated at the crank angle of index `k`, under a generalised load (u,) [N], at displacements `z`
     (u,) [m].
@@ -137,7 +137,7 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
 
 
 def allocate_system(springs: KernelSprings) -> System:
-    """Allocate residual, tangent and workspace for the solution at one crank angle after the other."""
+    """Allocate residual, tangent and workspace, which serve one crank angle after the other."""
     unknowns, discs = springs.slope.shape[2], springs.cam_position.shape[1]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
@@ -197,8 +197,8 @@ def assemble(
     use_foot_points
         Whether the foot point of every tooth is computed, instead of the third-order expansion.
     rebuild_list
-        Whether all contacts are evaluated and the neighbour list is rebuilt; if not, only contacts that may have closed
-        are.
+        True: evaluate all contacts and rebuild the neighbour list. False: evaluate only contacts that may have closed
+        since it was built.
     system
         Residual, tangent and workspace, which are overwritten.
 
@@ -251,7 +251,7 @@ def _sum_contacts(
 ) -> tuple[_DiscSums, float]:
     """Sum forces and stiffness of the contacts of a disc, except those with output pins that bend.
 
-    Only contacts that may have closed by the neighbour list are evaluated. Their forces are written to
+    Only contacts that may have closed since the neighbour list was built are evaluated. Their forces are written to
     `system.pressed`, and gradients to `system.row` where friction or continuation needs them. `energy` [J] is the sum
     so far, and `has_friction` whether friction acts. The other arguments are those of `assemble`: crank angle `k`,
     displacements `z` (u,) [m], `stiffness_factor`, `use_foot_points` and `rebuild_list`.
@@ -347,15 +347,15 @@ def _add_cam(
     energy: float,
     system: System,
 ) -> tuple[_DiscSums, float]:
-    """Add the contact of a disc and its cam to the sums of the disc and to the energy [J], its friction to the system.
+    """Add the contact of a disc and its cam to the sums of the disc; add its friction to `system`.
 
     The arguments are those of `assemble`: index `k` of the crank angle, displacements `z` (u,) [m], factors on
-    stiffness and friction. `disc` is the index of the disc, `sums` and `energy` are the sums so far.
+    stiffness and friction. `disc` is the index of the disc, `sums` and `energy` [J] are the sums so far.
 
     Returns
     -------
     tuple
-        The new sums, and the new energy [J].
+        The new sums, and `energy` plus that of the contact [J].
     """
     rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
     residual, tangent, x, y, t = system.residual, system.tangent, 3 * disc, 3 * disc + 1, 3 * disc + 2
@@ -412,8 +412,8 @@ def _write_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> 
 def _displacement_bound(z: Array, list_origin: Array, index: int, arm: float) -> float:
     """Return an upper bound of the displacement of a disc's contacts since the neighbour list was built [m].
 
-    `z` and `list_origin` are the displacements (u,) [m] now and when the list was built, `index` is the index of the
-    disc's first unknown, and `arm` is the largest lever over the radius of the circle of output pins [1].
+    `z` and `list_origin` are the displacements (u,) [m] now and when the list was built. `index` is the index of the
+    disc's first unknown. `arm` [1] is the largest lever arm divided by the radius of the circle of output pins.
     """
     rotation = abs(z[index + 2] - list_origin[index + 2]) + abs(z[z.size - 1] - list_origin[z.size - 1])
     return abs(z[index] - list_origin[index]) + abs(z[index + 1] - list_origin[index + 1]) + arm * rotation
@@ -437,9 +437,10 @@ def _add_bent_pins(
 ) -> float:
     """Add output pins that bend to residual and tangent; return the energy of their contacts and of the pins [J].
 
-    Forces f on a pin with contacts of stiffness K and gaps w of the straight pin solve the linear complementarity
-    problem K^-1 f + B f + w >= 0, f >= 0, with the `bending` B. The arguments are those of `assemble`: crank angle `k`,
-    displacements `z` (u,) [m], factors `stiffness_factor` and `friction`, and `rebuild_list` of the neighbours.
+    The forces f of the discs on a pin solve the linear complementarity problem K^-1 f + B f + w >= 0, f >= 0. K is the
+    contact stiffness, w are the gaps of the straight pin, and B is the `bending` of the springs. The arguments are
+    those of `assemble`: crank angle `k`, displacements `z` (u,) [m], factors `stiffness_factor` and `friction`, and
+    `rebuild_list`.
     """
     discs, energy, first_contact = springs.cam_position.shape[1], 0.0, _independent_contacts(springs)
     width, forces, normal, tangential, rate, is_active, kept_closed, flexibility, stiffness = system.pin
@@ -468,8 +469,8 @@ def _add_bent_pins(
 def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_list: bool, system: System) -> bool:
     """Return whether any disc may touch an output pin, by the neighbour list; set the forces on the pin to 0.
 
-    `k` and `pin` are the indices of crank angle and pin, `z` (u,) [m] the displacements; with `rebuild_list` the list
-    is rebuilt for them.
+    `k` and `pin` are the indices of crank angle and pin, `z` (u,) [m] the displacements. With `rebuild_list`, the pin's
+    entries of the list are first rebuilt at these displacements.
     """
     may_touch, first_contact = False, _independent_contacts(springs)
     for disc in range(springs.cam_position.shape[1]):
@@ -485,9 +486,10 @@ def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_l
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, system: System) -> None:
-    """Add the solved forces on a pin, from `system.pin`, with their tangent stiffness and friction, to the system.
+    """Add the solved forces on an output pin, with their tangent stiffness and friction, to residual and tangent.
 
-    `k` and `pin` are the indices of crank angle and pin; `friction` is a factor on the friction coefficients.
+    The forces are in `system.pin`. `k` and `pin` are the indices of crank angle and pin; `friction` is a factor on the
+    friction coefficients.
     """
     discs, first_contact, output_dof = (
         springs.cam_position.shape[1],
@@ -534,17 +536,17 @@ def _solve_pin(
 ) -> None:
     """Solve for the contact forces on a pin that bends, a linear complementarity problem, by principal pivoting.
 
-    The most violated condition is exchanged first (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992,
-    4.2).
+    In each step, the contact that violates its condition most is opened or closed (Cottle, Pang & Stone, The Linear
+    Complementarity Problem, 1992, 4.2).
 
     Parameters
     ----------
     flexibility, width
         Flexibility of pin and contacts (D, D) [m/N], and gaps of the straight pin (D,) [m].
     kept_closed
-        Contacts that stay closed, even if they pull, (D,).
+        Mask (D,) of contacts that stay closed, even if they pull.
     is_active, forces, stiffness
-        Output arrays: closed contacts (D,), their forces (D,) [N], and their stiffness (D, D) [N/m].
+        Output arrays: mask of closed contacts (D,), their forces (D,) [N], and their stiffness (D, D) [N/m].
     """
     discs = width.size
     for disc in range(discs):
@@ -573,7 +575,8 @@ def _solve_pin(
 def _invert_flexibility(flexibility: Array, is_active: Mask, stiffness: Array) -> None:
     """Write the inverse of the flexibility (D, D) [m/N] of a pin's active contacts to `stiffness` (D, D) [N/m].
 
-    Rows and columns of other contacts, for which `is_active` (D,) is false, are 0. Gauss-Jordan elimination.
+    Rows and columns of other contacts, for which `is_active` (D,) is false, are 0. The method is Gauss-Jordan
+    elimination.
     """
     discs = is_active.size
     for disc in range(discs):
@@ -606,7 +609,7 @@ def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def cam_contact(x: float, y: float, clearance: float) -> _Cam:
-    """Compute deflection, direction and energy of the contact of a bore and its cam: a circle in a circle.
+    """Compute deflection, direction and energy of the contact of a bore with its cam, a circle in a circle, as `_Cam`.
 
     `x` and `y` [m] are the position of the bore's centre relative to the cam's. With negative `clearance` [m], both
     sides are in contact.
