@@ -159,7 +159,7 @@ def _standardise(zones: Mapping[str, Zone], deviations: Mapping[str, Array], row
 
 
 def _estimator_terms(figure: _FigureSets, deviations: Sequence[list[Array]]) -> _Terms:
-    """Compute the terms of the variance estimators by sample, with the control variate of `_fit_control_variate`.
+    """Compute the terms of the variance estimators for each sample, with the control variate of `_fit_control_variate`.
 
     Their means over the samples are the variance of the quantity, and the first-order and total variance of each
     tolerance. `figure` are the values of the quantity in all sample sets, `deviations` the standardised deviations in

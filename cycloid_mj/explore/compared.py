@@ -254,10 +254,9 @@ def name_run(design: Design, start: int = 0) -> str:
 
 
 def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
-    """Return the designs, all under the same load, with a run time that ends after a number of settled crank turns.
+    """Return the designs with a run time of the longest settling time among them plus a whole number of crank turns.
 
-    Settling ends when the design with the longest settling time has settled; a whole number of crank turns follows.
-    Designs are returned unchanged if the crank of one of them does not turn.
+    All designs have the same load. They are returned unchanged if the crank of one of them does not turn.
     """
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)

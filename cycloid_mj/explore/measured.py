@@ -45,7 +45,7 @@ class MeasuredFigures:
 
 
 def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFigures:
-    """Convert quantities to columns by name, with their units.
+    """Return the values and units of quantities as columns of a table, by the name of the column.
 
     The name is the quantity's key if it is in `cycloid_mj.figures.FIGURES`, otherwise key and unit (``mass_kg``).
     `more` are the other fields of `MeasuredFigures`: assumptions and warnings.
@@ -107,7 +107,7 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
         )
     findings = analyze(simulate(simulated_reducer.design, model))
     pins = simulated_reducer.design.ring.pins if simulated_reducer.design.ring.kind == "pin" else "none"
-    values = {"solver": options.solver, "pins": pins, **dict(_flatten_findings(findings.as_json()))}
+    values = {"solver": options.solver, "pins": pins, **dict(_flatten_results(findings.as_json()))}
     assumptions = (
         massless_assumptions(reducer, "loaded runs (mean values; speeds sway up to a fifth less)")
         if is_massless
@@ -116,22 +116,23 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     return MeasuredFigures(values, assumptions=assumptions, warnings=findings.warnings)
 
 
-def _flatten_findings(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
-    """Yield all numbers and booleans in the results of an analysis as columns, with nested keys joined by underscores.
+def _flatten_results(results: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
+    """Yield name and value of a column for each number and boolean in the results of an analysis.
 
-    A dict in a list must have the key ``pair``; the names of its columns begin with the value of that key instead of
-    the outer keys. Texts, other lists and None are left out. `findings` are the nested results.
+    `results` are nested, and `prefix` begins the names of all columns. Nested keys are joined by underscores. A list
+    may have dicts with the key ``pair``; the names of its columns begin with the value of that key instead of the outer
+    keys. Texts, other lists and None are left out.
     """
-    for key, value in findings.items():
+    for key, value in results.items():
         if isinstance(value, Mapping):
-            yield from _flatten_findings(value, f"{prefix}{key}_")
+            yield from _flatten_results(value, f"{prefix}{key}_")
         elif isinstance(value, (bool, int, float)):
             yield f"{prefix}{key}", value
         elif isinstance(value, (list, tuple)):
             for entry in value:
                 if isinstance(entry, Mapping) and "pair" in entry:
                     numbers = {name: number for name, number in entry.items() if name != "pair"}
-                    yield from _flatten_findings(numbers, f"{entry['pair']}_")
+                    yield from _flatten_results(numbers, f"{entry['pair']}_")
 
 
 def _compute_masses(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:

@@ -86,8 +86,8 @@ def optimize(
     design
         The start: a design, or the name of a preset or a file.
     vary
-        Key of the design file -> its range ``lo:hi`` (or a pair), or a list of values ``a,b,c``. A range of a whole
-        number stands for all whole numbers in it.
+        Range ``lo:hi`` (or a pair of numbers) or list of values ``a,b,c`` of each key of the design file. A range of a
+        whole number stands for all whole numbers in it.
     minimize, maximize
         Keys of figures (`cycloid_mj.figures.FIGURES`) of geometry, statics and life: one in total, or two for a front.
     limits

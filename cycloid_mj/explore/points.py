@@ -78,12 +78,12 @@ def grid_points(vary: Mapping[str, Wanted]) -> Points:
 
 
 def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: int) -> Points:
-    """Draw points by a sampling method: each key from its range, or with equal probability from its values.
+    """Draw points by a sampling method: a value of each key from its range, or with equal probability from its values.
 
     Parameters
     ----------
     vary
-        Key -> ``lo:hi``, or values as in `grid_points`.
+        Range ``lo:hi``, or values as in `grid_points`, by key of the design file.
     method
         ``sobol``: a scrambled Sobol sequence; ``lhs``: a Latin hypercube; ``random``: independent draws.
     count, seed
@@ -92,7 +92,7 @@ def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: in
     Raises
     ------
     UsageError
-        As `grid_points`.
+        There is no such key, it cannot have such values, or there are too many points.
     """
     _require_few(count)
     axes = [parse_axis(key, range_text) for key, range_text in vary.items()]
@@ -109,7 +109,7 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
     Raises
     ------
     UsageError
-        As `grid_points`; or there are no rows, or their keys differ.
+        There is no such key, it cannot have such values, there are too many or no rows, or their keys differ.
     """
     rows = list(rows)
     if not rows:

@@ -161,9 +161,9 @@ def _stream_of(key: str) -> int:
 
 
 def _shape_of_draws(reducer: Reducer, key: str) -> tuple[int, ...]:
-    """Return the shape of the random numbers of a tolerance, by its `key`, for one sample: () for a single dimension.
+    """Return the shape of the random numbers of a tolerance for one sample; () for the tolerance of a single dimension.
 
-    A position has x and y; a wave of the profile has amplitude and phase.
+    `key` is that of the tolerance. The last axis of a position has x and y, that of a profile wave amplitude and phase.
     """
     design = reducer.design
     pins, discs = design.ring.teeth, design.gear.discs

@@ -142,13 +142,13 @@ def sweep(
     design
         A design, or the name of a preset or a file, which the points change.
     vary
-        Key of the design file -> its values: a sequence, or ``a,b,c``, ``lo:hi:n``, or ``lo:hi`` to sample.
+        Values of each key of the design file: a sequence, or ``a,b,c``, ``lo:hi:n``, or ``lo:hi`` to sample.
     measure
         Names of one or more measures, see `MEASURED`, or keys of figures, see `cycloid_mj.figures.FIGURES`.
     table
         The points, in place of `vary`: rows of key -> value.
     sample, points, seed
-        Sampling method (``sobol``, ``lhs``, ``random``; None: the full grid), number of points, and random seed.
+        Sampling method (``sobol``, ``lhs``, ``random``, or None for the full grid), number of points, random seed.
     quick, solver
         Whether measures use fewer angles and runs; solver of the runs.
     real_pins
@@ -157,7 +157,7 @@ def sweep(
         Keys computed from others: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY`` with a rule:
         `output.hole_radius_mm` keeps the clearance of the design, `drive.torque_nm` the nominal torque on the output.
     out
-        Folder for the rows, which are written at once; an interrupted sweep is resumed there. None: no files.
+        Folder to which each row is written at once, and from which an interrupted sweep is resumed; None for no files.
     engine, progress
         Where the points are evaluated; called after each point with the numbers of finished and of all points.
 

@@ -225,7 +225,7 @@ class Tolerances(Tabular):
         )
 
     def _budget_notes(self) -> list[str]:
-        """Return a sentence why there is no error budget, or that its intervals are wide; else an empty list."""
+        """Return a sentence if there is no error budget, or if its intervals are wide; otherwise an empty list."""
         if self.no_budget:
             return [f"no error budget: {self.no_budget}"]
         widest = max((share.ci95[1] - share.ci95[0] for share in self.budget), default=0.0)
@@ -361,9 +361,9 @@ def tolerance(
 
 
 def _run_study(study: "_Study", verify: int, solver: Solver, progress: Progress, engine: Engine) -> Tolerances:
-    """Solve the static equilibrium of all samples of a study; run the worst `verify` of them by `solver`.
+    """Solve the static equilibrium of all samples of a study, and simulate the `verify` worst samples.
 
-    The runs are in full dynamics. Raises as `tolerance`.
+    The simulations are in full dynamics, by `solver`. Raises the errors of `tolerance`.
     """
     figures_by_batch: dict[int, dict[str, Array]] = {}
     checks: dict[int, DynamicsCheck] = {}
