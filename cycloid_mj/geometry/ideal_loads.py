@@ -214,9 +214,10 @@ def line_contact_constant(force: float, length: float, modulus: float, depth: fl
 def line_contact_stiffness(
     force: float, length: float, modulus: float, depth: float, relative_curvature: npt.ArrayLike
 ) -> Array:
-    """Compute the secant stiffness pi E* L / (a + ln kappa) [N/m] of a line contact, a of `line_contact_constant`.
+    """Compute the secant stiffness pi E* L / (a + ln kappa) [N/m] of a line contact.
 
-    The formula requires a half width b below 2 D/e, so the caller must keep kappa large enough.
+    The constant a is that of `line_contact_constant`. The formula requires a half width b below 2 D/e, so the caller
+    must keep kappa large enough.
 
     Parameters
     ----------

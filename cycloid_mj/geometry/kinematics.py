@@ -110,7 +110,7 @@ def point_path(
     crank_acceleration: npt.ArrayLike = 0.0,
     turning: bool = True,
 ) -> PointPath:
-    """Compute the motion of a point of the gear: position, velocity and acceleration (Eqs 16, 17, 19 corrected).
+    """Compute position, velocity and acceleration of a point of the gear (Hsieh 2014, Eqs 16, 17, 19 corrected).
 
     Parameters
     ----------
@@ -151,7 +151,9 @@ def point_path(
 
 
 def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
-    """Compute position and velocity of a point of a body: p + R q and dp/dt + w x R q.
+    """Compute position p + R q and velocity dp/dt + w x R q of a point q of a body.
+
+    p is the position of the body, R its rotation matrix and w its angular speed, at n instants.
 
     Parameters
     ----------
@@ -160,7 +162,7 @@ def point_motion(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, A
     pose
         x, y [m] and counter-clockwise rotation [rad] of the body, shape (n, 3).
     motion
-        Their rates [m/s], [rad/s], shape (n, 3).
+        Derivatives of the pose with respect to time, [m/s] and [rad/s], shape (n, 3).
 
     Returns
     -------

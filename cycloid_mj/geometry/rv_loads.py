@@ -116,7 +116,7 @@ def ideal_rv_loads(
 def _crank_forces(
     stage: RvStage, crank_angles: Array, disc_force: Array, disc_torque: float, floating_sun: bool
 ) -> Array:
-    """Compute least-squares crank forces (m, D, n, 2) [N] that balance a force and a torque on each disc.
+    """Compute least-squares forces (m, D, n, 2) [N] of n cranks on D discs, which balance the load on each disc.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def closed_form_error(stage: RvStage, crank_angles: npt.ArrayLike, phase_error: 
     phase_error
         Error of the angle of each crank [rad], shape (m, n).
     misfit
-        Displacement of each eccentric from its bore [m], shape (m, D, n, 2).
+        Displacement of each eccentric from its bore [m], shape (m, D, n, 2), for D discs and n cranks.
 
     Notes
     -----

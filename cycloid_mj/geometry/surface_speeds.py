@@ -75,10 +75,10 @@ def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius:
 
 
 def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_speed: float) -> SurfaceSpeeds:
-    """Compute the surface speeds [m/s] of a hole of the disc on an output pin without roller, radii in [m].
+    """Compute the surface speeds [m/s] of a hole of the disc on an output pin without roller.
 
-    The contact line moves around pin and hole at the speed of the crank against the disc, `crank_speed` [rad/s] times
-    N/(N - 1) with N ring teeth.
+    `pin_radius` and `hole_radius` are in [m]. The contact line moves around pin and hole at the speed of the crank
+    relative to the disc, which is N/(N - 1) times `crank_speed` [rad/s], with N ring teeth.
     """
     turning = crank_speed * gear.ring_teeth / gear.lobes
     return SurfaceSpeeds(moving=np.asarray(hole_radius * turning), fixed=np.asarray(pin_radius * turning))

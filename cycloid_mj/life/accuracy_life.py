@@ -329,16 +329,16 @@ class _Log:
         self._interrupted = False
 
     def run_case(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
-        """Compute and store lost motion over hours in a case of wear; return False if it was interrupted.
+        """Compute and store the lost motion over the hours in a case of wear; return False if this was interrupted.
 
-        `on_progress` is called after each step with the case and the finished part of it [1].
+        `on_progress` is called after each step with the case and its finished share [1].
 
         Raises
         ------
         RunError
             The new drive has no static equilibrium.
         KeyboardInterrupt
-            It was interrupted before the first step.
+            The computation was interrupted before the first step.
         """
         records = self._drive.settings.records
         times = (self._hours * (np.arange(1, records + 1) / records) ** 2).tolist()
@@ -372,8 +372,8 @@ class _Log:
     def _record_typical(self, state: WearState, is_due: bool) -> None:
         """Store a state as the last of the typical case, and append a row of accuracy, forces and depths if `is_due`.
 
-        A row is also appended for the first state, and whenever the lost motion has grown by 1/`records` of the
-        permitted growth since the last row.
+        A row is also appended for the first state, and when the lost motion has grown since the last row by the
+        permitted growth divided by `WearSettings.records`.
         """
         self._last = state
         growth_step = self._growth / self._drive.settings.records

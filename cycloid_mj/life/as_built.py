@@ -95,7 +95,7 @@ def select_rated_samples(reducer: Reducer) -> RatedSamples:
     """Draw random designs within the tolerances, and select those whose tooth, output pin and cam forces are critical.
 
     For each kind of force, the sample at `SETTINGS.percentile` of all samples that do not jam is selected. The result
-    has these designs, and jams and backlash [arcmin] of all samples.
+    has these designs; for all samples, it has whether they jam, and their backlash [arcmin].
 
     Raises
     ------

@@ -115,7 +115,7 @@ def life_remedies(reducer: Reducer, names: Collection[str] = KINDS) -> dict[str,
 def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) -> Iterator[tuple[str, float]]:
     """Yield changes of the design file that may make a failed check pass.
 
-    The torque is the result of a search; face width, life and speed are changed in proportion to what is missing.
+    The new torque is the result of a search; face width, life and speed are changed by the ratio of value and limit.
 
     Yields
     ------

@@ -47,7 +47,7 @@ def rate(
         Torques and speeds with their shares of the time, by default the nominal torque at the design's speed; and the
         required life [h], by default that of the design.
     ranges
-        Part -> stress range of disc or ring from a finite-element study.
+        Stress range of disc or ring from a finite-element study, by name of the part.
     compliance, give
         Whether to compute the cam load for several stiffnesses of its bearing too (``life.cam``), and the torque that
         steady temperatures allow (``life.thermal``), in half a second each. `give` is the deprecated name.

@@ -278,7 +278,9 @@ def _sliding_loads(reducer: Reducer, springs: Springs, contact_loads: Loads) -> 
 def _summarize_sliding(
     reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float
 ) -> Sliding:
-    """Return force times speed [W], largest p v [Pa m/s] and mean speed [m/s] of the contacts of a kind over a turn.
+    """Return the sliding of the contacts of a kind over a turn: power [W], largest p v [Pa m/s] and mean speed [m/s].
+
+    The power is force times sliding speed; p v is the pressure on the projected area times the sliding speed.
 
     Parameters
     ----------

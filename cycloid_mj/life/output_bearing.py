@@ -137,8 +137,8 @@ def balls_of(bearing: StockBearing) -> BallRow:
 def output_bearings(reducer: Reducer) -> OutputBearings:
     """Compute dimensions, load ratings and load limits of the two bearings of the output's hub.
 
-    The limit of each bearing, `capacity` [N], is that for the life of the design, at most the static rating. The forces
-    `own` [N] at the nominal torque reduce what remains for other loads.
+    The radial load limit of each bearing is that for the life of the design, at most its static rating. The forces at
+    the nominal torque leave only a part of it for other loads.
 
     Raises
     ------

@@ -141,10 +141,10 @@ def _torque_row(
 
 
 def _contact_torque(reducer: Reducer, key: str, temperature: float) -> Quantity:
-    """Compute a no-load torque of the contacts [N m], a quantity of the catalogue with a `key`, at a temperature [°C].
+    """Compute a no-load torque of the contacts [N m], which has a `key` in the catalogue, at a temperature [°C].
 
-    The temperature of the parts matters with the friction law ``film`` only. The torque is NaN if the parts jam; its
-    note then has the reason.
+    The temperature of the parts has an effect with the friction law ``film`` only. If the parts jam, the torque is NaN
+    and its note has the reason.
     """
     try:
         return quantity(_at_temperature(reducer, temperature), key)

@@ -521,7 +521,7 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
 def rate_thermal_torque(design: Named, duty: Duty) -> RatedItem:
     """Return the item of the largest torque of a duty [N m] against the torque that heat allows.
 
-    Raises as `thermal`.
+    Raises the errors of `thermal`.
     """
     state = thermal(design, duty)
     torque = max(abs(point.torque) for point in duty.points)

@@ -71,11 +71,12 @@ def solve_course(
     points
         Points of the duty cycle in their order.
     controlling, reference_rise
-        Node whose temperature changes the heat, and its rise at which `HeatingPoint.heat` applies [K].
+        Node on whose temperature the heat depends, and its temperature rise [K] for which `HeatingPoint.heat` is
+        stated.
     end
         Shortest duration of the warm-up [s], which is rounded up to complete cycles.
     samples
-        Approximate number of times; each point of each cycle has at least one time.
+        Approximate number of returned times; each point of each cycle has at least one.
     """
     from scipy.linalg import expm
 

@@ -128,9 +128,9 @@ class Network:
 
     @cached_property
     def matrix(self) -> Array:
-        """Conductance matrix G [W/K], shape (n, n), of P = G (T - T_ambient), in the order of `capacities`.
+        """Conductance matrix G [W/K], shape (n, n), with rows and columns in the order of `capacities`.
 
-        P is the heat into each node [W].
+        The heat into the nodes [W] is G (T - T_ambient) in the steady state, with the temperatures T of the nodes.
         """
         order = {name: index for index, name in enumerate(self.capacities)}
         matrix = np.zeros((len(order), len(order)))

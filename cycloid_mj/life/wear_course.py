@@ -120,9 +120,10 @@ class WearingDrive:
         return deflections | {gap: contacts[gap].force / contacts[gap].stiffness for gap in others if gap in gaps}
 
     def dose_rates(self, worn_reducer: Reducer) -> dict[str, Array]:
-        """Compute the rate of pressure times sliding distance [Pa m/s] of the cells of each surface, by key, (cells,).
+        """Compute the rate of pressure times sliding distance [Pa m/s] in each cell of each surface.
 
-        `worn_reducer` has the gaps of the worn parts; rates are means over the points of the duty.
+        `worn_reducer` has the gaps of the worn parts. The rates are means over the points of the duty, shape (cells,),
+        by the key of the surface.
 
         Raises
         ------
@@ -186,9 +187,9 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
     Parameters
     ----------
     drive, case
-        Drive with its duty, and the percentile of its wear coefficients.
+        Drive with its duty, and which wear coefficients apply: typical ones, or a percentile (`CASES`).
     record_times
-        Increasing times [h] at which steps must end; the last one ends the course.
+        Increasing times [h] at which a step must end; the computation ends at the last of them.
 
     Raises
     ------

@@ -127,8 +127,8 @@ def run_in_depth(service: Service, material: Material) -> Interval:
 def worn_depth(dose: Array, coefficient: float, run_in: float) -> Array:
     """Compute the depth of wear of a surface [m], in the shape of `dose`.
 
-    h = k X + h_r (1 - exp(-(R - 1) k X/h_r)): Archard's law with a coefficient that falls from R k to k while run-in
-    removes the depth h_r; R is `RunIn.factor`.
+    The depth is k X + h_r (1 - exp(-(R - 1) k X/h_r)). This is Archard's law with a wear coefficient that falls from R
+    k to k while run-in removes the depth h_r; R is `RunIn.factor`.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def worn_depth(dose: Array, coefficient: float, run_in: float) -> Array:
     coefficient
         Steady coefficient of wear k [m3/(N m)].
     run_in
-        Depth of run-in h_r [m]; 0: none.
+        Depth of run-in h_r [m]; 0 for none.
     """
     steady_depth = coefficient * dose
     return steady_depth + run_in * _run_in_progress(steady_depth, run_in)

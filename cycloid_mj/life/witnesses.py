@@ -80,9 +80,10 @@ def bearing_rows(quick: bool) -> list[ValidationRow]:
 def fatigue_rows(quick: bool) -> list[ValidationRow]:
     """Compare Goodman's line and the endurance limit with worked problems of Shigley, 8th edition.
 
-    Returns a row of `cycloid-mj validate` for each; `quick` has no effect. Problem 7-1: bending moment of 600 lbf in
-    (amplitude) and 500 lbf in (mean), torsion of 400 and 300 lbf in, K_f 2.2, K_fs 1.8, S_e 30 and S_ut 100 kpsi,
-    safety factor 2. Problem 7-2: SAE 2340, 1226 MPa, machined, 22 mm, rotating.
+    Returns a row of `cycloid-mj validate` for each; `quick` has no effect. Problem 7-1 has bending moments of 600 lbf
+    in (amplitude) and 500 lbf in (mean), torsional moments of 400 and 300 lbf in, fatigue notch factors K_f 2.2 and
+    K_fs 1.8, endurance limit 30 kpsi, tensile strength 100 kpsi, and the safety factor 2. Problem 7-2 has a rotating,
+    machined bar of SAE 2340 with 1226 MPa and 22 mm.
     """
     source = "Shigley 8th ed., Problem {} (Solutions Manual, p. {})"
     diameter = 1.073 * INCH
