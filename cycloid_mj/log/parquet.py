@@ -11,9 +11,9 @@ from cycloid_mj.log.encoding import TIME
 
 
 def write_parquet(run: Run, path: str | os.PathLike[str], columns: Sequence[str] | None = None) -> None:
-    """Write the time [s] and columns of a run, by default all; units and provenance are metadata of the file.
+    """Write the time [s] and the `columns` of a run, by default all, to a Parquet file.
 
-    The file appears under its name only when it is complete.
+    Units and provenance are metadata of the file. The file appears under its name only when it is complete.
 
     Raises
     ------

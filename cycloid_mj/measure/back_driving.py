@@ -61,7 +61,7 @@ class StartFromRest:
 
 @dataclass(frozen=True, eq=False)
 class BreakAway:
-    """The same from several positions: `starts`, the first being that of the design itself."""
+    """Break-away torques from several positions at rest, `starts`; the first is the position of the design itself."""
 
     starts: tuple[StartFromRest, ...]
 

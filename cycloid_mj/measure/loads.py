@@ -99,7 +99,7 @@ def loads(
     design
         A design, or the name of a preset or a file; its crank speed is that of the run.
     load, quick
-        Torque on the output [N m], by default the rated torque; whether some mesh periods replace the full turn.
+        Torque on the output [N m], by default the rated torque; whether to run some mesh periods instead of a turn.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
 
@@ -168,9 +168,9 @@ def _capacities(
     reducer
         The loaded drive.
     contacts
-        Contacts of all samples.
+        Forces and pressures of all samples, by kind of contact.
     first_periods, half_step
-        Contacts of the first mesh periods with the full and with half the time step, for the error.
+        The same for the first mesh periods, with the full and with half the time step, for the error.
     missed_peaks
         Relative excess of the largest ideal force in a full turn over that at the sampled angles [1], by kind.
     solver
@@ -283,14 +283,16 @@ def _kind_quantities(
     half_step: ContactPressures,
     missed_peak: float,
 ) -> Iterator[Quantity]:
-    """Yield forces [N], number of loaded contacts, Hertz pressure [MPa] and margin of one kind of contact, with errors.
+    """Yield the quantities of one kind of contact: forces [N], number of loaded contacts, Hertz pressure [MPa], margin.
+
+    The margin is that of the pressure against first yield. All quantities have numerical errors.
 
     Parameters
     ----------
     contacts
-        Contacts of all samples.
+        Forces and pressures of all samples.
     first_periods, half_step
-        Contacts of the first mesh periods with the full and with half the time step; their difference is an error.
+        The same for the first mesh periods, with the full and with half the time step; their difference is an error.
     missed_peak
         Relative excess of the largest ideal force in a full turn over that at the sampled angles [1], for the error of
         peak values. The error of mean values includes half of the change from the first to the second half of the

@@ -97,9 +97,9 @@ def unbalance(reducer: Reducer) -> Unbalance:
 
 
 def bearing_reactions(run: Run, reducer: Reducer) -> Reactions:
-    """Compute the forces of the discs on shaft, output and ring, each in its plane, and the bearing reactions [N].
+    """Compute the forces of the discs on shaft, output and ring, and the reactions of the bearings [N], over a run.
 
-    The forces are those of the contacts on the discs, reversed, over the samples of a run.
+    The forces act in the plane of each disc. They are the reversed contact forces on the discs in each sample.
     """
     design = reducer.design
     crank, teeth, output = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))

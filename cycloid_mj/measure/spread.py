@@ -160,7 +160,7 @@ def plain_roller(reducer: Reducer) -> float:
 
 
 def table(rate: str, design_rate: float, effects: Sequence[InputEffect]) -> Table:
-    """Return a table of a rate [%] at both ends of each input's range.
+    """Return a table of a rate [%], such as the efficiency, at both ends of the range of each assumed input.
 
     `rate` is the name of the rate, `design_rate` is that of the design [1], `effects` are those of the inputs.
     """

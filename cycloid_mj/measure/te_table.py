@@ -223,7 +223,7 @@ def _cause_quantities(
 def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     """Return the twelve strongest orders of disc and of output stage in a trace, with their causes, as JSON objects.
 
-    Orders of no cause, by leakage between orders, have the cause "between".
+    Orders that no cause excites, which are due to leakage from other orders, have the cause "between".
     """
     rows = []
     for location, cycles_per_turn in _bases(reducer).items():

@@ -232,7 +232,7 @@ def _mean_force(run: VibrationRun) -> float:
 def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
     """Yield a curve of each signal and load: the rms level over the magnitude of the crank speed [rpm].
 
-    The closed form, m c omega^2 of the discs, accompanies the force on the housing without counterweight only.
+    The force on the housing without counterweight also has a curve of its closed form, m c omega^2 of the discs.
     """
     static_unbalance = unbalance(reducer).bare
     for key in _signal_keys(reducer):
@@ -250,9 +250,10 @@ def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Cu
 
 
 def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield the amplitude spectra of the drawn signals at the design's speed, over the frequency [Hz].
+    """Yield the amplitude spectra of signals at the design's speed, over the frequency [Hz].
 
-    For vectors the amplitude is the root sum of squares of the axes. Runs too short for the window have no spectrum.
+    The amplitude of a vector is the root of the sum of the squared amplitudes of its components. Runs that are shorter
+    than the window of the spectrum have none.
     """
     for key in _spectrum_keys(reducer):
         name, unit = _ALL[key]

@@ -206,8 +206,8 @@ def drive_files(
     chord_error
         Largest distance of chords from the curve [m], in meshes and polylines.
     cam_seat
-        Radius of the bore of the cam bearing [m], for which the cams in meshes are made, as in
-        ``printing.manufactured_parts``. In other formats the cams are those of the assembly.
+        Bore radius of the cam bearing [m], which the cams in meshes fit, as in ``printing.manufactured_parts``. In
+        other formats the cams are those of the assembly.
     polylines, arcs
         Closed polylines in place of splines, and tolerance of arcs that replace the splines [m], as in `export`.
 

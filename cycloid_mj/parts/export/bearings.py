@@ -96,7 +96,7 @@ def ring_pin_radius(reducer: Reducer) -> float:
 
 
 def sleeve_pin_depth(reducer: Reducer) -> float:
-    """Compute how deep the pin inside a sleeve stands in each cover [m]: by its diameter."""
+    """Compute how deep the pin inside a sleeve is pressed into each cover [m]: as deep as its diameter."""
     return 2.0 * sleeve_core_radius(reducer)
 
 

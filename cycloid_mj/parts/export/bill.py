@@ -223,7 +223,8 @@ def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None)
     reducer
         The reducer.
     cam_seat
-        Radius of the bore of the cam bearing [m], for which the cams are made; 0: not chosen yet.
+        Bore radius of the chosen cam bearing [m], which the cams fit. 0: the cams of the assembly, or without a casing,
+        cams with the outer radius of the bearing.
     sizes
         Casing of the drive; None: the mechanism only.
     """

@@ -94,9 +94,10 @@ def place_casing(reducer: Reducer, sizes: Casing) -> Iterator[CasingPosition]:
 
 
 def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | None = None) -> Part:
-    """Return the shaft as exact outlines, with the seats and the bore for the motor's shaft in `sizes`, if not None.
+    """Return the shaft as exact outlines, adapted to its joints by `fit_part` and with the bore for the motor's shaft.
 
-    The crank is balanced for a `chord_error` [m] of its outlines, see `lay_out_parts`.
+    Without a casing, `sizes` None, it is the shaft of the mechanism. The crank is balanced for a `chord_error` [m] of
+    its outlines, see `lay_out_parts`.
     """
     shaft = lay_out_parts(reducer, chord_error)[names.SHAFT]
     if not sizes:

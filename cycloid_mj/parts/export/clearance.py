@@ -61,9 +61,8 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
 def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[OutlineClearance, ...]:
     """Measure the clearances of all discs in the ring; return the smallest and largest of each mating pair.
 
-    `discs` are the loops of each disc, `ring_loop` the inner outline of the housing, as for `measure_disc`.
-
-    Raises the errors of `measure_disc`.
+    `discs` has the `gear_loops` of each disc, `ring_loop` is the inner outline of the housing, both as for
+    `measure_disc`. Raises the errors of `measure_disc`.
     """
     return _extremes([measure_disc(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)])
 

@@ -148,7 +148,7 @@ def _ring_pin_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _sleeve_pin_joint(reducer: Reducer, sizes: Casing) -> Joint:
-    """Return the joint of the pins inside sleeves: pressed into both covers by `sleeve_pin_depth`."""
+    """Return the joint of the pins inside sleeves, which are pressed into both covers to `sleeve_pin_depth`."""
     ring, radius, depth = reducer.design.ring, sleeve_core_radius(reducer), sleeve_pin_depth(reducer)
     centres = ring.pin_circle_radius * unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
     holes: tuple[tuple[str, Hole], ...] = (

@@ -165,9 +165,9 @@ def _diameters(reducer: Reducer, part: Part, name: str, joints: Sequence[Joint])
 
 
 def _tolerance_zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius: float, *, inner: bool) -> str:
-    """Return the tolerance zone, such as ``H7``, of a surface from the joint that it belongs to; empty if it is free.
+    """Return the tolerance zone of a surface, such as ``H7``, from the joint that it belongs to; empty without a joint.
 
-    `radius` [m] is that of the surface of the part `name`; `inner` for a bore.
+    The surface belongs to the part `name`, has a `radius` [m] and is a bore if `inner`.
     """
     is_on_crank = name == names.SHAFT or names.family(name) == names.CAM
     if not inner and is_on_crank and abs(radius - cam_radius(reducer)) < SAME_LENGTH:

@@ -67,7 +67,7 @@ def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh 
     Parameters
     ----------
     solid
-        The part as it lies.
+        The part as it lies on the plate.
     overhang
         The face.
     chord_error
@@ -76,7 +76,7 @@ def build_support(solid: Solid, overhang: Overhang, chord_error: float) -> Mesh 
     Returns
     -------
     Mesh or None
-        None if the face is not round, is too narrow or low, or has parts at several heights below.
+        None if the face is not round, is too narrow or low, or has faces at several heights below it.
     """
     outer = _circle_of(overhang.outline)
     if not outer:
