@@ -147,7 +147,7 @@ def _add_papers(app: App, group: Group, imported: bool) -> None:
             papers_app.command(paper.command, name=paper.key, help_epilogue=paper.examples)
         app.command(papers_app)
     if imported:
-        page.flow_help(app[REPRODUCE])
+        page.set_help_format(app[REPRODUCE])
 
 
 def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArguments]:
@@ -179,7 +179,7 @@ def _has_command(paper: "Paper") -> bool:
     trial = App()
     try:
         trial.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
-        page.flow_help(trial[REPRODUCE]).assemble_argument_collection()
+        page.set_help_format(trial[REPRODUCE]).assemble_argument_collection()
     except Exception as problem:
         warn(
             f"paper {paper.key}",

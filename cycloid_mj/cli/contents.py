@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from cyclopts import App, Group
 
-from cycloid_mj.cli.page import flow_help
+from cycloid_mj.cli.page import set_help_format
 
 
 class Listed(NamedTuple):
@@ -38,7 +38,7 @@ class Listed(NamedTuple):
         else:
             examples = getattr(module, self.examples)
             app.command(function, name=name, group=group, sort_key=position, help_epilogue=examples)
-        flow_help(app[name])
+        set_help_format(app[name])
 
     def list_in(self, app: App, name: str, group: Group, position: int) -> None:
         """Add the command's name and line, which import nothing."""
@@ -80,11 +80,13 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
         "analyze": Listed("Compare a logged run with closed-form results.", "analyze:analyze"),
         "animate": Listed("Draw an animation of a logged run with forces and loads.", "animate:animate"),
         "render": Listed("Render an image of a logged run with MuJoCo.", "render:render"),
-        "view": Listed("Open the MuJoCo viewer on a design, or replay a log in it.", "view:view"),
+        "view": Listed("Open the MuJoCo viewer with a design, or replay a log in it.", "view:view"),
     },
     "Explore": {
         "sweep": Listed("Evaluate a design over a grid, a sample or a table of parameter values.", "sweep:sweep"),
-        "tolerance": Listed("Draw samples within the tolerances: yield and error budget.", "tolerance:tolerance"),
+        "tolerance": Listed(
+            "Estimate yield and error budget from random samples within the tolerances.", "tolerance:tolerance"
+        ),
         "optimize": Listed("Find the best design within ranges, or a Pareto front.", "optimize:optimize"),
     },
     "Manufacture": {

@@ -26,22 +26,22 @@ def console(stderr: bool = False) -> "Console":
     return Console(stderr=stderr, width=width, highlight=False)
 
 
-def flow_help(app: App) -> App:
-    """Set the help format of an app and its commands, in place, and return the app.
+def set_help_format(app: App) -> App:
+    """Set the format of the help pages of an app and of all its commands, in place; return the app.
 
-    Lines break at the page width, and flags have no negative form.
+    Paragraphs are joined to single lines, which break at the page width. Flags have no negative form (``--no-...``).
     """
     # its own, too: the command reference and completion look at a command without the defaults of the app around it
     app.default_parameter = FLAGS
     app.help = paragraphs(app.help)
     app.help_epilogue = "\n".join(fold_line(line) for line in (app.help_epilogue or "").splitlines()) or None
     for name in commands(app):
-        flow_help(app[name])
+        set_help_format(app[name])
     return app
 
 
 def fold_line(line: str) -> str:
-    """Break a command line that is wider than a page between its flags, with backslashes of a shell."""
+    """Break a command line that is wider than a page into several lines, which end in a backslash except the last."""
     if len(line) <= WIDEST:
         return line
     command, *flags = re.split(r" (?=--|&& )", line)
