@@ -166,10 +166,10 @@ def repair(
     scene_hz: SceneFlag = None,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
-    """Repair a truncated log: write a complete one up to its last complete chunk.
+    """Repair a truncated log by writing a complete copy of it, up to its last complete chunk.
 
-    All topics and attachments are preserved. With --scene-hz, a complete log is rewritten too, with more or fewer
-    frames of the 3-D scene. The original log is unchanged.
+    All topics and attachments are preserved. With --scene-hz, complete logs are accepted too, and the copy has that
+    number of frames of the 3-D scene per second. The original log is unchanged.
     """
     from cycloid_mj.log import load, write
 
@@ -223,10 +223,11 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
 
 
 def _claim_output(log: str, out: str | None, ending: str, delivery: CommonFlags) -> tuple[Path, Path | None]:
-    """Return the paths of a file to convert a log to and of its HTML page, after checking that they can be written.
+    """Return the paths of the converted log and of its HTML page, after checking that both can be written.
 
-    The file is `out`, or by default the path of the `log` with its suffix replaced by `ending`. `delivery` has the
-    output flags: the page is None if they do not request one, and existing files are overwritten only with ``--force``.
+    The converted file is `out`, or by default the path of the `log` with the suffix `ending`. `delivery` has the output
+    flags. The path of the page is None if the flags do not request a page. Existing files may be replaced only with
+    ``--force``.
     """
     path = Path(log).with_suffix(ending) if out is None else Path(out)
     require_ending(path, ending)
@@ -248,10 +249,10 @@ def _names(columns: str | None) -> list[str] | None:
 
 
 def _build_scene(log: "Log", rate: float | None) -> "Scene | None":
-    """Return the 3-D scene of a logged design, with the `rate` [1/s] of its frames; None: the rate of the log.
+    """Return the 3-D scene of a logged design with `rate` frames [1/s]; by default, with the rate of the log.
 
-    If the log has no valid design, a note is printed and None is returned. If a rate is requested, CycloidError is
-    raised instead.
+    If the log has no valid design, a note is printed and None is returned; if `rate` is set, CycloidError is raised
+    instead.
     """
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene

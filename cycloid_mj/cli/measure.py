@@ -393,8 +393,8 @@ def _create_command(name: str, options: type[MeasureOptions]) -> Callable[..., i
 def _measure_designs(name: str, designs: Sequence[Design], options: MeasureOptions, delivery: MeasureDelivery) -> int:
     """Measure designs one after another, write and print the results, and return the exit code.
 
-    `name` is that of the measure. With several designs, JSON is an object whose ``measurements`` is the list. Files are
-    written after the last measurement.
+    `name` is the name of the measure. Files are written after the last measurement. With several designs, the printed
+    JSON is an object whose ``measurements`` is the list of results.
 
     Raises
     ------
@@ -453,7 +453,10 @@ def _figure_encoders(measurement: "Measurement", stem: str) -> dict[str, Picture
 
 
 def _outcome(measurement: "Measurement", pictures: Mapping[str, Picture]) -> Outcome:
-    """Convert a measurement to an `Outcome`: measured quantities, tables, notes and diagrams (`pictures`)."""
+    """Convert a measurement to an `Outcome` with measured quantities, tables, notes and diagrams.
+
+    `pictures` has for each diagram, by its name, the function that encodes it in a file format.
+    """
     quantities = measurement.quantities.values()
     title = f"{measurement.measure}: {measurement.design.name}"
     return Outcome(

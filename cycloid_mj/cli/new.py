@@ -206,7 +206,7 @@ class SizeFlags:
     def requirement(self, changes: tuple[str, ...]) -> "Requirement":
         """Return the requirement that the flags describe; `changes` are the values of ``--set``.
 
-        With ``--ratio-range`` its ratio is the one of the range with the largest estimated torque.
+        With ``--ratio-range``, the requirement has the ratio of this range with the largest estimated torque.
 
         Raises
         ------
@@ -307,21 +307,21 @@ def new(
 ) -> int:
     """Create NAME.toml, a complete, commented design file to edit.
 
-    It is a copy of a preset or a file (--from; default: pin), or the result of a search from requirements: ratio,
-    outer diameter and torque together, and optionally life, speed, length, backlash, material and clearance. The
-    search varies pins, eccentricity, width, output pins, bore and shaft with statics and the checks of
-    `cycloid-mj rate`, so that the data sheet of each drive meets the requirements, and at least 99 % of the samples
-    of its tolerance study turn freely within the backlash. NAME.toml is the drive with the
-    lowest losses among those within 2 % of the lowest mass, covers included; comments give the reason for each value.
-    The stiffest and the longest-lived drive are NAME-stiffest.toml and NAME-longest-life.toml. If no drive meets the
-    requirements, the maximum torque and verified alternatives are printed, and the exit code is 1.
-    Changes by --set apply to every drive that the search tries. 3-D-printed drives are sized for 500 h at 300 rpm and
-    25 % of the time unless set otherwise.
+    It is a copy of a preset or a file (--from; default: pin), or the result of a search from requirements: ratio, outer
+    diameter and torque together, and optionally life, speed, length, backlash, material and clearance. The search
+    varies pins, eccentricity, width, output pins, bore and shaft, and evaluates each drive by statics and the checks of
+    `cycloid-mj rate`. The data sheet of each resulting drive meets the requirements, and in its tolerance study, at
+    least 99 % of the samples turn freely and have the required backlash. NAME.toml is the drive with the lowest losses
+    among those within 2 % of the lowest mass, covers included; comments give the reason for each value. The stiffest
+    and the longest-lived drive are NAME-stiffest.toml and NAME-longest-life.toml. If no drive meets the requirements,
+    the maximum torque and verified alternatives are printed, and the exit code is 1. Changes by --set apply to every
+    drive that the search tries. 3-D-printed drives are sized for 500 h at 300 rpm and 25 % of the time unless set
+    otherwise.
 
     A new size has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. --layout
-    rv searches for an RV reducer with a planetary stage and two discs: teeth that can be assembled, crank bearings
-    and widths, rated by `cycloid-mj rate`; speeds are those of the sun (default: 15 rpm of the output). Tooth
-    differences of 2 or more, and hypocycloid drives with the pins on the disc are not supported.
+    rv searches for an RV reducer with a planetary stage and two discs. Its teeth can be assembled, and its crank
+    bearings and widths are rated by `cycloid-mj rate`; speeds are those of the sun (default: 15 rpm of the output).
+    Tooth differences of 2 or more, and hypocycloid drives with the pins on the disc are not supported.
     """
     stem = _file_stem(name)
     if len(size.missing) == 3:
@@ -411,9 +411,9 @@ def _claim_files(stem: str, delivery: NewDelivery) -> Destination:
 
 
 def _deliver_drives(stem: str, answer: "Answer", destination: Destination, delivery: NewDelivery) -> int:
-    """Write the design files of the drives of a search, print them in a table, and return the exit code.
+    """Write the design files of the drives that a search found, print them in a table, and return the exit code.
 
-    The first drive is `stem`.toml, each other drive has its title after the stem.
+    The file of the first drive is `stem`.toml. Files of other drives have the drive's title after the stem.
     """
     files: dict[str, bytes] = {}
     for index, drive in enumerate(answer.drives):
@@ -442,8 +442,8 @@ def _write_designs(
 ) -> int:
     """Write design files, print their paths with tables and summary, and return the exit code.
 
-    `descriptions` are the entries of the files in the JSON result. Raises TakenError if a file exists and must not be
-    replaced.
+    `files` maps names to contents. `descriptions` has the values that the JSON result states for each file. Raises
+    TakenError if a file exists and must not be replaced.
     """
     paths = destination.paths(files)
     claim_outputs(*map(Path, paths), force=delivery.force)
@@ -476,10 +476,10 @@ def _refusal_json(answer: "Answer", requirement: "Requirement", is_range: bool) 
 
 
 def _list_flags(remedy: "FeasibleChange", original: "Requirement", is_range: bool) -> list[str]:
-    """Return the flags that change the `original` requirement to a feasible one (`remedy`), as words of a command line.
+    """Return the words of a command line that change the `original` requirement to a feasible one, the `remedy`.
 
-    These are the flags whose values differ. `is_range` is whether the ratio was chosen from a range; then
-    ``--ratio-range`` with the chosen ratio is included.
+    Each flag whose value differs is followed by its new value. If the ratio was chosen from a range (`is_range`),
+    ``--ratio-range`` with the chosen ratio alone is added.
     """
     from cycloid_mj.sizing.requirement import QUANTITIES
 

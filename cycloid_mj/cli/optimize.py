@@ -124,16 +124,16 @@ def optimize(
 ) -> int:
     """Find the best design within ranges, or a Pareto front.
 
-    Real numbers are searched by CMA-ES (extra optimize) from several starts. Whole numbers and words are tried
-    one by one; after each round the better half of the combinations continues. A point must satisfy the checks
-    of `design check` and all limits; the report lists how many points each of them rejected. The hole of an
-    output pin follows the pin and the eccentricity, and drive.torque_nm follows the ratio, unless they are
+    Real numbers are searched by CMA-ES (extra optimize) from several starts. There is a separate search for every
+    combination of the whole numbers and words; after each round the worse half of the searches is dropped. A point must
+    satisfy the checks of `design check` and all limits; the report lists how many points each of them rejected. The
+    hole of an output pin follows the pin and the eccentricity, and drive.torque_nm follows the ratio, unless they are
     varied or linked by --follow.
 
-    All points are written to DIR/history.csv (and .parquet) as soon as they are evaluated. To resume an
-    interrupted search, run the same command again. The best design is DIR/best.toml; the report compares its
-    statics with those of the start, and adds a run in full dynamics and, if the design has tolerances, its
-    yield. The exit code is 1 if no point satisfies all checks and limits.
+    All points are written to DIR/history.csv (and .parquet) as soon as they are evaluated. To resume an interrupted
+    search, run the same command again. The best design is DIR/best.toml. The report compares its statics with those of
+    the design at the start, and adds a run in full dynamics and, if the design has tolerances, its yield. The exit code
+    is 1 if no point satisfies all checks and limits.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.design import dump

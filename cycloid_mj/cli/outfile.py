@@ -32,7 +32,7 @@ Columns = Mapping[str, "npt.NDArray[Any]"]
 
 
 def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
-    """Claim the file of a table before the work, so that no later command overwrites it.
+    """Check before the work that a CSV file may be written.
 
     `file` is the value of `flag`; stdout and devices are always accepted.
 
@@ -70,9 +70,9 @@ def write_csv(file: str, columns: Columns) -> None:
 
 
 def claim_folder(name: str, contents: str, files: Iterable[str], force: bool) -> Path:
-    """Create a folder unless it exists, claim files in it before the work, and return its path.
+    """Create a folder unless it exists, check before the work that files in it may be written, and return its path.
 
-    `contents` names the files in messages, for example "the logs".
+    `files` are the names of the files. `contents` describes them in messages, for example "the logs".
 
     Raises
     ------
@@ -93,12 +93,12 @@ def claim_folder(name: str, contents: str, files: Iterable[str], force: bool) ->
 
 
 def create_folder(name: str, contents: str) -> Path | None:
-    """Create a folder and return its path; return None if the name exists.
+    """Create a folder and return its path; return None if a file or folder has this name.
 
     Raises
     ------
     CycloidError
-        It cannot be created; `contents` names its files in the message.
+        It cannot be created; `contents` describes its files in the message, for example "the logs".
     """
     path = Path(name)
     try:
@@ -113,7 +113,9 @@ def create_folder(name: str, contents: str) -> Path | None:
 
 @contextmanager
 def _open_output(file: str) -> Iterator[TextIO]:
-    """Open a text file for writing; the file appears under its name when it is complete. A device is written directly.
+    """Open a text file for writing, so that an incomplete file never has its final name.
+
+    A device is written directly.
 
     Raises
     ------

@@ -39,9 +39,10 @@ def plot(
 ) -> int:
     """Draw the motion in a logged run: crank, disc, point q, pin 1.
 
-    Speed of crank and disc, path and velocity of q, spin and centre of pin 1, each with its closed form, as in Hsieh
-    2014, Figs 5-9, and the transmission error. The file names are printed, one per line. Only the log is read; a log
-    that ends in its ramp is drawn up to its end.
+    The figures show the speeds of crank and disc, the path and velocity of q, and the spin and centre of pin 1, each
+    together with its closed form, as in Hsieh 2014, Figs 5-9. A further figure shows the transmission error. The file
+    names are printed, one per line. Only the log is read. If the run ended while the crank was still accelerated, the
+    figures show the motion up to then.
     """
     point_q = parse_point(q)
     from cycloid_mj.analysis import judge, series

@@ -102,8 +102,8 @@ def find_stop(error: BaseException) -> KeyboardInterrupt | None:
 def run() -> None:
     """Run the command of ``sys.argv``, and end the process with its exit code; errors are printed on stderr.
 
-    Sets up streams, environment and signals of the process; after a signal during the start, the exit code is 128 plus
-    its number.
+    Sets up streams, environment and signals of the process. If a signal arrives while the program is still loading, the
+    exit code is 128 plus the number of the signal.
     """
     # a stream that was closed before the start is None
     sys.stdout = sys.stdout or StringIO()

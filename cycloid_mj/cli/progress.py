@@ -18,7 +18,7 @@ SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 @contextmanager
 def show_activity(activity: str, quiet: bool = False) -> Iterator[None]:
-    """Print an activity on stderr, and every few seconds that it continues, for as long as the context is open.
+    """Print the text `activity` on stderr now, and every few seconds with the elapsed time until the context closes.
 
     With `quiet` nothing is printed.
     """
@@ -116,9 +116,9 @@ def seconds_left(start: float, share: float) -> float:
 
 
 def count_progress(activity: str, quiet: bool) -> Callable[[int, int], None]:
-    """Return a callback that prints an activity with the numbers of finished and of all items, and the time left.
+    """Return a callback for progress, which takes the number of finished items and the number of all items.
 
-    It prints every few seconds at most, and nothing if `quiet`.
+    It prints `activity` with both numbers and the estimated time left, every few seconds at most; nothing if `quiet`.
     """
     start = monotonic()
     last = [start]

@@ -119,9 +119,9 @@ def protocol(
 
 
 def _outcome(sheet: "Protocol") -> Outcome:
-    """Convert a test protocol, `sheet`, to an `Outcome`: figures of model and bench, definitions and picture.
+    """Convert a test protocol, `sheet`, to an `Outcome`: figures of model and bench, definitions and diagram.
 
-    The headline has the figure of the bench where it was measured, else that of the model.
+    Each figure in the headline is that of the bench if it was measured, else that of the model.
     """
     from cycloid_mj.base.result import to_json_values
     from cycloid_mj.bench.protocol import LINES

@@ -116,14 +116,14 @@ def reduce(
 ) -> int:
     """Reduce a drive to one joint for a robot model.
 
-    The full model is evaluated by statics: backlash, stiffness over torque, efficiency in both directions over torque
-    and speed, no-load torque, inertia, and transmission error in both directions.
+    The full model is evaluated by statics: backlash, stiffness as a function of torque, efficiency in both
+    directions as a function of torque and speed, no-load torque, inertia, and transmission error in both directions.
 
     Include joint.xml in a robot, or open scene.xml in MuJoCo (a motor, the joint, an inertia). lossy_joint.xml and
     lossy_scene.xml are the same joint with load-dependent friction in MuJoCo alone. reducer.json has all values of the
     joint, and bam.json the friction models M3 and M5 of BAM. reducer.html compares the joint with the full model and
-    lists suitable time steps. With these, the peak of an impact (the rated load drives the output across its play) is
-    accurate to 5 %.
+    lists suitable time steps. With these steps, the peak torque of an impact, in which the rated load drives the output
+    across its backlash, is accurate to 5 %.
 
     In Python, attach_reducer adds the joint to any model. ReducedJoint.step adds load-dependent friction and
     transmission error, which MJCF cannot express; joint.py is this step with NumPy only.
@@ -174,9 +174,10 @@ def _encode_files(
     scenes: "tuple[StepTrial, StepTrial | None]",
     drives: "Population | None",
 ) -> "Mapping[str, bytes]":
-    """Return the files of a joint in a format, and with `drives` those for domain randomization: name -> content.
+    """Return the contents of the files that describe a joint in a format, by file name.
 
-    `scenes` are the time steps of scene.xml and lossy_scene.xml, which the format ``mjcf`` has.
+    With `drives`, the joints of drawn drives, files for domain randomization are included. `scenes` are the time steps
+    of scene.xml and lossy_scene.xml, which only the format ``mjcf`` has.
     """
     from cycloid_mj.robot.description import write_descriptions
     from cycloid_mj.robot.files import joint_files
@@ -240,18 +241,9 @@ def _outcome(
 ) -> Outcome:
     """Convert a reduced joint to an `Outcome`: figures, comparison with the full model, time steps, files and page.
 
-    Parameters
-    ----------
-    joint, comparison
-        The joint, and its comparison with the full model.
-    steps
-        Trials of the study of time steps.
-    scene, lossy
-        Time steps of scene.xml and of lossy_scene.xml; `lossy` is None if there is no lossy_scene.xml.
-    drives
-        Joints of the drawn drives; None without ``--spread``.
-    files
-        Other files to write, name -> content.
+    `steps` are the trials of the study of time steps. `scene` and `lossy` are the trials with the time steps of
+    scene.xml and lossy_scene.xml; `lossy` is None without the latter. `drives` has the joints of the drawn drives; None
+    without ``--spread``. `files` has the contents of all other files by name.
     """
     from cycloid_mj.base.result import quantity_frame, quantity_table
     from cycloid_mj.report.joint import joint_page
@@ -301,9 +293,10 @@ def _outcome(
 
 
 def describe_inaccuracy(scene: "StepTrial", timestep_ms: float | None, integrator: str | None) -> list[str]:
-    """Return a sentence on the error of a scene, with flags to omit or change as the remedy; empty if it is accurate.
+    """Describe the error of a scene that is not accurate, and its remedy, in a list of one sentence; else empty.
 
-    `timestep_ms` and `integrator` are the values of these flags, None if they are not set.
+    The remedy is to leave out the flags that are set, or to increase the inertia of the load. `timestep_ms` and
+    `integrator` are the values of these flags, None if they are not set.
     """
     if scene.accurate:
         return []

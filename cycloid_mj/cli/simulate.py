@@ -161,10 +161,10 @@ def _with_explanations(
     design_options: DesignOptions,
     quiet: bool,
 ) -> Outcome:
-    """Return the outcome of a run with sentences that explain its results, instead of a headline with numbers.
+    """Return a copy of the outcome of a run with sentences that explain its results, in place of its headline.
 
-    The number of steps and the wall time are appended to the run conditions. The sentences are in the summary, followed
-    by the files and by commands to continue with. The review page is drawn when the outcome is delivered.
+    The summary has these sentences, the names of the files, and commands to continue with. The number of steps and the
+    wall time are appended to the run conditions. The review page is drawn when the outcome is delivered.
 
     Parameters
     ----------
@@ -222,7 +222,11 @@ def _draw_page(ran: "Ran", quiet: bool) -> str:
 
 
 def _suggest_commands(findings: "Findings", design_options: DesignOptions) -> Iterator[str]:
-    """Yield commands to continue with: the rating or, without load, the loaded run, then one for each kind of user."""
+    """Yield command lines to continue with.
+
+    The first rates the drive, or runs it under load if it had none. One follows for each kind of user: who prints an
+    actuator, designs reducers or, except for RV reducers, simulates robots.
+    """
     design = [design_options.design, *(word for change in design_options.set_ for word in ("--set", change))]
     resolved = design_options.resolve()
     if findings.condition.load:
@@ -345,7 +349,7 @@ def run_into_log(
 ) -> Ran:
     """Simulate a design into the first log of `names` that does not exist, evaluate the run, and return its summary.
 
-    A run that cannot be evaluated has an error in place of findings.
+    If the run cannot be evaluated, the summary has the error in place of the findings.
 
     Parameters
     ----------
@@ -356,11 +360,11 @@ def run_into_log(
     force
         Whether an existing log is replaced.
     progress
-        Reporter of the progress.
+        Reports the progress of the run.
     contact, solver
         Contact model, and solver.
     viewable
-        Whether the log gets frames and model for viewers, and findings; else samples and design only.
+        Whether to evaluate the run, and log findings, frames and model for viewers; else only samples and design.
     keep_run
         Whether the result has the run in memory, without its forces.
 
@@ -369,7 +373,7 @@ def run_into_log(
     RunError
         The run failed or was stopped; the log has the samples up to then.
     UsageError
-        The hold is too short.
+        The hold, the time at constant speed, is too short.
     LogTakenError
         All of the logs exist.
     """
@@ -463,7 +467,10 @@ def _findings_attachment(findings: "Findings") -> dict[str, bytes]:
 
 
 def _require_held_samples(design: Design, plan: "Schedule") -> None:
-    """Raise UsageError if the hold of a design is too short for `FEWEST_HELD` samples at the interval of a `plan`."""
+    """Raise UsageError if the hold of a design, the time at constant speed, has fewer than `FEWEST_HELD` samples.
+
+    `plan` has the interval of the samples.
+    """
     sampling = plan.stride * plan.timestep
     if design.drive.hold < FEWEST_HELD * sampling:
         raise UsageError(

@@ -100,16 +100,9 @@ def _outcome(
 ) -> Outcome:
     """Convert the statics of a design to an `Outcome`: figures, and the efficiency map if it was computed.
 
-    Parameters
-    ----------
-    static
-        Statics of the design: quantities with names and notes, for the first table.
-    figures
-        Values of the figures that `cycloid-mj figures` lists, by key, for the second table.
-    inheritance
-        What a design file takes from its preset; None without a file.
-    points
-        Points of the efficiency map; empty if it was not computed.
+    `static` has the quantities of the first table, `figures` those of the second, by the keys of `cycloid-mj figures`.
+    `inheritance` has the values that a design file takes from its preset; None without a file. `points` are those of
+    the efficiency map; empty if it was not computed.
     """
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json

@@ -73,12 +73,13 @@ def tolerance(
     solver: StudySolverFlag = "planar",
     delivery: Annotated[ToleranceDelivery, FLAT] = DELIVERED,
 ) -> int:
-    """Draw samples within the tolerances: yield and error budget.
+    """Estimate yield and error budget from random samples within the tolerances.
 
-    Tolerances are read from the table [tolerance] of the design file: "normal 2", "uniform 5" or "between -1 4" (in
-    um), or a grade "IT6". For clearances, a fit "H7/g6" is allowed too. Waves of the disc's profile are listed with
-    their orders, "2: normal 1, 35: uniform 2". An RV reducer has its tolerances in [crank_tolerance]; its samples are
-    computed in closed form and never jam.
+    Tolerances are read from the table [tolerance] of the design file. They are deviations from the design in um:
+    "normal 2" (standard deviation 2), "uniform 5" (from -5 to 5) or "between -1 4" (uniform, too); or they are a grade,
+    "IT6". For clearances, a fit "H7/g6" is allowed too. Waves of the disc's profile are listed with their orders, "2:
+    normal 1, 35: uniform 2". An RV reducer has its tolerances in [crank_tolerance]; its samples are computed in closed
+    form and never jam.
 
     Every sample is solved by statics at 360 crank angles: at both ends of its backlash, and under the nominal torque
     without friction. A sample jams if its parts press against each other without a load. Jammed samples count in the
@@ -88,9 +89,9 @@ def tolerance(
     The error budget ("tighten first") is the share of each tolerance in the variance of a quantity, by Sobol indices.
     The quantity is that of the first --limit, or the backlash. The budget needs at least 64 samples.
 
-    The five worst samples that do not jam are written as design files. --verify simulates them at speed under the
-    nominal torque, with friction and inertia. The CSV file has the deviations of each sample in um (drawn_cam_um, ...)
-    and its quantities. Ctrl-C writes the samples that are finished.
+    The five worst samples that do not jam are written as design files. --verify K simulates the K worst of them with
+    --solver: at speed, under the nominal torque, with friction and inertia. The CSV file has the deviations of each
+    sample in um (drawn_cam_um, ...) and its quantities. Ctrl-C writes the samples that are finished.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.explore.constraints import parse_limit

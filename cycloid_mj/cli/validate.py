@@ -33,10 +33,11 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotat
     """Compare the simulation with closed forms and published cases.
 
     Steps, from simple to complex: two-body, friction, mechanism, backlash, sharing, cam,
-    published, energy, steps, mirror, gravity, witness. Failed rows are always printed,
-    all rows with --all: quantity, our value, reference, source, error, bound, result.
-    "stated" marks a row without a bound; a note explains its difference. The exit code
-    is 1 if a row fails. Takes some minutes in two processes (--workers changes that).
+    published, energy, steps, mirror, gravity, witness. A row has quantity, our value,
+    reference, source, error, bound and result. Failed rows are always printed, all rows
+    only with --all. The result "stated" means that the row has no bound for its error;
+    a note explains the error. The exit code is 1 if a row fails. Takes some minutes in
+    two processes (--workers changes that).
     """
     note("starting")
     from cycloid_mj.life import witnesses

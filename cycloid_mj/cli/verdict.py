@@ -64,7 +64,8 @@ def outcome_of(
 ) -> Outcome:
     """Convert a comparison to an `Outcome`, and issue the warnings of all runs.
 
-    `verdicts` answer a paper's question by these runs; `pictures` are functions that encode the figures, by name.
+    `verdicts` are the conclusions from these runs on the question of a paper. `pictures` has for each figure, by its
+    name, the function that encodes it in a file format.
     """
     from cycloid_mj.comparison.table import figure_frame
     from cycloid_mj.figures import values_json
@@ -111,7 +112,7 @@ def overload_words(load: float, capacity: float) -> str:
 
 
 def overloads(designs: Iterable[Design]) -> dict[str, str]:
-    """Return a sentence for each design whose load is beyond its capacity, by the name of the design."""
+    """Return, by name of the design, a sentence for each design whose load exceeds its capacity, see `capacity_of`."""
     capacities = {design: capacity_of(design) for design in designs}
     return {
         design.name: overload_words(abs(design.load.torque), capacity)
@@ -123,8 +124,8 @@ def overloads(designs: Iterable[Design]) -> dict[str, str]:
 def capacity_of(case: Design) -> float:
     """Compute the torque [N m] at which a contact of a loaded design first yields, by statics under its load.
 
-    If there is no equilibrium under the load, statics is solved under a tenth of it. The result is NaN if this fails,
-    too, or if the design has no load.
+    If there is no equilibrium under the load, statics is solved under a tenth of the load. The result is NaN if this
+    has no equilibrium either, or if the design has no load.
     """
     from cycloid_mj.figures import figure
 
@@ -141,9 +142,10 @@ def capacity_of(case: Design) -> float:
 def _headline(
     trials: "Sequence[Trial]", by_statics: Mapping[str, Mapping[str, Quantity]]
 ) -> dict[str, tuple[str, ...]]:
-    """Return figures of statics and of the runs under one load: name -> values by design, ratios to the first, unit.
+    """Return the main figures of statics and of the runs under one load, as rows of text by name of the figure.
 
-    `trials` are the runs of each design, `by_statics` are the figures of statics by design and key.
+    A row has the value of each design, the ratio of each further design to the first, and the unit. `trials` are the
+    runs of each design, `by_statics` are the figures of statics by design and key.
     """
     from cycloid_mj.comparison.table import HEADLINE as OF_RUNS
 

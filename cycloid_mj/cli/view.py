@@ -33,7 +33,7 @@ def view(
     slow: SlowFlag = SLOW,
     _quiet: QuietFlag = False,
 ) -> int:
-    """Open the MuJoCo viewer on a design, or replay a log in it.
+    """Open the MuJoCo viewer with a design, or replay a log in it.
 
     A display is needed; without one, use `cycloid-mj render` or `cycloid-mj animate`.
     """
