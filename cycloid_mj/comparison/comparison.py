@@ -133,12 +133,12 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Return the distinct designs of cases by name, after the checks of `compare`; a case is a design under a load.
+    """Check cases as `compare` does, and return their distinct designs by name; a case is a design under a load.
 
     Raises
     ------
     UsageError, DesignError
-        As `compare`, except for the solvers.
+        As in `compare`, except for the solvers, which are not checked.
     """
     by_name: dict[str, Design] = {}
     for case in cases:

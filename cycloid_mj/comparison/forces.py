@@ -39,9 +39,9 @@ def cam_force(motion: Series) -> Array:
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Compute numbers of loaded teeth and forces of teeth, cams and output pins [N] over full crank turns.
+    """Compute how many teeth carry force, and the forces of teeth, cams and output pins [N], over full crank turns.
 
-    The samples are those of the settled hold, or all if it is shorter than a turn.
+    The samples are those of the hold after settling, or all of them if these are less than a turn.
     """
     turns = full_turns(motion)
     rows = slice(turns[0].start, turns[-1].stop)

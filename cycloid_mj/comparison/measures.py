@@ -36,9 +36,10 @@ class Measures:
 
 
 def settling_time(reducer: Reducer) -> float:
-    """Compute the time after the ramp that is not evaluated [s]: rise and settling of the load, and a crank turn.
+    """Compute the time after the ramp [s] that is not evaluated.
 
-    At no load a disc that starts in the centre takes about a turn until it rattles steadily.
+    It is the time in which the load rises and settles, plus a crank turn: without load, a disc that starts in the
+    centre takes about a turn until it rattles steadily.
     """
     design = reducer.design
     load_settling = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING.min_time * slowness(reducer)
@@ -55,7 +56,7 @@ def settle_run(run: Run, q: npt.ArrayLike | None = None) -> Series:
 def measure_run(motion: Series, log: str | None = None) -> Measures:
     """Compute the measures of a run for a comparison: findings, fluctuation, vibration and forces.
 
-    `log` is the path of the log, for the findings.
+    `log` is the path of the log. It is not read, but stored in the findings (`Findings.log`).
 
     Raises
     ------

@@ -56,10 +56,11 @@ class Sensitivity:
 
 
 def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
-    """Collect the values of each dynamic quantity of loaded runs, for the reference and for each changed assumption.
+    """Return the values of each dynamic quantity of loaded runs, with and without a change of each assumption.
 
-    `varied_trials` has, for each changed assumption, the runs of `reference` in the same order, repeated with this
-    change. A quantity is omitted if it has no value in the reference run; so is a changed run in which it has none.
+    There is an item for each quantity and each run in `reference`. `varied_trials` has, for each changed assumption,
+    the runs of `reference` in the same order, repeated with this change. A quantity without a value in the reference
+    run is omitted; so are changed runs without a value of it.
     """
     return [
         Sensitivity(
@@ -81,10 +82,11 @@ def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, 
 
 
 def sensitivity_table(sensitivities: Sequence[Sensitivity], condition: str) -> Table:
-    """Return a table of the change of each quantity with each assumption: a row per quantity, a column per design.
+    """Return a table of how much each quantity changes with the assumptions: a row per quantity, a column per design.
 
-    Changes are relative [%], or in points for quantities in %; "not determined" where `Sensitivity.is_determined` is
-    False. `condition` is part of the title. If a design has several loads, its column has the changes under the last.
+    A cell has the changes with each of `ASSUMPTIONS`, in this order. They are relative [%], or in points for quantities
+    in %. A cell is "not determined" where `Sensitivity.is_determined` is False. `condition` is part of the title. If a
+    design has several loads, its column has the changes under the last.
     """
     assumptions = " and ".join(item.words for item in ASSUMPTIONS)
     designs = list(dict.fromkeys(item.design for item in sensitivities))

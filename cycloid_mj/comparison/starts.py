@@ -84,7 +84,7 @@ def compare_order(spread: StartSpread, other: StartSpread) -> int:
 
 
 def start_variant(reducer: Reducer, index: int, count: int = STARTS) -> Design:
-    """Return the design of one of `count` independent starts, by rotating gravity; index 0 is the design itself.
+    """Return a copy of a design with rotated gravity, one of `count` independent starts; index 0 is the design itself.
 
     Gravity is rotated by an integer number of tooth pitches, which is equivalent to another initial crank angle at the
     same phase of the mesh. If the ring has fewer teeth than `count`, gravity is rotated by equal parts of a turn.

@@ -66,9 +66,10 @@ class VibrationLevels:
 
 
 def acceleration(motion: Series) -> Acceleration:
-    """Compute the accelerations of disc centre and output less their closed form, as differences between samples.
+    """Compute the accelerations of the disc's centre and of the output, minus those of the closed-form motion.
 
-    The disc is that of the series; n samples have n - 1 accelerations, see `Acceleration`.
+    They are mean values from one sample to the next, so n samples have n - 1 accelerations, see `Acceleration`. The
+    disc is `Series.disc`.
     """
     run, reducer = motion.run, motion.reducer
     angle = run["crank_angle"] + reducer.phases[motion.disc]
@@ -81,10 +82,10 @@ def acceleration(motion: Series) -> Acceleration:
 
 
 def spectrum(motion: Series) -> Spectrum:
-    """Compute the power spectral densities of `acceleration` over full crank turns, by Welch's method.
+    """Compute the power spectral densities of the results of `acceleration` over full crank turns, by Welch's method.
 
-    Segments have two turns, or all samples if there are fewer. Accelerations are means between samples, which
-    attenuates high frequencies; this is corrected.
+    A segment of Welch's method has two turns, or all samples if there are fewer. The accelerations are means between
+    samples, which attenuates high frequencies; this is corrected.
     """
     turns = full_turns(motion)
     window = slice(turns[0].start, turns[-1].stop)
@@ -98,9 +99,9 @@ def spectrum(motion: Series) -> Spectrum:
 
 
 def vibration(motion: Series) -> VibrationLevels:
-    """Compute the rms accelerations of disc centre [m/s^2] and output [rad/s^2] less their closed form.
+    """Compute the rms of the accelerations of disc centre [m/s^2] and output [rad/s^2] minus the closed form.
 
-    They are evaluated over all full crank turns together, over each turn, and in octave bands.
+    The rms values are those over all full crank turns together, over each turn, and in octave bands.
     """
     accelerations, turns = acceleration(motion), full_turns(motion)
     return VibrationLevels(
