@@ -52,7 +52,7 @@ Named = Design | str | Path
 
 
 def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> Design:
-    """Load the design of a preset's name or a TOML file, with changes applied.
+    """Load the design that `named` is or refers to, and apply changes.
 
     Parameters
     ----------
@@ -310,8 +310,8 @@ def _plain(value: Any) -> Any:
 def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     """Return the complete design file of a design as TOML text with comments; `loads` reads back an equal design.
 
-    `reasons` are explanations of values for the comments, by ``table.name`` as in the model, or by the name of a value
-    outside of tables.
+    `reasons` are explanations of values, which are written in the comments. Their keys are ``table.name`` with the
+    names of the model, or the name alone for a value outside of tables.
     """
     reasons = reasons or {}
     lines = ["# cycloid_mj design file. Each key ends in its unit."]
@@ -370,12 +370,12 @@ def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
 
 
 def _file_tables(section: Section, table_names: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
-    """Yield the file keys of a section of the design with their values, or only those of selected names.
+    """Yield the keys and values of a section of the design as in the file, or only those of `table_names`.
 
     Yields
     ------
     tuple
-        Key, and value in the unit of the file; a table of such pairs for a section within it.
+        Key, and value in the unit of the file. For a section within this section, the value is a dict of its keys.
     """
     for name, field, value in _fields(section):
         if table_names is not None and name not in table_names:
@@ -404,7 +404,7 @@ def _keys_of(section: type[Section]) -> dict[str, tuple[str, FieldInfo]]:
 def _read_table(
     section: type[Section], table: Mapping[str, Any], source: str, prefix: str = "", root: type[Section] = Design
 ) -> dict[str, Any]:
-    """Convert a table of a file to values of the model: names instead of file keys, SI instead of file units.
+    """Return the values of a table of the file by their names in the model instead of file keys, in SI units.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ GRADES = range(1, 19)
 
 
 def grade_width(grade: int, size: float) -> float:
-    """Compute the width of a standard tolerance grade [m] at a nominal size [m].
+    """Compute the width [m] of a standard tolerance grade, for example 7 for IT7, at a nominal size [m].
 
     Raises
     ------
@@ -116,7 +116,7 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
     Raises
     ------
     ValueError
-        The fit is not a hole's zone and a shaft's, a zone is unknown, or the size is not in (0, 0.5].
+        The fit is not a zone of a hole and a zone of a shaft, a zone is unknown, or the size is not in (0, 0.5].
     """
     hole, slash, shaft = fit.strip().partition("/")
     if not (slash and hole[:1].isupper() and shaft[:1].islower()):
@@ -128,8 +128,9 @@ def clearances(fit: str, size: float) -> tuple[float, float]:
 def _upper_hole_deviation(letter: str, grade: int, size: float) -> float:
     """Compute the upper deviation [m] of a hole zone with a letter after H at a nominal size [m] (ISO 286-1, 4.3.2.5).
 
-    `letter` is the small letter. The deviation is that of the shaft with the same letter and opposite sign; above 3 mm
-    and up to IT8 (k, m, n) or IT7 (p to zc), the difference between the grade and the next finer grade is added.
+    `letter` is the letter of the zone as a small letter. The deviation is minus that of the shaft with the same letter.
+    For sizes above 3 mm, and grades up to IT8 (k, m, n) or IT7 (p to zc), the width of the grade minus that of the next
+    finer grade is added.
     """
     max_delta_grade = 8 if letter in "kmn" else 7
     if letter == "n" and grade > max_delta_grade:

@@ -59,17 +59,17 @@ class Inheritance:
 
 
 def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None:
-    """Return the values that a design file, with changes on the command line, takes from a preset, by key of the file.
+    """Return the values that a design takes from a preset because neither its file nor `changes` set them, by file key.
 
-    Only values of the tables `DESCRIBING` and the material's name are included, without those that are 0. Returns None
-    for a preset or a design.
+    Only the material's name and values of the tables `DESCRIBING` are included; values of 0 are omitted. The result is
+    None if `named` is a preset or a design.
 
     Parameters
     ----------
     named
         Preset, file or design as for `resolve`; a file must be readable and valid.
     changes
-        ``table.key=value`` each.
+        Texts ``table.key=value`` of the command line.
     """
     if isinstance(named, Design) or preset(str(named)):
         return None
@@ -96,7 +96,7 @@ def find_inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance |
 def _describing_keys(design: Design) -> list[str]:
     """List the file keys (``table.key``) of the tables `DESCRIBING` that apply to a design, and ``material.name``.
 
-    The keys `RAMP` are left out.
+    The keys in `RAMP`, which describe a run and not the drive, are left out.
     """
     tables: dict[str, Section] = {name: getattr(Design(), name) for name in DESCRIBING}
     keys = [

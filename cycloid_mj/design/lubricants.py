@@ -128,7 +128,7 @@ def lubricants() -> Mapping[str, Lubricant]:
 
 
 def lubricant(name: str) -> Lubricant:
-    """Return viscosities, density and other properties of the lubricant with a name, ignoring case.
+    """Return the lubricant with a name, ignoring case: viscosities, density and other properties.
 
     Raises
     ------

@@ -79,7 +79,7 @@ class Measured(Section):
 
     @model_validator(mode="after")
     def _check_lists(self) -> Self:
-        """Raise ValueError for lists of unequal length, files that were not read, or two descriptions of a profile."""
+        """Raise ValueError for lists of unequal length, files that were not read, or a profile given in both forms."""
         groups = {
             "gear_angle_deg and gear_deviation_um": (self.gear_angle, self.gear_deviation),
             "gear_x_mm and gear_y_mm": (self.gear_x, self.gear_y),
@@ -109,14 +109,16 @@ class Measured(Section):
 
 
 def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Read the files that the table ``[measured]`` names; return the table with their values as lists, in file units.
+    """Read the files that the table ``[measured]`` names; return the table with their values added as lists.
+
+    The lists are in the units of the file; their keys are those of the file.
 
     Parameters
     ----------
     table
-        The table; a file whose values it lists is not read.
+        The table. If it already has lists of the values of a file, this file is not read.
     folder
-        Folder of relative paths.
+        Folder to which relative paths refer.
 
     Raises
     ------
@@ -132,11 +134,12 @@ def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return {**table, **values}
 
 
-def _read_gear(path: Path) -> Columns:
-    """Read the columns of a measured disc profile from a CSV file, by the names `ANGLES` or `POINTS`, in file units.
+def _read_disc_profile(path: Path) -> Columns:
+    """Read the measured profile of a disc from a CSV file; return its columns by name, in the units of the names.
 
-    Without a header, the columns are x, y (and z, which is left out) [mm]. Raises DesignError for another header, and
-    as `_parse_columns`.
+    The header must have the names in `ANGLES` (angle and deviation) or in `POINTS` (x and y). Without a header, the
+    columns are x, y and optionally z [mm], which is ignored. Raises DesignError for any other header, and for the
+    errors that `_parse_columns` describes.
     """
     lines = list(_read_rows(path))
     line_number, header_cells = lines[0]
@@ -153,10 +156,10 @@ def _read_gear(path: Path) -> Columns:
 
 
 def _read_pins(path: Path) -> Columns:
-    """Read the deviations of measured ring pins [um] from a CSV file with the columns `PINS`, in the order of the pins.
+    """Read the deviations of measured ring pins [um] from a CSV file with the columns `PINS`; return them by column.
 
-    The rows may have any order. Raises DesignError if a pin is missing or listed twice, for another header, and as
-    `_parse_columns`.
+    The rows may have any order, the result has that of the pins. Raises DesignError if a pin is missing or listed
+    twice, for another header, and for the errors that `_parse_columns` describes.
     """
     lines = list(_read_rows(path))
     line_number, header_cells = lines[0]
@@ -173,7 +176,7 @@ def _read_pins(path: Path) -> Columns:
     return {name: tuple(columns[name][order[pin]] for pin in sorted(order)) for name in PINS[1:]}
 
 
-READERS = {"gear": _read_gear, "pins": _read_pins}
+READERS = {"gear": _read_disc_profile, "pins": _read_pins}
 """Reader of each file by its key; the lists that it returns have the key as a prefix."""
 
 
@@ -225,8 +228,8 @@ def _cells(line: str) -> list[str]:
 def _parse_columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int, list[str]]]) -> Columns:
     """Convert the rows of a file to columns of numbers by name; a third coordinate of points is left out.
 
-    `names` are those of the columns, `lines` line numbers and cells of the rows. Raises DesignError with the line of a
-    wrong value.
+    `names` are the names of the columns. `lines` has the line number and the cells of each row. Raises DesignError,
+    with the number of the line, for a value that is not a number or out of range, and for a wrong number of cells.
     """
     rows = []
     for line_number, cells in lines:

@@ -122,7 +122,9 @@ class Ring(Section):
 
     @property
     def ahead(self) -> tuple[float, ...]:
-        """Counter-clockwise rotation [rad] of each half of a ring that preloads the teeth; (0,) for an undivided ring.
+        """Counter-clockwise rotation [rad] of each half of the ring, by which the teeth are preloaded.
+
+        An undivided ring has one value, 0.
 
         Raises
         ------
@@ -1070,7 +1072,7 @@ class Design(Section, Presented):
         return self.but(thermal=dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)) if self.thermal.words else self
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
-        """Return a copy whose simulation runs at full speed from the start, for some crank turns after transients.
+        """Return a copy that runs at full speed from the start: through the transients, then for some crank turns.
 
         Parameters
         ----------
@@ -1237,9 +1239,10 @@ class Design(Section, Presented):
     def friction_of(self, pair: str) -> float:
         """Return the friction coefficient [1] of a kind of mating pair, reduced where rollers turn in between.
 
-        With the law ``film`` it is the upper limit, that of boundary lubrication, where parts slide. That of a sliding
-        roller on an output pin is referred to the radius of the roller. In an RV reducer, needles and tapered bearing
-        of a crank both carry the force of a disc, so that their friction is counted twice.
+        With the law ``film``, sliding parts have its upper limit, the coefficient of boundary lubrication. Where a
+        roller slides on an output pin, the coefficient is multiplied by the ratio of the radii of pin and roller. In an
+        RV reducer, needles and tapered bearing of a crank both carry the force of a disc, so that their friction is
+        counted twice.
         """
         if self.planet is not None and pair in (CRANK_BEARING, PLANET_MESH):
             if pair == CRANK_BEARING:
@@ -1292,7 +1295,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _check_error_lists(self) -> Self:
-        """Raise ValueError for a list of errors without a value for each part, or errors of pins that a ring lacks."""
+        """Raise ValueError for a list of errors of a wrong length, or for errors of pins that the ring lacks."""
         tables: tuple[tuple[str, Section], ...] = (("errors", self.errors),)
         if self.crank_errors is not None:
             tables += (("crank_errors", self.crank_errors),)
@@ -1301,7 +1304,10 @@ class Design(Section, Presented):
         return self
 
     def _check_error_table(self, table: str, section: Section) -> None:
-        """Raise ValueError if a list of errors in a table has a wrong length, or is of pins that the ring lacks."""
+        """Raise ValueError for a list of errors of a wrong length, or for errors of pins that the ring lacks.
+
+        `section` has the lists, `table` is its name in messages.
+        """
         for name, field in type(section).model_fields.items():
             counts = {key: getattr(getattr(self, key[0]), key[1]) for key in counted_by(field)}
             value, key = getattr(section, name), f"{table}.{file_key(name, field)}"

@@ -13,9 +13,9 @@ def _make_printed() -> Design:
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
     parts that ``Documentation/Bill of Materials.xlsx`` names: HK0509 needle rollers on 5 mm output pins, HK1522 with an
-    inner ring 12 x 15 x 22.5 on the shaft. Other values are assumed, each with its `preset_reasons`. The thesis has a
-    printed internal gear; this preset has pins of steel. Its shaft is stepped to a 6803 and a 6806; here the bearings
-    are on the 12 mm of the inner ring.
+    inner ring 12 x 15 x 22.5 on the shaft. Other values are assumed, each with its `preset_reasons`. Two parts differ
+    from the thesis. The ring has pins of steel instead of a printed internal gear. The shaft has a diameter of 12 mm,
+    that of the inner ring, instead of steps for the bearings 6803 and 6806.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="printed", structure="springs").but(
@@ -104,8 +104,8 @@ def _make_rv64() -> Design:
     """Return an RV reducer whose pin circle has a radius of 64 mm, as the RV example for the code Exudyn.
 
     Discs, pins, eccentricity, cranks and needles are those of the example. Sun and planets are not part of it: with a
-    module of 1.25 mm they fit the circle of cranks and have the ratio 121, which the catalogue of the RV-40E states, a
-    drive of this size. Other values are assumed, each with its `preset_reasons`.
+    module of 1.25 mm they fit the circle of cranks. They have the ratio 121, which the catalogue states for the RV-40E,
+    a drive of similar size. Other values are assumed, each with its `preset_reasons`.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="rv64", layout="rv").but(

@@ -357,15 +357,11 @@ def dowel_diameters() -> tuple[float, ...]:
 
 
 def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
-    """Return the shortest pin in stock with a diameter [m] that fills a length [m], alone or several in line.
+    """Return the pin in stock for a diameter [m] and a length [m], and how many are in line; None if there is none.
 
-    It is a dowel (ISO 8734) if there is one of the diameter, or else a pin gauge up to 1 mm (DIN 2269), whose length is
-    not compared. None if there is no pin of the diameter.
-
-    Returns
-    -------
-    tuple
-        The pin, and how many are in line.
+    If there are dowels (ISO 8734) of the diameter, it is the shortest that fills the length alone or, if all are too
+    short, in line with equal dowels. For other diameters below 1 mm it is one pin gauge (DIN 2269), whatever the
+    length.
     """
     size_mm, length_mm = round(diameter / MM, 6), length / MM
     if size_mm in _DOWELS:
@@ -382,7 +378,7 @@ def pins(diameter: float, length: float) -> tuple[Dowel, int] | None:
 def single_pin(diameter: float, length: float) -> Dowel | None:
     """Return the pin in stock with a diameter [m] that fills a length [m] in one piece; None if there is none.
 
-    It is that of `pins`, or a longer pin gauge, which is cut to length.
+    It is the result of `pins` if that is a single pin, else a longer pin gauge, which is to be cut to length.
     """
     stock_pins = pins(diameter, length)
     if not stock_pins or stock_pins[1] == 1:
@@ -391,9 +387,9 @@ def single_pin(diameter: float, length: float) -> Dowel | None:
 
 
 def pin_gauge(diameter: float, length: float) -> Dowel | None:
-    """Return the pin gauge with a diameter [m] that fills a length [m] in one piece, to be cut; None if there is none.
+    """Return the pin gauge with a diameter [m], to be cut to a length [m]; None if there is none of sufficient length.
 
-    It has its nominal diameter within 1 um. A dowel (m6) is 2 to 12 um thicker, and jams in a bore of a few
+    Gauges are within 1 um of their nominal diameter. Dowels (m6) are 2 to 12 um thicker, and jam in a bore of a few
     micrometres of clearance.
     """
     size = round(diameter / MM, 6)
@@ -450,7 +446,7 @@ def key_for(shaft: float, max_length: float) -> StockKey | None:
 
 
 def stock_pin_lengths(diameter: float, lengths: "Array", max_count: int = 4) -> "Array":
-    """Return the lengths [m] of uncut dowels with a diameter [m] that are nearest to `lengths` [m], shape (n,).
+    """Round lengths [m], shape (n,), to the nearest lengths of uncut dowels with a diameter [m].
 
     At most `max_count` equal dowels are in line. A length is returned unchanged if the nearest length differs by more
     than the factor `OFF`, or if there are no dowels of the diameter; the dowels are then to be cut.
@@ -584,7 +580,8 @@ def side_by_side(bearings: Iterable[StockBearing], width: float) -> tuple[StockB
 def bearings_outside(outside: float, *, ringed: bool = False) -> tuple[StockBearing, ...]:
     """List the bearings with an outside diameter [m]: needle bearings, or ball bearings if there are none.
 
-    `ringed` selects bearings with an inner ring, for a crank that is too soft for needles: ball bearings only.
+    `ringed` selects bearings with an inner ring, for a crank that is too soft to roll needles on; these are ball
+    bearings only.
     """
     if ringed:
         return _alike((*ball_bearings(), *thin_ball_bearings()), outside, "outside")
