@@ -18,7 +18,7 @@ CRASHED = "ended by a signal"
 
 def spoiled_lifts() -> dict[str, Callable[[], str]]:
     """Trials of the lift, by the place that is spoiled."""
-    steps = layout.discover_steps()
+    steps = layout.find_step_layout()
     instead = {
         "nuserdata": steps.nuserdata + 4,
         "nuser_geom": steps.nuserdata,
@@ -41,13 +41,13 @@ def spoiled_lifts() -> dict[str, Callable[[], str]]:
 
 def spoiled_steps() -> dict[str, Callable[[], str]]:
     """Trials of what a run keeps of its steps, by the place that is spoiled."""
-    steps = layout.discover_steps()
+    steps = layout.find_step_layout()
     instead = {"efc_force": steps.efc_vel, "stride": steps.stride + 8, "efc_address": steps.dim, "ncon": steps.ncon + 4}
 
     def trial(place: str) -> str:
         wrong = steps._replace(**{place: instead[place]})
-        each_step.discover_steps = lambda: wrong
-        with each_step._installation.kept():
+        each_step.find_step_layout = lambda: wrong
+        with each_step._installation.apply():
             return selftest.try_steps(each_step.add_sensor, each_step.EachStep)
 
     return {place: lambda place=place: trial(place) for place in instead}

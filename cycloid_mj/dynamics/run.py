@@ -139,10 +139,10 @@ class Schedule:
 
 
 def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
-    """Return the time steps and samples of a design's run over ramp and hold, close to the log rate of the design.
+    """Return the time steps and samples of a design's run over ramp and hold.
 
-    `seconds` is the time step [s] of the model; 0 stands for that of the design. Duration and sample interval are
-    rounded to at least one step.
+    `seconds` is the time step [s] of the model; 0 stands for that of the design. The sample interval is a multiple of
+    it, close to that of the design's log rate. Duration and sample interval are at least one step.
     """
     design = reducer.design
     seconds = seconds or timestep(reducer)
@@ -152,7 +152,7 @@ def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
 
 
 def log_columns(model: Model, reducer: Reducer) -> Groups:
-    """Return the log's columns with their units: topic -> column -> unit."""
+    """Return the units of the log's columns, as a dict of columns for each topic."""
     kinds = sorted(model.laws)
     groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
     groups[REDUCER] |= {
@@ -296,8 +296,8 @@ def provenance(
     """Return the assumptions of a run as texts, by the keys of the metadata of its log.
 
     They are design, solver, contact, time step with its reason and accuracy, files of measured parts if any, working
-    forces (the stiffnesses of the contacts are secants at them), and versions of the packages. `seconds` is the time
-    step [s], or 0 for the one that the solver's rule chooses.
+    forces, and versions of the packages. Contacts have their secant stiffness at the working force. `seconds` is the
+    time step [s], or 0 for the step that the solver's rule chooses.
     """
     stiffened_reducer = reducer.for_slices if contact == "mesh" else reducer
     step_rule = STEP_RULES[solver]
@@ -322,10 +322,11 @@ def provenance(
 
 
 def run_warnings(compiled: Model, reducer: Reducer, cycle: DriveCycle | None = None) -> tuple[str, ...]:
-    """Return the warnings that are known before a run: of the model, of the step at its speed, and of idling.
+    """Return the warnings that are known before a run: about the model, its speed, and a load that is too small.
 
-    `compiled` is the model of the run. `cycle` is the motion of the crank; None is that of the design. Warnings that
-    depend on the speed are omitted if the crank starts from rest, and that of idling if there is a `cycle`.
+    `compiled` is the model of the run. `cycle` is its drive cycle; None is that of the design. Warnings that depend on
+    the speed are omitted if the crank starts from rest in a `cycle`. That about the load (`idle_warning`) is omitted
+    with any `cycle`.
     """
     is_turning = cycle is None or cycle.speed != 0.0
     mesh_texts = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and is_turning else ()
@@ -346,8 +347,8 @@ def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
 def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
     """Return the contents of the files attached to a log, by name: the design file, the MuJoCo model and its meshes.
 
-    They are created on first access. A planar run, with a planar `compiled` model, has the MuJoCo model of
-    its design, without meshes.
+    They are created on first access. For a planar `compiled` model, the MuJoCo model is that of its design, without
+    meshes.
     """
     assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets
 
@@ -390,7 +391,7 @@ def blocks(
                 stack.enter_context(collider.install(reducer.design.ring.kind == "nonpin"))
             stack.enter_context(each_step.install())
             stack.enter_context(unused.disable_unused(compiled.model))
-            stack.enter_context(_no_log_file.kept())
+            stack.enter_context(_no_log_file.apply())
         recorder = _Recorder(compiled, reducer, stepping, plan, has_own_cycle)
         block_size = max(RUN.block_samples, samples_per_call)
         for first_sample in range(0, plan.samples, block_size):
@@ -563,10 +564,10 @@ class _Recorder:
         )
 
     def tables(self, rows: Array) -> dict[str, Array]:
-        """Convert rows of samples to the columns of the log, by topic, shape (samples, columns) each.
+        """Convert rows of samples to tables of the log by topic, each of shape (samples, columns).
 
-        Powers are summed over the pairs of each kind, and the motion of the point q is computed from that of the first
-        disc.
+        The columns are those of `log_columns`. Powers are summed over the pairs of each kind, and the motion of the
+        point q is computed from that of the first disc.
         """
         sensor_values, solver, drags = (
             rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags)
@@ -653,9 +654,9 @@ class _Recorder:
             yield (np.abs(error) > quarter_pitch, partial(_describe_skip, disc_name, error))
 
     def _describe_jam(self, cause: str, power: Array, sample: int) -> str:
-        """Return the error message of a jam at the index `sample`.
+        """Return the error message of a jam in the sample with the index `sample`.
 
-        `cause` is the start of a clause, such as "friction dissipates"; `power` (samples,) is the dissipated power [W].
+        `cause` is its subject and verb, such as "friction dissipates"; `power` (samples,) is the dissipated power [W].
         """
         drive = self._design.drive
         return (

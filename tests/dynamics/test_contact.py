@@ -8,7 +8,7 @@ import pytest
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact import collider, gap
-from cycloid_mj.dynamics.contact.layout import discover
+from cycloid_mj.dynamics.contact.layout import find_layout
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, collision_table
 from cycloid_mj.dynamics.drive_cycle import initial_state
 from cycloid_mj.dynamics.mjcf import build
@@ -75,7 +75,7 @@ def test_circle_in_circle() -> None:
 
 
 def test_layout_is_found_and_stable() -> None:
-    layout = discover()
+    layout = find_layout()
     assert len({layout.geom_size, layout.geom_priority, layout.geom_user}) == 3
     assert layout.geom_xpos != layout.geom_xmat
 

@@ -15,7 +15,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import pair_index, surface_name
-from cycloid_mj.dynamics.contact.layout import discover_steps
+from cycloid_mj.dynamics.contact.layout import find_step_layout
 from cycloid_mj.dynamics.contact.sample_layout import OF_PAIR
 from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import build
@@ -167,7 +167,7 @@ def test_frictionless_pairs_peak_at_the_size_of_their_force() -> None:
 
 
 def test_the_places_in_mujocos_structures_are_found() -> None:
-    found = discover_steps()
+    found = find_step_layout()
     assert len({found.contact, found.efc_force, found.efc_vel, found.userdata, found.ncon}) == 5
     within = [0, found.pos, found.frame, found.dim, found.geom, found.efc_address, found.stride]
     assert within == sorted(set(within))

@@ -13,7 +13,7 @@ from cycloid_mj.dynamics.contact.library import CYLINDER, KNOWN, TYPES, collisio
 
 def collide(**spoiled):
     """Try a collider that was compiled for a layout of which some places are spoiled."""
-    found = layout.discover()
+    found = layout.find_layout()
     places = found._replace(**spoiled)
     collider._general_collider()  # it binds the collider of MuJoCo's own
     return selftest.try_collider(collider._compile_general_collider(places).address)
@@ -21,9 +21,9 @@ def collide(**spoiled):
 
 def test_the_release_that_is_installed_passes():
     assert collide() == ""
-    with each_step._installation.kept():
+    with each_step._installation.apply():
         assert selftest.try_steps(each_step.add_sensor, each_step.EachStep) == ""
-    lift = reference_correction.compile_control_callback(layout.discover_steps())
+    lift = reference_correction.compile_control_callback(layout.find_step_layout())
     assert selftest.try_correction(lift.address) == ""
 
 
@@ -38,7 +38,7 @@ def test_the_release_that_is_installed_passes():
     ],
 )
 def test_an_exchanged_position_is_detected_in_the_gaps(place, instead):
-    assert collide(**{place: getattr(layout.discover(), instead)})
+    assert collide(**{place: getattr(layout.find_layout(), instead)})
 
 
 def test_a_collider_that_is_not_called_is_detected():

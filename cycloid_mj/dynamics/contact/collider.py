@@ -17,7 +17,7 @@ from numba import types
 from cycloid_mj.base.compiling import cacheable, cfunc
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.dynamics.contact import selftest
-from cycloid_mj.dynamics.contact.layout import Layout, discover, discover_steps
+from cycloid_mj.dynamics.contact.layout import Layout, find_layout, find_step_layout
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, callback, collision_table, set_callback
 from cycloid_mj.dynamics.contact.mating import (
     write_bearing_contacts,
@@ -54,7 +54,8 @@ def _compile_general_collider(layout: Layout) -> Any:
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
         """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
 
-        It is an ``mjfCollision``: `model` and `data` are addresses, contacts have gaps below `margin` [m].
+        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are addresses; contacts have gaps below
+        `margin` [m].
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -90,7 +91,8 @@ def _compile_lobe_collider(layout: Layout) -> Any:
     def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
         """Write the contacts of two cylinder geoms at the address `contacts`, and return their number.
 
-        It is an ``mjfCollision``: `model` and `data` are addresses, contacts have gaps below `margin` [m].
+        The signature is that of MuJoCo's ``mjfCollision``. `model` and `data` are addresses; contacts have gaps below
+        `margin` [m].
         """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -119,14 +121,14 @@ def _general_collider() -> Any:
             "reinstall MuJoCo with `pip install --force-reinstall mujoco`"
         )
     llvmlite.binding.add_symbol(_ORIGINAL, original)
-    collider = _compile_general_collider(discover())
+    collider = _compile_general_collider(find_layout())
     selftest.require_passed("collider", lambda: selftest.try_collider(collider.address))
     return original, collider
 
 
 @cache
 def _compile_correction() -> Any:
-    lift = compile_control_callback(discover_steps())
+    lift = compile_control_callback(find_step_layout())
     selftest.require_passed("lift", lambda: selftest.try_correction(lift.address))
     return lift
 
@@ -135,7 +137,7 @@ def _compile_correction() -> Any:
 def _lobe_collider() -> Any:
     _, collider = _general_collider()
     llvmlite.binding.add_symbol(_GENERAL, collider.address)
-    return _compile_lobe_collider(discover())
+    return _compile_lobe_collider(find_layout())
 
 
 def _install() -> None:
@@ -167,7 +169,7 @@ def install(lobes: bool = True) -> Iterator[None]:
     ContactError
         The callback ``mjcb_control`` is already in use, or this release of MuJoCo is not compatible.
     """
-    with _installation.kept():
+    with _installation.apply():
         if lobes:
             # It stays until the last block ends: it passes all pairs of the general collider on.
             collision_table()[_ENTRY] = _lobe_collider().address

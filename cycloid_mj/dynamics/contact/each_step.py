@@ -27,7 +27,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, cfunc
 from cycloid_mj.dynamics.contact import sample_layout, selftest
 from cycloid_mj.dynamics.contact.forces import PairIndex, pair_of, sum_contacts
-from cycloid_mj.dynamics.contact.layout import discover_steps
+from cycloid_mj.dynamics.contact.layout import find_step_layout
 from cycloid_mj.dynamics.contact.library import callback, function_address, set_callback
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.reference_correction import bind_multiplication, correct_references, multiply_jacobian
@@ -180,7 +180,7 @@ class EachStep:
     def _state_record(self) -> Any:
         """Return the record of addresses and sizes that compiled code reads, see `STEP_STATE`."""
         model, data, index = self._model, self._data, self._index
-        layout = discover_steps()._asdict()
+        layout = find_step_layout()._asdict()
         values = {name: data._address + layout[name] for name in POINTERS} | {name: layout[name] for name in FIELDS}
         values |= {
             "nv": model.nv,
@@ -233,7 +233,7 @@ def install() -> Iterator[None]:
     ContactError
         The sensor callback is already in use, or this release of MuJoCo is not compatible.
     """
-    with _installation.kept():
+    with _installation.apply():
         _require_self_test()
         yield
 
@@ -261,17 +261,17 @@ _installation = Shared(_install, _uninstall)
 @cache
 def _compile_callback() -> Any:
     """Compile or load the sensor callback that takes the steps of a run; return it as a numba ``cfunc``."""
-    layout = discover_steps()
+    layout = find_step_layout()
     bind_multiplication()
     for stage in _STAGES:
         llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
     def during_step(model: int, data: int, stage: int) -> None:
-        """Apply the contact laws before the forces, or end a step and take the following steps; an ``mjfSensor``.
+        """Apply the contact laws before the forces, or end a step and take the following steps, depending on `stage`.
 
-        `model` and `data` are addresses, `stage` is MuJoCo's ``mjtStage``. The remaining steps of the current call of
-        `EachStep.advance` are taken.
+        The signature is that of MuJoCo's ``mjfSensor``: `model` and `data` are addresses, `stage` is an ``mjtStage``.
+        The following steps are those that remain in the current call of `EachStep.advance`.
         """
         if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + layout.nuserdata) != 1:
             return
@@ -324,11 +324,12 @@ def _end_step(model: int, data: int, run: StepState) -> None:
 def _apply_impact(run: StepState) -> None:
     """Set stiffness and damping of every contact by the law IMPACT at its current depth; do nothing with other laws.
 
-    A row of MuJoCo's constraints obeys R f + a + b v + k r = 0 (`law`), with force f, relative acceleration a and
-    velocity v, and gap r. The function sets k, b and R = 1/added mass. The added mass K dt^2/4 + C dt/2, with the
-    law's tangent stiffness K and damping C, is stable at any time step dt. The tangential rows are scaled so that
-    friction coefficient and creep stay the same. Arrays are addressed in bytes, 8 for each number: a pair has the four
-    numbers of `ImpactLaw`; a row of ``efc_KBIP`` has k, b, impedance and its derivative.
+    A row of MuJoCo's constraints obeys R f + a + b v + k r = 0 (module `law`), with force f, relative acceleration a
+    and velocity v, and gap r. The function sets k, b and R, which is the inverse of the added mass. The added mass is
+    K dt^2/4 + C dt/2, with the law's tangent stiffness K and damping C; it is stable at any time step dt. The
+    tangential rows are scaled so that friction coefficient and creep stay the same. Arrays are addressed in bytes, 8
+    for each number: a pair has the four numbers of `ImpactLaw`; a row of ``efc_KBIP`` has k, b, impedance and its
+    derivative.
     """
     if not run.impact:
         return
@@ -441,7 +442,7 @@ def _set_command(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _update_peaks(run: StepState) -> None:
-    """Raise the peak force of each pair [N] to its normal force in this step, the sum over its contacts, if larger."""
+    """Update the peak of the normal force of each pair [N] with its sum over all contacts of the pair in this step."""
     contacts_address, force = read_address(run.contact), read_address(run.efc_force)
     count = read_int(run.ncon)
     for k in range(count):
@@ -460,9 +461,10 @@ def _update_peaks(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _write_sample(run: StepState) -> None:
-    """Write a sample at the address `run.rows`, advance it to the next row, and reset the peak forces.
+    """Write a sample at the address `run.rows`, advance this address to the next row, and reset the peak forces.
 
-    A row has the copied sources, solver statistics, forces and powers of all pairs, and the powers of drags.
+    A sample has the values at the addresses `run.sources`, solver statistics, forces and powers of all pairs, and the
+    powers of drags; see ``sample_layout``.
     """
     row = run.rows
     run.rows += run.width

@@ -85,15 +85,15 @@ class StepLayout(NamedTuple):
 
 
 @cache
-def discover() -> Layout:
-    """Return the byte offsets in ``mjModel`` and ``mjData`` of the arrays that the collider reads.
+def find_layout() -> Layout:
+    """Return the byte offsets, in ``mjModel`` and ``mjData``, of the arrays that the collider reads.
 
-    They are searched for in two small models with known contents, in the installed MuJoCo release.
+    They are found by a search in two small models with known contents, in the installed MuJoCo release.
 
     Raises
     ------
     ContactError
-        The structures are not as expected; the message names the field and the release.
+        MuJoCo's structures are not as expected; the message names the field and the installed release.
     """
     geom_xml = '<body><joint/><geom type="box" size="1 1 1" user="5"/></body>'
     probes = {7919: "", 6101: geom_xml * 5}
@@ -114,13 +114,15 @@ def discover() -> Layout:
 
 
 @cache
-def discover_steps() -> StepLayout:
-    """Return the byte offsets of what a time step reads and writes, determined from two small models.
+def find_step_layout() -> StepLayout:
+    """Return the byte offsets, in MuJoCo's structures, of the fields that compiled code uses in a time step.
+
+    They are found by a search in two small models with known contents, in the installed MuJoCo release.
 
     Raises
     ------
     ContactError
-        The structures are not as expected; the message names the field and the release.
+        MuJoCo's structures are not as expected; the message names the field and the installed release.
     """
     # What lies behind the structure may be an address by chance, but not for both models at the same offset.
     (first_address, fields), (second_address, other_fields) = (
@@ -136,13 +138,14 @@ def discover_steps() -> StepLayout:
     offset_by_name = {
         name: candidates[-1 if name in ("contact", "userdata") else 0] for name, candidates in offsets.items()
     }
-    return StepLayout(nuser_geom=discover().nuser_geom, **offset_by_name, **fields)
+    return StepLayout(nuser_geom=find_layout().nuser_geom, **offset_by_name, **fields)
 
 
 def _find_candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[str, int]]:
-    """Return the possible byte offsets of pointers and sizes by name, and the fields of a contact, from one model.
+    """Return the possible byte offsets of each field of `StepLayout` in one model, and the known offsets in a contact.
 
-    The model has the number `balls` of spheres in contact, and the number `user` of user data.
+    The fields are pointers and numbers of ``mjModel`` and ``mjData``. The model has `balls` spheres in contact, and
+    `user` numbers of user data.
     """
     model = mujoco.MjModel.from_xml_string(_STEP_PROBE.format(more=_BALL * balls, user=user))
     data = mujoco.MjData(model)
@@ -166,9 +169,10 @@ def _find_candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[s
 
 
 def _find_pointers(model: Any) -> dict[str, int]:
-    """Return the byte offsets of the pointers of `Layout` in one model.
+    """Return the byte offsets of the five pointers of `Layout`, by name, in one model.
 
-    The last pointer to an array counts: empty arrays before it may share its address.
+    If the address of an array occurs several times, the last occurrence is taken: empty arrays before it may have the
+    same address.
     """
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

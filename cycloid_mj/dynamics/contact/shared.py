@@ -14,8 +14,8 @@ class Shared:
         self._users = 0
 
     @contextmanager
-    def kept(self) -> Iterator[None]:
-        """Make the shared change for this ``with`` block; the last nested or parallel block undoes it at its end."""
+    def apply(self) -> Iterator[None]:
+        """Apply the shared change in this ``with`` block; the last nested or parallel block to end reverts it."""
         with self._lock:
             if not self._users:
                 self._make()
