@@ -336,7 +336,7 @@ def _root_factor(profile: Teeth, arc_radius: float, least: Minimum) -> float:
 def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
     """Compute the separation [1] of the contacts of the teeth on arc and root of a lobe, from 0 (one patch) to 1.
 
-    It is the gap midway between both contacts less `larger_gap`, divided by the deflection of the teeth.
+    It is the gap midway between both contacts minus `larger_gap`, divided by the deflection of the teeth.
 
     Parameters
     ----------
@@ -429,28 +429,14 @@ def _write_root(
     gear: Pose,
     margin: float,
 ) -> tuple[int, ArcTouch]:
-    """Find and write the contacts of the teeth in half a root of the ring, after `count` others at an address.
+    """Find and write the contacts of the teeth in half a `root` of the ring, after `count` others at an address.
 
     The half root is divided into pieces, each of which is searched for a minimum of the gap. If the gap between the
     contacts on arc and root is below the deflection of the teeth, both share one patch: their stiffness is reduced.
 
-    Parameters
-    ----------
-    address, count
-        Address of the first contact, and number of contacts written so far.
-    profile, arc_radius
-        Teeth of the gear, and radius of the lobe's arc [m].
-    root, arc
-        The half root, and the contact on the arc.
-    lobe, gear
-        Poses of the lobe in the world's frame, and of the teeth in the frame of the lobe.
-    margin
-        Largest gap of a contact [m].
-
-    Returns
-    -------
-    tuple
-        The new number of contacts, and the contact on the arc with its new stiffness factor.
+    `arc` is the contact on the arc. `lobe` is the pose of the lobe in the world, `gear` that of the teeth in the frame
+    of the lobe; other arguments as in `lobe_touches`. Returns the new number of contacts, and `arc` with its new
+    stiffness.
     """
     flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.low
     gear_x, gear_y = inwards(frame, gear.x, gear.y)
@@ -499,9 +485,9 @@ def inner_touches(
 ) -> int:
     """Write the contacts of a circle of radius `inner` [m] in another circle at an address; return their number.
 
-    The inner centre is at (x, y) [m], displaced by (dx, dy) [m] from the outer centre. `outer` is a closed circle, if
-    its `sine` is 0, or an arc, whose edges may also be in contact. Contacts have gaps below `margin` [m] and are
-    `STRIDE` bytes apart, see `read_touch`; there are at most two.
+    The centre of the inner circle is at (x, y) [m], displaced by (dx, dy) [m] from that of the outer circle. `outer` is
+    a closed circle if its `sine` is 0. Otherwise it is an arc, whose edges may be in contact, too. There are at most
+    two contacts, with gaps below `margin` [m], `STRIDE` bytes apart; see `read_touch`.
     """
     # Most circles are open, which needs no exact gap.
     clearance = outer.radius - inner - margin

@@ -51,10 +51,10 @@ class MeshNumbers(NamedTuple):
 
 
 def mesh_numbers(mesh: PlanetMesh, planet: int) -> MeshNumbers:
-    """Return the data of the mesh of the sun with a planet, by its index, as compiled code reads them.
+    """Return the data of the mesh of the sun with a planet, by the planet's index, in the format for compiled code.
 
-    In the result, `involute` is the involute function of the nominal pressure angle, `error` the amplitude of the
-    transmission error along the line of action [m].
+    They are those of `PlanetMesh`, except for two: `involute` is the involute function of the nominal pressure angle,
+    and `error` is the amplitude of the transmission error along the line of action [m].
     """
     return MeshNumbers(
         mesh.sun_base,
@@ -85,10 +85,10 @@ def unpack_mesh(numbers: Array) -> MeshNumbers:
 
 @njit(inline="always")
 def planet_flanks(mesh: MeshNumbers, sun: Pose, planet: Pose) -> Flanks:
-    """Compute the gaps of both flanks of a planet on the sun [m], and their line of action, at the poses of both gears.
+    """Compute the gaps [m] of both flanks of a planet on the sun, and their line of action.
 
-    Backlash, transmission error and the change of the centre distance are included. The poses are in a common frame.
-    The result also has the direction from sun to planet, the pressure angle and the position of the pitch point.
+    `sun` and `planet` are the poses of the gears in a common frame. Backlash, transmission error and the change of the
+    centre distance are included.
     """
     dx, dy = planet.x - sun.x, planet.y - sun.y
     distance, direction = math.sqrt(dx * dx + dy * dy), math.atan2(dy, dx)

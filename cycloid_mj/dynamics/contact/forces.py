@@ -52,9 +52,9 @@ class PairIndex:
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     """Return tables with which compiled code finds the mating pair of two geoms in contact, for a model with `pairs`.
 
-    They are the surface of each geom, the pair of each two surfaces, and the body of each pair. A geom named
-    ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1, 0 stands for none; a pair is
-    negative if the logged force acts on the first of the two surfaces, `Pair.on`.
+    They are the surface of each geom, the pair of any two surfaces, and the body of each pair; see `PairIndex`. A geom
+    named ``<surface>/...`` is a slice of that surface. Surfaces and pairs are counted from 1; 0 stands for none. The
+    number of a pair is negative if the logged force acts on the first of the two surfaces (`Pair.on`).
     """
     surface_names = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
     number_of = {name: count for count, name in enumerate(surface_names, start=1)}
@@ -97,9 +97,9 @@ def pair_of(state: StepState, contact: int) -> int:
 def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
     """Sum the forces and powers of the contacts of the current step of a run by mating pair.
 
-    Writes, at the address `summary`, the number of contacts that carry a force, the deepest geometric penetration [m]
-    and the largest force of one contact [N]; at `pair_table`, the ``sample_layout.PAIR_COLUMNS`` of every pair, which
-    must be zero except for peak forces.
+    Three values are written at the address `summary`: the number of contacts that carry a force, the deepest geometric
+    penetration [m], and the largest force of one contact [N]. At `pair_table`, the ``sample_layout.PAIR_COLUMNS`` of
+    every pair are written; there, all numbers but the peak forces must be zero before.
     """
     contacts, forces = read_address(state.contact), read_address(state.efc_force)
     active, max_depth, peak = 0, 0.0, 0.0

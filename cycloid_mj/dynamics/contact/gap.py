@@ -68,14 +68,9 @@ def to_frame(pose: Pose, x: float, y: float) -> tuple[float, float]:
 
 @njit(inline="always")
 def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, float]:
-    """Compute sine and cosine of the sum of two angles: the first as its `sine` and `cosine`, the second `angle` [rad].
+    """Compute sine and cosine of the sum of two angles: one with `sine` and `cosine`, the other is `angle` [rad].
 
     For a small `angle`, a series that is exact to rounding replaces the sine and cosine functions.
-
-    Returns
-    -------
-    tuple of float
-        Sine and cosine of the sum.
     """
     if abs(angle) > 0.05:
         small_sine, small_cosine = math.sin(angle), math.cos(angle)
@@ -241,9 +236,10 @@ class Flank(NamedTuple):
 
 @njit
 def wave_offset(t: float, waves: Array) -> tuple[float, float, float]:
-    """Compute the inward offset [m] of a waved flank at the parameter t [rad], and its two derivatives by t [m].
+    """Compute the inward offset [m] of a waved flank at the parameter t [rad], and its first and second derivative.
 
-    `waves` (orders, 2) [m] are the amplitudes of cosine and sine of each order from 1 on.
+    The derivatives are with respect to t. `waves` (orders, 2) [m] are the amplitudes of cos(k t) and sin(k t) for the
+    orders k = 1, 2, ...
     """
     offset, first_derivative, second_derivative = 0.0, 0.0, 0.0
     sine, cosine = math.sin(t), math.cos(t)
@@ -268,10 +264,10 @@ def _speed_squared(t: float, curve: Trochoid) -> float:
 
 @njit
 def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
-    """Compute the signed distance of a point (x, y) [m] from the trochoid of a flank, offset inwards by its waves w(t).
+    """Compute the signed distance of a point (x, y) [m] from a flank with waves: its trochoid offset inwards by w(t).
 
     For a foot point at t on the trochoid, w(t) is added to the distance, and the normal is that of the waved curve. The
-    error of the distance is below 1e-4 of it.
+    relative error of the distance is below 1e-4.
 
     Returns
     -------
@@ -306,8 +302,8 @@ def flank_curvature(t: float, flank: Flank) -> float:
 def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
     """Compute the results of `flank_distance` for rotated flanks: t, distance, normal x and y, and whether at a corner.
 
-    They belong to the flank with the larger distance. If its foot point is cut away by the other flank, they belong to
-    the corner at which both flanks meet.
+    They are those of the flank with the larger distance. If its foot point is cut away by the other flank, they are
+    those of the corner at which both flanks meet.
     """
     sine, cosine = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
@@ -358,9 +354,10 @@ def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, floa
 
 @njit(inline="always")
 def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[float, float, float]:
-    """Compute gap [m] and unit normal (x, y) from an inner to an outer circle with the radii `inner` and `outer` [m].
+    """Compute gap [m] and unit normal (x, y) between two circles with the radii `inner` and `outer` [m].
 
-    The vector (dx, dy) [m] leads from the outer to the inner centre.
+    The vector (dx, dy) [m] leads from the outer to the inner centre. The normal points from the inner to the outer
+    circle where the gap is smallest.
     """
     distance = math.sqrt(dx * dx + dy * dy)
     if distance == 0.0:
@@ -389,8 +386,8 @@ def arc_edge(arc: PartialCircle, side: float) -> tuple[float, float]:
 def circle_at_edge(dx: float, dy: float, inner: float, arc: PartialCircle, side: float) -> tuple[float, float, float]:
     """Compute gap [m] and unit normal (x, y) from a circle of radius `inner` [m] to an edge of an arc.
 
-    The vector (dx, dy) [m] leads from the centre of the arc to that of the circle. `side` selects the edge: 1.0 is
-    clockwise of the middle of the arc, -1.0 counter-clockwise.
+    The vector (dx, dy) [m] leads from the centre of the arc to that of the circle. `side` selects the edge: that at the
+    clockwise end of the arc if 1.0, at the counter-clockwise end if -1.0.
     """
     x, y = arc_edge(arc, side)
     x, y = x - dx, y - dy
@@ -407,9 +404,9 @@ def nearest_on_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, boo
     side
         Side of the arc's middle on which the position is: 1.0 clockwise, -1.0 counter-clockwise.
     on_arc
-        Whether the nearest point is on the arc, not its edge on this side.
+        Whether the nearest point is on the arc; else it is the edge on this side.
     other
-        Whether the other edge, across the opening, is a second nearest point.
+        Whether the edge on the other side may be in contact, too, because the position is towards the opening.
     """
     along_axis, across_axis = dx * arc.x + dy * arc.y, dx * arc.y - dy * arc.x
     side = 1.0 if across_axis >= 0.0 else -1.0

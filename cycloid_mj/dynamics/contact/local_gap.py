@@ -73,13 +73,8 @@ def local_distance(
 ) -> tuple[float, float, float, float]:
     """Compute the signed distance of a point (x, y) [m] from a trochoid `curve`, from a start near the foot point.
 
-    Newton steps lead from the start to the foot point, the last step by the osculating circle. A distance that exceeds
+    Returns distance [m], outward unit normal (x, y) and curvature [1/m] at the foot point. A distance that exceeds
     `max_distance` [m] may be returned as any larger value, with zeros for normal and curvature.
-
-    Returns
-    -------
-    tuple of float
-        Distance [m], outward unit normal (x, y) and curvature of the trochoid [1/m] at the foot point.
     """
     radius, eccentricity, teeth = curve
     st, ct, sn, cn = start
@@ -97,8 +92,7 @@ def local_distance(
         curvature = curvature_term / speed2
         radius_ratio = 1.0 + curvature * offset
         tangent_rate = math.sqrt(ax * ax + ay * ay)
-        # The curve falls away from its tangent by half of curvature_term * increment^2, within a sixth of
-        # pitch_distance * teeth^2 * increment^3.
+        # Distance from the tangent: curvature_term * increment^2 / 2, within pitch_distance * teeth^2 * increment^3 / 6.
         max_sag = (abs(curvature_term) + pitch_distance * teeth * abs(teeth * increment)) * increment * increment
         if (
             offset - max_sag > max_distance

@@ -85,11 +85,11 @@ def correct_references(layout: StepLayout, model: int, data: int) -> None:
 def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState) -> None:
     """Correct the normal reference accelerations of all contacts for the circular orbit of the discs.
 
-    MuJoCo neglects the change of the Jacobian along the orbit; the module describes both corrections. The first pass
-    adds 1 - b dt/2 times the centripetal acceleration of the orbit along the normal, with the damping b and the time
-    step dt. MuJoCo's damping acts on the mean of the velocities half a step before and after, which is too small on a
-    circle: the second pass subtracts b times this error along the normal. b is the second of the four numbers of a row
-    of ``efc_KBIP``.
+    MuJoCo neglects the change of the Jacobian along the orbit; the module describes both corrections. In the following,
+    b is the damping of a contact, the second of the four numbers of a row of ``efc_KBIP``, and dt the time step. The
+    first pass adds the centripetal acceleration of the orbit along the normal, times 1 - b dt/2. MuJoCo's damping acts
+    on the mean of the velocities half a step before and after, which is too small on a circle. The second pass
+    therefore subtracts b times this error along the normal.
     """
     _multiply_orbit(layout, model, data, run, False)
     product, constants, references = (
@@ -116,8 +116,8 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
 def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, of_speeds: bool) -> None:
     """Multiply the constraint Jacobian by the accelerations of the orbiting discs, or the errors of their mean speeds.
 
-    With `of_speeds` the factor is the error: the mean of the speeds half a step before and after is smaller than the
-    speed v by (w dt)^2/6 v. The product is written to ``efc_force``.
+    The latter with `of_speeds`: the mean of the speeds half a step before and after is smaller than the speed v by
+    (w dt)^2/6 v, with the angular speed w and the time step dt. The product is written to ``efc_force``.
     """
     half_timestep = read_float(run.half_timestep)
     for k in range(run.discs):
@@ -139,10 +139,10 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, o
 def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
     """Lower the normal reference accelerations of sliding contacts by the lift of the convex friction cone.
 
-    MuJoCo's elliptic friction cone presses sliding contacts too hard (see the module). The lift is mu |t - b| - m^2
-    (n - a), or 0 where this is negative. n and a are the reference and the actual acceleration along the normal, t and
-    b those along the tangents. mu is the friction coefficient, and m = mu/sqrt(impratio). Contacts without friction are
-    not changed.
+    MuJoCo's elliptic friction cone presses sliding contacts too hard (see the module). The lift is
+    mu |t - b| - m^2 (n - a), or 0 if this is negative. n and a are the reference and the actual acceleration along the
+    normal, t and b those along the tangents. mu is the friction coefficient, and m = mu/sqrt(impratio). Contacts
+    without friction are not changed.
     """
     contacts_address, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)

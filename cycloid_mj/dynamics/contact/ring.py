@@ -46,8 +46,9 @@ def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, f
     Returns
     -------
     tuple of float
-        Position x, y [m], clockwise angle psi of the normal [rad], arc length of S per phase (positive) [m/rad], and
-        curvature 1/R [1/m] with the concave radius R of S (``envelope.Sigma.radius`` at rho = 0).
+        Position x, y [m]; clockwise angle psi of the normal [rad]; derivative of the arc length of S with respect to
+        the phase, positive [m/rad]; and curvature 1/R [1/m], with the concave radius R of S (``envelope.Sigma.radius``
+        with the pin radius rho = 0).
     """
     radius, eccentricity, teeth = ring
     pitch_distance = eccentricity * teeth
@@ -129,8 +130,8 @@ def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[floa
     Returns
     -------
     tuple of float
-        Gap [m], its slope along the root [1], the rate of that slope over B [1/rad], the parameter t of the foot point
-        on the gear [rad], and the gear's outward normal (x, y).
+        Gap [m], its slope along the root [1], the derivative of that slope with respect to B [1/rad], the parameter t
+        of the foot point on the gear [rad], and the gear's outward normal (x, y).
     """
     x, y, psi, rate, curvature = offset_root(B, ring)
     dx, dy = inwards(gear, x - gear.x, y - gear.y)
@@ -159,12 +160,13 @@ def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoi
     """Find the minimum of the gap inside a root between two phases [rad], from a start phase [rad] close to it.
 
     The gap must fall at the first phase and rise at the last. `gear` is the pose of the gear in the frame of the root.
+    The method is Newton's on the slope of the gap, with bisection.
 
     Returns
     -------
     Minimum
         Phase, distance and normal at the minimum. `exists` is False if the gap is smallest at an end of the range, or
-        if the iteration, Newton's method on the slope with bisection, does not converge.
+        if the iteration does not converge.
     """
     lower, upper = min_phase, max_phase
     B = min(max_phase, max(min_phase, start))
