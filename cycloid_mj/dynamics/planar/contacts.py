@@ -118,7 +118,7 @@ def find_contacts(
 ) -> int:
     """Find the contacts of all mating pairs at a pose q and speeds v; write them, and return their number.
 
-    Those of the cranks of an RV reducer are not included; see ``crank_train``.
+    Contacts of the cranks of an RV reducer are not included; see ``crank_train``.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def find_contacts(
     q, v
         Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns of a `System`, shape (unknowns,).
     half_step
-        Half of the time step [s], in which the pose is reached from the start of the step.
+        Half of the time step [s]: the time from the start of the step to this pose.
     scratch
         Working memory for the contacts of one pair, shape (``MAX_TOUCHES``, ``STRIDE`` / 8).
     contacts
@@ -285,10 +285,10 @@ def _find_seat_contacts(
 
 @njit
 def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
-    """Return the cosine of the phase of a moving pin against the disc with the largest force on it [1]; 1 without any.
+    """Return the cosine of the phase [1] of a moving pin relative to the disc that presses on it most; 1 without force.
 
     `pin_unknown` is the index of the pin's first unknown. Only the first `count` contacts, those with discs, are
-    considered.
+    considered. See `phase_cosine`.
     """
     largest, cosine = -1.0, 1.0
     for k in range(count):
@@ -302,7 +302,8 @@ def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
 def set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
     """Set friction coefficient and state of a contact by the law ``film``; do nothing with the law ``coulomb``.
 
-    `kind` is its row in the film table, `cosine` that of the phase of its pin, `v` the speeds of all unknowns.
+    `kind` is the row of the contact in the film table, `cosine` the cosine of the phase of its pin (`phase_cosine`),
+    and `v` are the speeds of all unknowns.
     """
     if system.film.size == 0:
         return
@@ -410,7 +411,8 @@ def _fill_contact(
     """Fill a contact with normal, lever arms, linearised force and friction state at the pose q and speeds v.
 
     `mating` is its mating pair, `touch` the result of the contact search, `half_step` half of the time step [s]. `sign`
-    is 1 if the contact pushes its first body along the normal of the touch, -1 if against it.
+    is 1 if the contact pushes its first body along the normal of the touch, and -1 if it pushes it in the opposite
+    direction.
     """
     contact.pair = mating.pair
     contact.disc, contact.pin, contact.shaft, contact.crank = mating.disc, mating.pin, mating.shaft, -1
@@ -435,8 +437,8 @@ def _fill_contact(
 def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float, v: Array, half_step: float) -> None:
     """Set force, slope, friction and state of a contact with known gap and lever arms by its law, at the speeds v.
 
-    `factor` scales the stiffness, `chord_excess` [m/s] is the speed of `_chord_excess`, and `half_step` [s] half of the
-    time step.
+    `factor` multiplies the stiffness, `chord_excess` [m/s] is the result of `_chord_excess`, and `half_step` is half of
+    the time step [s].
     """
     contact.friction, contact.creep = law.friction, law.creep
     speed, slip = relative_speeds(contact, v)
@@ -449,11 +451,12 @@ def linearise_law(contact: Contact, law: Any, factor: float, chord_excess: float
 
 @njit
 def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step: float) -> float:
-    """Compute the error of the normal speed of a disc that circles about the axis [m/s]: positive if it is too large.
+    """Compute the error of the normal speed [m/s] of a disc that circles about the axis: positive if it is too large.
 
-    In the middle of a step the disc is on a chord of its circle, where it circles with the speed v. The speed of the
-    step, chord over time, is v tan(w h)/(w h), with h half a step: it is too large by (w h)^2/3 v. (`nx`, `ny`) is the
-    normal of the contact, `half_step` is h [s].
+    A step moves a disc, which circles with the angular speed w, along a chord of its path. The speed of the step,
+    length of the chord over time, is v tan(w h)/(w h), with half a time step h and the speed v of circling in the
+    middle of the chord. It is too large by (w h)^2/3 v. (`nx`, `ny`) is the normal of the contact, `half_step` is h
+    [s].
     """
     x, y, vx, vy = q[disc], q[disc + 1], v[disc], v[disc + 1]
     angle = half_step * (x * vy - y * vx) / (x * x + y * y)
@@ -462,7 +465,7 @@ def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step
 
 @njit
 def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: float) -> tuple[float, float, float]:
-    """Compute the normal force of a contact law and its derivative by the speed; the force may be negative.
+    """Compute the normal force of a contact law, and its derivative with respect to the speed; it may be negative.
 
     `gap` [m] is negative in contact, `factor` [1] multiplies the stiffness of a line contact, `speed` [m/s] along the
     normal is positive where the gap opens.
@@ -470,7 +473,7 @@ def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: 
     Returns
     -------
     tuple of float
-        Force [N], decrease of the force per speed over `half_step` [N s/m], and damping [N s/m].
+        Force [N], its decrease per speed that lasts for `half_step` [N s/m], and damping [N s/m].
     """
     if law.impact == 0.0:
         stiffness = law.stiffness * factor

@@ -73,8 +73,8 @@ def find_crank_contacts(
 ) -> int:
     """Write the contacts of all cranks after `count` others, and return the new number of contacts.
 
-    `train` are the cranks; the other arguments are those of ``contacts.find_contacts``. The pairs of the cranks follow
-    those of teeth and seats: a bearing of each disc and crank, then a mesh of each planet.
+    `train` are the cranks; the other arguments are those of ``contacts.find_contacts``. Pairs are numbered after those
+    of teeth and seats: first the bearing of each disc and crank, then the mesh of each planet.
     """
     discs, cranks = train.eccentrics.shape[0], train.eccentrics.shape[1]
     carrier, first_crank = system.stud_shaft, len(system.inertia) - cranks
@@ -151,7 +151,7 @@ def _find_planet_contacts(
     """Write the contacts of both flanks of a planet on the sun; return the new number of contacts.
 
     `crank` is the index of the planet's rotation in q, `planet_index` that of the planet; other arguments as in
-    `find_crank_contacts`. The normals are those of the force on the sun, opposite to those of ``PlanetMesh``.
+    `find_crank_contacts`. The normals are directions of the force on the sun, opposite to those of ``PlanetMesh``.
     """
     sun, mesh = mating.disc, unpack_mesh(train.meshes[planet_index])
     crank_pose = shaft_pose(q, crank)

@@ -111,15 +111,16 @@ def solve_step(
     contacts, count
         Contacts, and their number, at the `predicted` midpoint speeds.
     q0, v0
-        Pose and speeds of all unknowns at the beginning of the step.
+        Positions [m], [rad] and speeds [m/s], [rad/s] of all unknowns at the beginning of the step, shape (unknowns,),
+        in the order that the module ``system`` describes.
     command
-        Commands of output and crank: an angle [rad] or a torque [N m].
+        Commands of output and crank, shape (2,): the angle [rad] of a shaft with a servo, else its torque [N m].
     timestep
         Time step [s].
     pin_span
         Time [s] in which forces accelerate pins from v0 to v: half a step, or a full step by implicit Euler.
     v
-        Array for the midpoint speeds.
+        Array for the result: the midpoint speeds of all unknowns, shape (unknowns,).
 
     Returns
     -------
@@ -158,8 +159,8 @@ def _assemble(
 ) -> None:
     """Assemble the linear equations of an iteration in `equations`: inertia, gravity, servos, drags and contacts.
 
-    Arguments as in `solve_step`; without `coupled_friction`, sliding friction follows the normal force of the previous
-    iteration.
+    Arguments as in `solve_step`. Sliding friction is in proportion to the normal force of this iteration if
+    `coupled_friction`, else of the previous iteration.
     """
     matrix, right = equations.matrix, equations.right
     pins, pins_right = equations.pins, equations.pins_right
@@ -258,10 +259,11 @@ class Tangent(NamedTuple):
 def _lever_arms(
     contact: Contact, sign: float, normal: float, tangent: float, centre: float, sliding: float
 ) -> LeverArms:
-    """Return the effect of a contact on a body's unknowns x, y and rotation, per normal and per friction force.
+    """Return the `LeverArms` of a body: the effect of a contact on its unknowns x, y and rotation, and vice versa.
 
-    `sign` is that of the body in the relative speed; `normal`, `tangent` and `centre` are its lever arms [m], `sliding`
-    the friction per normal force.
+    `sign` is 1 or -1, the sign of the body's motion in the relative speed of the contact. Per rotation of the body [m],
+    the contact point moves by `normal` along the normal and by `tangent` along the tangent, and the centre of a round
+    surface by `centre` along the tangent. `sliding` is the friction per normal force [1] of a sliding contact.
     """
     nx, ny = contact.nx, contact.ny
     normal_arms, tangent_arms = (sign * nx, sign * ny, sign * normal), (-sign * ny, sign * nx, sign * tangent)
@@ -277,8 +279,8 @@ def _lever_arms(
 def _linearise_force(contact: Contact, predicted: Array, coupled_friction: bool) -> Tangent:
     """Return the force of a contact as a linear function of the speeds, for its current state (sticking or sliding).
 
-    `predicted` are the midpoint speeds at which the contact was linearised. Without `coupled_friction`, sliding
-    friction follows the normal force of the last iteration.
+    `predicted` are the midpoint speeds at which the contact was linearised. Sliding friction is in proportion to the
+    normal force of this iteration if `coupled_friction`, else of the previous iteration.
     """
     roll_stiffness, force = contact.geometric_stiffness * contact.normal_force, contact.force
     rolling_force = roll_stiffness * rolling_speed(contact, predicted)
@@ -296,8 +298,8 @@ def _add_contacts(
 ) -> None:
     """Add the forces of all closed contacts, among the first `count`, to the equations of their bodies.
 
-    Without `coupled_friction`, sliding friction follows the `normal_force` of the previous iteration. `predicted` are
-    the midpoint speeds at which the contacts were linearised.
+    `predicted` are the midpoint speeds at which the contacts were linearised. Sliding friction is in proportion to the
+    normal force of this iteration if `coupled_friction`, else of the previous iteration.
     """
     for k in range(count):
         if contacts[k].state != OPEN:
@@ -306,9 +308,9 @@ def _add_contacts(
 
 @njit
 def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> None:
-    """Add the force of a contact, and its derivatives by the speeds, to the equations of disc, pin, shaft and crank.
+    """Add the force of a contact, and its derivatives with respect to the speeds, to the equations of its bodies.
 
-    `tangent` is the force as a linear function of the speeds, from `_linearise_force`.
+    These are disc, pin, shaft and crank, as far as the contact has them. `tangent` is the result of `_linearise_force`.
     """
     matrix, right, pin_columns, pin_rows = equations.matrix, equations.right, equations.pin_columns, equations.pin_rows
     size, disc, pin_unknown, sliding = len(right), contact.disc, contact.pin, tangent.sliding
@@ -391,9 +393,10 @@ def _add_force(right: Array, first_row: int, side: LeverArms, tangent: Tangent) 
 def _add_block(
     target: Array, row: int, column: int, loaded_body: LeverArms, moving_body: LeverArms, tangent: Tangent
 ) -> None:
-    """Add the derivative of the force on `loaded_body` by the speeds of `moving_body` to a block (3, 3) of `target`.
+    """Add the derivative of the force on `loaded_body` with respect to the speeds of `moving_body` to `target`.
 
-    `row` and `column` are those of the block's first element; `tangent` is the result of `_linearise_force`.
+    It is a block of shape (3, 3) whose first element is at `row` and `column`. `tangent` is the result of
+    `_linearise_force`.
     """
     for a in range(3):
         normal_term, creep_term, roll_term = (
@@ -421,10 +424,11 @@ def _couple_shaft(
     shaft_row: int,
     first_column: int,
 ) -> None:
-    """Add the derivatives of a body's force by a shaft's speed, and of the shaft's torque by the body's speeds.
+    """Add the derivatives that couple a body and a shaft in a contact.
 
-    `arms` are the lever arms of the shaft, `tangent` is the linearised force. The former derivatives are added to
-    `columns` at `row` and `column`, the latter to `rows` at `shaft_row` from `first_column` on.
+    The derivative of the body's force with respect to the shaft's speed is added to `columns`, from `row` on at
+    `column`. That of the shaft's torque with respect to the body's speeds is added to `rows`, at `shaft_row` from
+    `first_column` on. `arms` are the lever arms of the shaft, `tangent` is the result of `_linearise_force`.
     """
     for a in range(3):
         creep_term, roll_term = tangent.creep * body.tangent[a], tangent.geometric * body.centre[a]
@@ -440,7 +444,8 @@ def _couple_shaft(
 def _condense_pins(system: System, equations: Equations) -> None:
     """Eliminate the three unknowns of every pin from the equations of the other unknowns (Schur complement), in place.
 
-    `pins_right` and `pin_rows` of the equations are multiplied by the inverse blocks of the pins, for `_recover_pins`.
+    For `_recover_pins`, `pins_right` and `pin_rows` of the equations are multiplied by the inverse of each pin's own
+    block.
     """
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
@@ -480,7 +485,10 @@ def _multiply(matrix: Nine, x: float, y: float, z: float) -> tuple[float, float,
 
 @njit
 def _invert(matrix: Array, row: int) -> Nine:
-    """Return the inverse of the (3, 3) matrix that begins at a row of a matrix (..., 3), row by row, by cofactors."""
+    """Return the inverse of a (3, 3) matrix, row by row, by cofactors.
+
+    It consists of three rows of `matrix` (..., 3), from `row` on.
+    """
     a, b, c = matrix[row, 0], matrix[row, 1], matrix[row, 2]
     d, e, f = matrix[row + 1, 0], matrix[row + 1, 1], matrix[row + 1, 2]
     g, h, i = matrix[row + 2, 0], matrix[row + 2, 1], matrix[row + 2, 2]
@@ -527,10 +535,10 @@ def _update_states(
 ) -> bool:
     """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
 
-    At most one contact of each moving pin changes its state per call: the first that has to. Of all other contacts and
-    the shafts with drag, one changes in total, or with `change_all` every one that has to. Without `coupled_friction`,
-    the result is also True until friction agrees with the normal force. `predicted` are the midpoint speeds at which
-    the `count` contacts were linearised, `half_step` [s] is half of the time step.
+    At most one contact of each moving pin changes its state per call, the first that has to. Of all other contacts and
+    the shafts with drag, only one changes its state, or with `change_all` every one that has to. Without
+    `coupled_friction`, the result is also True as long as friction does not agree with the normal force. `predicted`
+    are the midpoint speeds at which the `count` contacts were linearised, `half_step` is half of the time step [s].
     """
     changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
     size, no_change = len(equations.right), equations.settled
@@ -592,8 +600,8 @@ def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: floa
 def _next_state(contact: Contact, normal_force: float, one_at_a_time: bool, coupled_friction: bool) -> int:
     """Return the state of a contact that follows from its forces and slip: open, sticking, or sliding to either side.
 
-    `normal_force` [N] may be negative. `one_at_a_time` is True if contacts change one at a time, `coupled_friction` if
-    sliding friction follows the current normal force.
+    `normal_force` [N] may be negative. `one_at_a_time` is whether only one contact changes its state per iteration,
+    `coupled_friction` whether sliding friction is in proportion to the normal force of this iteration.
     """
     old_state = contact.state
     if (old_state == SLIDES and contact.slip < 0.0) or (old_state == SLIDES_BACK and contact.slip > 0.0):

@@ -17,7 +17,9 @@ FIXED_SUN_STIFFNESS = 1e10
 
 
 def make_rv_system(reducer: RvReducer, held: Held = "crank") -> System:
-    """Return the arrays of an RV reducer except for its cranks; a servo drives the sun (`held` "crank") or the output.
+    """Return the `System` of an RV reducer; its cranks are returned by `make_crank_train`.
+
+    `held` is the shaft with a servo: "crank" for the sun, or "output".
 
     Raises
     ------

@@ -154,9 +154,9 @@ def _compile_steps() -> Any:
     ) -> None:
         """Take a step for each row of `commands`, and write samples to `rows`.
 
-        There is a sample every `stride` steps from step `next_sample` on. In each step contacts are searched at the
-        predicted midpoint until the solved midpoint is near it (fixed-point iteration). `lobes` and `train` are None
-        without an internal gear and without cranks, `timestep` and `pin_span` [s] are those of
+        There is a sample every `stride` steps from step `next_sample` on. In each step, the contact search at the
+        predicted midpoint and the solution are repeated until both agree (fixed-point iteration). `lobes` is None
+        without an internal gear, `train` without cranks; `timestep` and `pin_span` [s] are those of
         ``equations.solve_step``.
         """
         size, half = len(equations.right), 0.5 * timestep
@@ -199,7 +199,7 @@ def _compile_steps() -> Any:
 def _extrapolate(motion: Motion, size: int, predicted: Array) -> None:
     """Write the expected midpoint speeds of the next step to `predicted`.
 
-    The first `size` unknowns are extrapolated linearly; the others, of light pins, keep their speeds.
+    The first `size` unknowns are extrapolated linearly. The others are those of pins; they keep their speeds.
     """
     for i in range(len(predicted)):
         predicted[i] = motion.midpoint[i]
@@ -225,7 +225,8 @@ def _relax(predicted: Array, midpoint: Array, share: float) -> None:
 def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, midpoint: Array) -> None:
     """Advance the state of a run to the end of a step, from the speeds at its midpoint.
 
-    The first `size` unknowns are not of pins; `timestep` and `pin_span` [s] are those of ``equations.solve_step``.
+    All but the first `size` unknowns are those of pins. `timestep` and `pin_span` [s] are those of
+    ``equations.solve_step``.
     """
     of_pins = timestep / pin_span
     for i in range(len(midpoint)):
@@ -238,9 +239,9 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
 def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
     """Return whether the midpoint of a disc or a moving pin is too far from the pose of the contact search.
 
-    The search was at the `predicted` midpoint speeds, the solution has `midpoint` (unknowns,) [m/s, rad/s]; `half_step`
-    [s] is half of the time step, `size` the number of unknowns that are not of pins. Rotations count by the path of the
-    ring's pin circle.
+    The pose follows from the `predicted` midpoint speeds, the midpoint from the speeds `midpoint` of the solution, both
+    of shape (unknowns,) [m/s, rad/s]. `half_step` is half of the time step [s]; all but the first `size` unknowns are
+    those of pins. A rotation of a disc is converted to a path at the radius of the pin circle.
     """
     radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, 3 * system.bodies, 3):
@@ -259,9 +260,9 @@ def _is_far_from_search(system: System, half_step: float, predicted: Array, midp
 
 @njit
 def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
-    """Raise the peak force of each pair [N] to its normal force in this step, the sum over its contacts, if larger.
+    """Update the peak of the normal force of each pair [N] with its sum over all contacts of the pair in this step.
 
-    Only the first `count` contacts count. `sums` (pairs,) is working memory, zero before and after.
+    `count` is the number of contacts. `sums` (pairs,) is working memory, zero before and after.
     """
     for k in range(count):
         sums[contacts[k].pair] += contacts[k].normal_force
@@ -286,9 +287,9 @@ def _write_sample(
 ) -> None:
     """Write the sample of a step to a row: positions and speeds, energies, solver statistics, pairs and drags.
 
-    `q` and `v` are positions and speeds of all unknowns. `iterations` is the largest number of Newton iterations in a
-    step since the last sample, at its last contact search; `unconverged` is the number of steps since then whose
-    contact geometry did not converge.
+    `q` and `v` are positions and speeds of all unknowns. `iterations` is the largest number of Newton iterations in the
+    steps since the last sample; only the last contact search of a step counts. `unconverged` is the number of these
+    steps whose contact geometry did not converge.
     """
     column = _write_motion(system, q, v, command, row)
     row[column], row[column + 1] = _compute_energies(system, q, v, len(system.inertia))
@@ -346,9 +347,10 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
 
 @njit
 def _write_contacts(contacts: Contacts, count: int, row: Array, solver: int, pairs: int) -> None:
-    """Write the sums over the first `count` contacts to a row, which must be zero in the columns of pairs.
+    """Write number, depth, forces and powers of the first `count` contacts to a row.
 
-    Sums over all contacts start at column `solver`, those by pair at column `pairs`; see `sample_layout`.
+    The values for all contacts start at column `solver`, those of each pair at column `pairs`, where the row must be
+    zero before; see `sample_layout`.
     """
     active, deepest, largest = 0, 0.0, 0.0
     for k in range(count):
@@ -396,7 +398,7 @@ def _write_shaft(
 
 @njit
 def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
-    """Compute the energies of all bodies at positions q and speeds v; the first `size` unknowns are not of pins.
+    """Compute the energies of all bodies at positions q and speeds v; all but the first `size` unknowns are of pins.
 
     Returns
     -------

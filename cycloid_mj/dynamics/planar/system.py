@@ -132,7 +132,7 @@ class System(NamedTuple):
 
 
 def make_system(reducer: Reducer, held: Held = "crank") -> System:
-    """Return the arrays of a reducer for the solver; a servo drives the shaft `held`, a torque acts on the other shaft.
+    """Return the `System` of a reducer; a servo drives the shaft `held`, a torque acts on the other shaft.
 
     Raises
     ------
@@ -208,10 +208,10 @@ def teeth_and_ring(reducer: Reducer, output_unknown: int) -> dict[str, Any]:
 def drags_and_servos(
     reducer: Reducer, held: Held, shaft_inertia: Mapping[str, float], servo_inertia: Mapping[str, float]
 ) -> tuple[Array, Array]:
-    """Return `drag` and `servo` of a `System`, for the shafts ``output`` and ``crank`` in this order.
+    """Return `System.drag` and `System.servo`, each of shape (2, 2), with rows for the shafts output and crank.
 
-    The shaft `held` has the servo. `shaft_inertia` are the inertias of the shafts, `servo_inertia` those that a servo
-    on them moves [kg m2].
+    The shaft `held` has the servo. `shaft_inertia` are the inertias [kg m2] of the shafts ``output`` and ``crank``;
+    `servo_inertia` are those that a servo on each shaft moves.
     """
     crank_drag, output_drag = drag_torques(reducer)
     losses = {"output": output_drag, "crank": crank_drag}
@@ -227,7 +227,7 @@ def _disc_inertias(reducer: Reducer) -> list[float]:
 
 
 def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
-    """Return the surfaces of the ring that are in contact, and radii and opening of the seats of its moving pins.
+    """Return the ring's surfaces that are in contact, and the radii and opening angle of the seats of its moving pins.
 
     Returns
     -------

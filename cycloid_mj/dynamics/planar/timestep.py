@@ -49,8 +49,8 @@ ACCURACY = StepAccuracy(
 def choose_step(reducer: Reducer) -> TimeStep:
     """Return the automatic time step of planar runs and what determines it, or ``settings.timestep`` if that is set.
 
-    It divides the time between two log samples, and is the longest within the limits by the largest step, the
-    oscillation on all contacts, and the passing of a tooth.
+    The step divides the time between two log samples. It is the longest that satisfies the limits: an absolute limit,
+    and those by the oscillation on all contacts and by the passing of a tooth.
     """
     design = reducer.design
     if design.settings.timestep:
@@ -66,7 +66,7 @@ def choose_step(reducer: Reducer) -> TimeStep:
 
 
 def acceleration_timestep(reducer: Reducer) -> float:
-    """Return the time step [s] of planar runs that evaluate accelerations; it follows the motion of moving pins."""
+    """Return the time step [s] of planar runs that evaluate accelerations; it resolves the motion of moving pins."""
     chosen, rate = choose_step(reducer), reducer.design.settings.log_rate
     if reducer.design.settings.timestep:
         return chosen.seconds
