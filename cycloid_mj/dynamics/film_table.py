@@ -71,7 +71,7 @@ class FilmRows:
 
 
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
-    """Return the film table of a drive with its row and the index of the ring pin for each mating pair.
+    """Return the film table of a drive, and for each mating pair its row in the table and the index of its ring pin.
 
     The index is 0 for pairs without a ring pin or lobe. The result is None with the law ``coulomb``.
     """
@@ -108,8 +108,9 @@ NO_TABLE: Array = np.zeros((0, _PHASES, _FORCES))
 def film_table(reducer: Reducer) -> Array:
     """Compute the friction coefficients of a drive by the law ``film`` [1], shape (4, phases, forces).
 
-    Rows are `TEETH`, `SEAT`, `CAM` and `OUTPUT`; phases [rad] and forces [N] are those of `TABLE`. It is `NO_TABLE`
-    with the law ``coulomb``. For massless pins `TEETH` has the smaller coefficient of flank and seat.
+    The rows are the kinds of pairs `TEETH`, `SEAT`, `CAM` and `OUTPUT`; phases [rad] and forces [N] are those of
+    `TABLE`. With massless pins, `TEETH` has the smaller of the coefficients of flank and seat. With the law
+    ``coulomb``, the result is the empty `NO_TABLE`.
     """
     if not reducer.design.has_film:
         return NO_TABLE
@@ -145,10 +146,11 @@ def phase_cosine(px: float, py: float, x: float, y: float) -> float:
 
 @compiling.njit(inner=True)
 def look_up(table: int, kind: int, cosine: float, force: float) -> float:
-    """Interpolate the friction coefficient of a contact in the film table, bilinearly in phase and log of the force.
+    """Interpolate the friction coefficient [1] of a contact in the film table, bilinearly in phase and log force.
 
-    `table` is the address of the table, `kind` the row, `cosine` that of the phase of the contact's pin against the
-    eccentricity, `force` the normal force [N]. Forces beyond the table have the coefficient of its end.
+    `table` is the address of the table, and `kind` the row of the contact. `cosine` is the cosine of the phase of the
+    contact's pin, see `phase_cosine`. `force` is the normal force [N]; outside of the table, the coefficient is that of
+    the nearest force in it.
     """
     phase_index = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
     force_index = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP

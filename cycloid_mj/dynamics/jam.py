@@ -38,7 +38,7 @@ JAM = JamSettings()
 def jamming_power(reducer: Reducer) -> float:
     """Compute the friction power [W] above which a design jams; infinite if its crank is at rest.
 
-    It is the power of the larger of two friction torques at the crank, see `JamSettings`.
+    It is the crank speed times the larger of the two friction torques that `JamSettings` describes.
     """
     design = reducer.design
     drive = design.drive

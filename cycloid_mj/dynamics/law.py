@@ -124,11 +124,12 @@ def settling_law(
 ) -> ContactParameters:
     """Compute the law of a contact that settles within a step that is too long to follow its oscillation.
 
-    Parameters are those of `contact_law`: stiffness [N/m], damping ratio [1], effective mass [kg], friction coefficient
-    [1], creep [N s/m] and time step [s]. The step of Fox and Goodwin would oscillate there, which lifts light parts off
-    their seats. This law is implicit Euler (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3): with
-    gap and speed at the end of the step f = -K (r + dt v + dt^2 a) - C (v + dt a), so that 1/R = K dt^2 + C dt, and the
-    damping is C + K dt. The stiffness is that of the contact.
+    Parameters are those of `contact_law`: stiffness K [N/m], damping ratio [1], effective mass [kg], friction
+    coefficient [1], creep [N s/m] and time step dt [s]. With such a step, the method of Fox and Goodwin would oscillate
+    and lift light parts off their seats. This law is implicit Euler instead (Hairer and Wanner, Solving Ordinary
+    Differential Equations II, IV.3). The force f at the end of the step follows from the gap r, speed v and
+    acceleration a: f = -K (r + dt v + dt^2 a) - C (v + dt a). In MuJoCo's terms, the added mass 1/R is K dt^2 + C dt,
+    the damping is C + K dt, and the stiffness stays K.
     """
     law = contact_law(stiffness, damping_ratio, effective_mass, friction, creep, timestep)
     damping = law.damping + stiffness * timestep
@@ -158,10 +159,11 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
 def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
     """Compute the tangent [1] of the angle by which MuJoCo's friction leads the sliding velocity, by kind of pair.
 
-    `laws` are the contact laws by kind of pair, `impratio` [1] is MuJoCo's ratio of impedances. Kinds of the result are
-    teeth, cams (crank bearings of an RV reducer) and seats of moving pins, as far as they have friction. Discs orbit at
-    the eccentricity c with the angular speed w: teeth and seats slide at c w and accelerate by c w^2, a cam of radius r
-    slides at r w. The tangent is impratio w m/creep, with added mass m and creep of the law, times c/r on the cam.
+    `laws` are the contact laws by kind of pair, `impratio` [1] is MuJoCo's ratio of impedances. The kinds in the result
+    are teeth, cams (crank bearings of an RV reducer) and seats of moving pins; kinds without friction are omitted.
+    Discs orbit at the eccentricity c with the angular speed w: teeth and seats slide at c w and accelerate by c w^2, a
+    cam of radius r slides at r w. The tangent is impratio w m/creep, with added mass m and creep of the law; on the
+    cam, it is multiplied by c/r.
     """
     design = reducer.design
     gear, speed = design.gear, abs(reducer.orbit_speed)

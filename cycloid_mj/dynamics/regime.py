@@ -112,10 +112,10 @@ def lowest_log_rate(reducer: Reducer) -> float:
 
 
 def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
-    """Return warnings about too few time steps or samples from tooth to tooth, and about creep, at the design's speed.
+    """Return the warnings that depend on the design's speed; empty for a crank at rest.
 
-    `min_steps` is the number of steps from tooth to tooth that the solver of the run needs. The result is empty for a
-    crank at rest.
+    They are about too few time steps or samples from tooth to tooth, and about parts that slide too slowly for fully
+    developed friction. `min_steps` is the number of steps from tooth to tooth that the solver of the run needs.
     """
     if not (tooth_rate := tooth_passing_rate(reducer)):
         return ()
@@ -221,7 +221,7 @@ def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, time
 
 
 def _lead_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
-    """Yield a warning if friction reverses so much before the sliding does that losses are too low.
+    """Yield a warning if friction is so far ahead of the sliding velocity that losses are too low.
 
     It names the kind of pair with the largest lead, see `friction_leads`.
     """
@@ -239,9 +239,9 @@ def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> fl
     """Estimate the error of the force of sliding teeth, as a share of their working force, in a time step of `seconds`.
 
     The reference acceleration of a contact is corrected by its acceleration in the previous step
-    (`reference_correction`), which has rotated by w dt since then. The estimate is mu D c w^2/F w dt, with the friction
-    coefficient mu and the added mass D of the tooth contact's `law`, its working force F, the eccentricity c and the
-    crank speed w.
+    (`reference_correction`), which has rotated by w dt since then. The estimate is (mu D c w^2/F) w dt, with the time
+    step dt, the friction coefficient mu and the added mass D of the tooth contact's `law`, its working force F, the
+    eccentricity c and the crank speed w.
     """
     design = reducer.design
     speed, kind = abs(reducer.orbit_speed), design.tooth_pair
@@ -271,7 +271,8 @@ def _orbit_warning(reducer: Reducer, model: Compiled) -> Iterator[str]:
 def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
     """Yield a warning if the clearance of a kind of pair is below the rounding error of the gap computation.
 
-    That error is in proportion to the pin circle radius. Kinds without a clearance in the design have none.
+    That error is in proportion to the pin circle radius. There is no warning for kinds without a clearance in the
+    design.
     """
     min_clearance = LIMITS.min_clearance_share * reducer.design.ring.pin_circle_radius
     clearance = getattr(reducer.design.clearance, kind, min_clearance)  # that of springs may be any
@@ -304,11 +305,11 @@ def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
 def bent_pin_warning(reducer: Reducer) -> Iterator[str]:
     """Yield a warning if output pins bend so far under one disc that they press on the back of another disc's holes.
 
-    Runs neglect this contact (docs/decisions/11-bent-output-pins.md). C is the flexibility of the pin [m/N], k the
-    stiffness of its contact [N/m], and g = C(d, d) + 1/k the compliance at disc d, g' at d'. A force F in disc d moves
-    the pin into the back of disc d' by s = F (C(d', d) - g) less twice the clearance. The contact force f there also
-    acts on disc d, which increases the bending: f g' = s + f (C(d', d) - g). The share f/F is an upper limit, because
-    disc d seldom carries the full load.
+    Runs neglect this contact (docs/decisions/11-bent-output-pins.md). C(d', d) is the deflection of the pin at disc d'
+    per force in disc d [m/N], k the stiffness of the pin's contact [N/m], and g = C(d, d) + 1/k the compliance at disc
+    d, g' that at d'. A force F in disc d moves the pin into the back of disc d' by s = F (C(d', d) - g) minus twice the
+    clearance. The contact force f there also acts on disc d, which increases the bending: f g' = s + f (C(d', d) - g).
+    The share f/F is an upper limit, because disc d seldom carries the full load.
     """
     flexibility, output = reducer.contacts.pin_flexibility, reducer.contacts["output"]
     force, compliances = reducer.design.gear.discs * output.force, flexibility.diagonal() + 1.0 / output.stiffness

@@ -44,12 +44,12 @@ SETTLING = SettlingSettings()
 
 
 def closed_stiffness(reducer: Reducer) -> float:
-    """Estimate the torsional stiffness of a drive [N m/rad] with half of the teeth and half of the output pins closed.
+    """Estimate the torsional stiffness of a drive [N m/rad] with half of its teeth and output pins in contact.
 
-    In series are: k sum l^2 of the teeth with the arms l and the stiffness k of tooth and seat in series; k (c (N-1))^2
-    of the cam, with the eccentricity c and N ring teeth; and k n R^2/4 of n output pins on the radius R. Each is
-    multiplied by the number of discs. The compliance of carrier, shaft and housing in torsion is added. The stiffness
-    of an RV reducer is `closed_form_stiffness`.
+    Three stiffnesses are in series, each multiplied by the number of discs. That of the teeth is k sum l^2, with their
+    lever arms l and the stiffness k of tooth and seat in series; that of the cam is k (c (N-1))^2, with the
+    eccentricity c and N ring teeth; and that of n output pins on the radius R is k n R^2/4. The compliance of carrier,
+    shaft and housing in torsion is added. The stiffness of an RV reducer is `closed_form_stiffness`.
     """
     design = reducer.design
     if isinstance(reducer, RvReducer):
@@ -69,8 +69,9 @@ def closed_stiffness(reducer: Reducer) -> float:
 def swing_period(reducer: Reducer) -> float:
     """Compute the oscillation period [s] of output and discs at a locked crank, at the stiffness under rated load.
 
-    With wide clearances fewer teeth carry load, and the real period is half as long again. With a floating sun, the
-    cranks of an RV reducer may oscillate against each other on their bearings; the result is the longer period.
+    With wide clearances fewer teeth carry load, and the real period is 1.5 times as long. With a floating sun, the
+    cranks of an RV reducer may oscillate against each other on their bearings; the result is the longer of both
+    periods.
     """
     squared = turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load)
     if isinstance(reducer, RvReducer) and reducer.planet.sun_support == "floating":
@@ -115,7 +116,7 @@ def penetration_limit(reducer: Reducer) -> float:
     """Return the depth [m] of a contact at which a run ends: ``contact.max_penetration``, or by default an estimate.
 
     The estimate is `SETTLING.depth_over_deflection` times the deflection under working forces, but at least
-    `SETTLING.min_depth_limit`; the depth by preload is added, and the result is limited to a share of the
+    `SETTLING.min_depth_limit`, plus the depth by preload. It is limited to `SETTLING.depth_over_eccentricity` times the
     eccentricity.
     """
     design = reducer.design

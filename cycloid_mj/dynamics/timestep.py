@@ -120,7 +120,10 @@ class StepRule:
 
 
 def describe_accuracy(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> str:
-    """Return in words which results are accurate at the time step of a design, and how accurate."""
+    """Describe in words which results are accurate at the time step of a design, and how accurate.
+
+    `accuracy` has these words for the solver of the run.
+    """
     design = reducer.design
     if design.settings.timestep:
         return "not known, as the design sets the step: compare the results with those at half the step"
@@ -224,7 +227,7 @@ def circling_limit(reducer: Reducer) -> float:
 
 
 def effective_masses(reducer: Reducer) -> dict[str, float]:
-    """Compute the mass [kg] that moves on a contact of each kind of pair.
+    """Compute the effective mass [kg] that oscillates on a contact of each kind of pair, by kind.
 
     Half of the ring contacts and of the output contacts of each disc carry load at a time. A free pin, or a sleeve,
     lies between two contacts. The loaded member moves by its rotation: the lever arm of ring forces is at most c N,

@@ -137,7 +137,7 @@ def _check_surface(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
 
 
 def _add_drive(mesh: MeshSpec, reducer: Reducer) -> tuple[float, float]:
-    """Add the speed servo of the crank and the torque of the load to an editable `mesh` model.
+    """Add two actuators to an editable `mesh` model: the speed servo of the crank, and the torque on the output.
 
     Returns
     -------

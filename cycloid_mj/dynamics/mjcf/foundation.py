@@ -11,19 +11,19 @@ from cycloid_mj.parts.convex import Slice
 
 
 def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) -> ContactParameters:
-    """Compute the contact law of one slice of a surface: k = K w / patch for a width w, at most K.
+    """Compute the contact law of one slice of a surface, which has a share of the stiffness K of the line contact.
 
-    `patch` is the effective width of the line contact at the working force; damping, added mass and creep are reduced
-    like the stiffness.
+    The share is the width of the slice over the effective width of the line contact at the working force, at most 1.
+    Damping, added mass and creep are reduced by the same share.
 
     Parameters
     ----------
     law
         Law of the entire line contact.
     factor
-        Local stiffness over that of the law.
+        Stiffness K of the line contact at this slice over that of the law [1].
     part
-        The slice; if it is wider than the patch, it has the full stiffness.
+        The slice: its width, and curvature or radius and clearance.
     force
         Working force F of the line contact [N]; its penetration is d = F/K.
     """
@@ -51,10 +51,10 @@ def flank_patch(depth: float, curvature: float) -> float:
 def hole_patch(depth: float, radius: float, play: float) -> float:
     """Compute the effective width [m] of the contact of a round part in a hole at a penetration d = `depth` [m].
 
-    A part of the `radius` R [m] with the radial clearance `play` [m], displaced by x = play + d, penetrates by x
-    cos(theta) - play up to the angle theta_0 = acos(play / x). Springs of k per width push with the share cos(theta),
-    with the total force k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0]; divided by k d, this is the
-    width.
+    The part has the `radius` R [m] and the radial clearance `play` [m]. Displaced by x = play + d, it penetrates by
+    x cos(theta) - play at the angle theta, up to theta_0 = acos(play / x). Springs of the stiffness k per width push
+    radially. Their total force along the displacement is
+    k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0]. The effective width is this force divided by k d.
     """
     displacement = play + depth
     half_angle = math.acos(play / displacement)

@@ -45,9 +45,10 @@ def add_keyframes(spec: Any, reducer: Reducer) -> None:
 def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
     """Compute positions and velocities of all joints at a crank angle [rad] and speed [rad/s] of the ideal motion.
 
-    Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output rotate at -speed/(N-1);
-    or the gear does not rotate, and the ring does, at speed/N. If parts have errors or modified flanks, they and moving
-    pins are in their `best_fit`. In an RV reducer, `crank` and `speed` are those of the sun, see `rv_motion`.
+    By Hsieh 2014, Eqs 12 and 13 (corrected), the gear's centre runs on a circle, and gear and output rotate at
+    -speed/(N-1), with N ring teeth. If the ring is the output, it rotates at speed/N, and the gear does not rotate. If
+    parts have errors or modified flanks, they and moving pins are displaced to their `best_fit`. In an RV reducer,
+    `crank` and `speed` are those of the sun, see `rv_motion`.
 
     Returns
     -------
@@ -84,7 +85,7 @@ def _resting_fit(reducer: Reducer, crank: float) -> Fit:
 
 
 def _fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
-    """Compute the displacements of all joints from the ideal mesh in the best fit [m], [rad], by joint name.
+    """Compute the displacements of all joints from the ideal mesh to the best fit [m], [rad], by joint name.
 
     Directions are those of the foundation's frame. `crank` is the crank angle [rad].
     """

@@ -189,8 +189,8 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
 def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> None:
     """Add the convex pieces behind the working surfaces of a part, which collide with other objects only.
 
-    The pieces of one sector are repeated around the part; pieces of a disc are repeated on every disc. `number` is that
-    of the remainder in the names of its meshes.
+    The pieces of one sector are repeated around the part, those of a disc on every disc. `number` is the number of the
+    remainder in the names of its meshes.
     """
     sector, phases = remainder.sector, reducer.phases
     bodies = reducer.gears if sector.part == names.GEAR else (sector.part,)
@@ -239,12 +239,12 @@ def _add_visuals(spec: Any, reducer: Reducer) -> None:
 
 
 def _part_positions(reducer: Reducer, part: str) -> Iterator[tuple[str, list[float]]]:
-    """Yield every copy of a part in the model, by the name of the part.
+    """Yield body and position of every copy of a part in the model; `part` is the name of the part.
 
     Yields
     ------
     tuple
-        Name of the body that it belongs to, and its position in that body (x, y, z) [m].
+        Name of the body, and position of the copy in its frame (x, y, z) [m].
     """
     visible = [
         (body.name, position)
@@ -279,10 +279,10 @@ def _add_surface(
     weights: Mapping[str, float],
     settings: ConvexSettings,
 ) -> None:
-    """Add the meshes of a surface's slices, and their geoms on the discs with these indices.
+    """Add the meshes of a surface's slices, and their geoms on each disc in `discs`, which are indices.
 
-    Surfaces of the ring have disc 0 only. `laws` are the contact laws by disc, `weights` MuJoCo's inverse weights by
-    body [1/kg].
+    For surfaces of the ring, `discs` has the index 0 only. `laws` are the contact laws by disc, `weights` MuJoCo's
+    inverse weights by body [1/kg].
     """
     for number, _ in enumerate(surface.slices):
         _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
@@ -295,7 +295,7 @@ def _add_surface(
 def _add_slices(
     spec: Any, reducer: Reducer, surface: ConvexSurface, disc: int, laws: Sequence[Laws], weights: Mapping[str, float]
 ) -> None:
-    """Add a default class for each slice of a surface on a disc, with its contact physics, and its geoms.
+    """Add a default class for each slice of a surface on a disc, with the parameters of its contact, and its geoms.
 
     Slices of surfaces with friction, except teeth, collide by explicit pairs, all others by the bits of contype and
     conaffinity. `laws` are the contact laws by disc, `weights` MuJoCo's inverse weights by body [1/kg].
@@ -377,7 +377,7 @@ def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
 
 
 def _add_round_parts(spec: Any, reducer: Reducer) -> None:
-    """Add pins, or the arcs of an internal gear's lobes (the same circles), cams and output pins as capsules."""
+    """Add cams, output pins, and ring pins or the arcs of an internal gear's lobes, as capsules."""
     design, collision = reducer.design, spec.find_default(COLLISION)
     kinds = [(design.tooth_pair, TEETH | SOCKETS, 0)]
     if not isinstance(reducer, RvReducer):

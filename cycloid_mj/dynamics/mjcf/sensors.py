@@ -55,7 +55,8 @@ def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:
 def _sensors(reducer: Reducer) -> Iterator[_Sensor]:
     """Yield the sensors of all bodies that move: positions and speeds of joints, torques of actuators.
 
-    The driven shaft may also move sideways. A crank of an RV reducer only turns; its angle is relative to the carrier.
+    The driven shaft, if it is a floating sun, also has sensors along x and y. A crank of an RV reducer only rotates;
+    its angle is relative to the carrier.
     """
     for body in reducer.mechanism.bodies:
         if reducer.INPUT_JOINT in body.joints:
