@@ -92,7 +92,7 @@ def local_distance(
         curvature = curvature_term / speed2
         radius_ratio = 1.0 + curvature * offset
         tangent_rate = math.sqrt(ax * ax + ay * ay)
-        # Distance from the tangent: curvature_term * increment^2 / 2, within pitch_distance * teeth^2 * increment^3 / 6.
+        # Sag below the tangent: curvature_term * increment^2 / 2, within pitch_distance * teeth^2 * increment^3 / 6.
         max_sag = (abs(curvature_term) + pitch_distance * teeth * abs(teeth * increment)) * increment * increment
         if (
             offset - max_sag > max_distance
